@@ -27,9 +27,10 @@ import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
+from hmdwarp.metrics import QUALITY
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 
-FIGURES = ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker", "mismatch")
+FIGURES = (*QUALITY, "mismatch")
 SMALL = shlex.split("--scene room --fill interpolate --size 480x600 --start 2 --seconds 6 --metrics-every 12")
 QUIET = ("--against", "", "--quiet", "--out")  # followed by the folder
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
@@ -170,9 +171,8 @@ def effects_picture(folder: Path) -> None:
 def effects(folder: Path) -> None:
     """Measure each effect's scene with and without its pass."""
     from hmdwarp.scenes import scenes
-    from hmdwarp.scenes.effects import effect_names
 
-    calling = [(source.name, effect_names(source.effects)) for source in scenes if source.effects]
+    calling = [(source.name, list(source.effects)) for source in scenes if source.effects]
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 
@@ -228,7 +228,7 @@ def hard_cases(_: Path) -> None:
 
 def controls(_: Path) -> None:
     """Write the keys of a live run, from the list that the window and the panel use."""
-    from hmdwarp.display.controls import CONTROLS, MOVING
+    from hmdwarp.display import CONTROLS, MOVING
 
     rows = [(keys, what) for keys, what in MOVING]
     rows += [(f"{one.key} {one.back}".strip(), one.what) for one in CONTROLS]

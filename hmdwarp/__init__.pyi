@@ -9,8 +9,8 @@ from .geometry import WarpMap as WarpMap
 from .geometry import inverse_depth_from_clip as inverse_depth_from_clip
 from .image.warping import WarpedImage as WarpedImage
 from .image.warping import warp_image as warp_image
-from .pipeline.options import RunOptions as RunOptions
 from .poses import PoseTrack as PoseTrack
 from .poses import load_trace as load_trace
-from .run.replay import replay as replay
+from .run import RunOptions as RunOptions
+from .run import replay as replay
 from .version import __version__ as __version__

@@ -1,6 +1,7 @@
-"""Between linear light, which everything inside uses, and sRGB, which files, windows and swapchains use.
+"""Convert between linear light, used inside, and sRGB, used by files, windows and swapchains.
 
-Source: IEC 61966-2-1:1999, with the constants of its amendment 1 (the rounded 0.0031308 and 0.04045).
+Source: IEC 61966-2-1:1999, with the constants of its amendment 1 (the rounded 0.0031308 and
+0.04045).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def srgb_from_linear(linear: ArrayLike) -> NDArray[np.floating]:
-    """Linear light to sRGB-encoded values, both 0..1; what lies outside is clipped, NaN becomes 0 (black).
+    """Return the sRGB encoding of linear light, both 0..1; clip the rest, turn NaN into 0 (black).
 
     Any shape; float32 in gives float32, everything else float64.
     """
@@ -26,9 +27,10 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.floating]:
 
 
 def linear_from_srgb(srgb: ArrayLike) -> NDArray[np.floating]:
-    """sRGB-encoded values to linear light 0..1: uint8 0..255 gives float32, floats 0..1 keep float32 or become float64.
+    """Return the linear light, 0..1, of sRGB-encoded values.
 
-    Floats outside 0..1 are clipped, NaN becomes 0.
+    uint8 0..255 gives float32, floats 0..1 keep float32 or become float64. Floats outside 0..1 are
+    clipped, NaN becomes 0.
     """
     values = np.asarray(srgb)
     if values.dtype == np.uint8:
@@ -40,10 +42,10 @@ def linear_from_srgb(srgb: ArrayLike) -> NDArray[np.floating]:
 
 
 def srgb8_from_linear(linear: ArrayLike) -> NDArray[np.uint8]:
-    """Linear light 0..1 to sRGB bytes, rounded to the nearest; clipped, NaN becomes 0.
+    """Return linear light 0..1 as sRGB bytes, rounded to the nearest; clipped, NaN becomes 0.
 
-    float16, which is what rgba16f textures download as, goes through a table of all 65536 values: the same bytes as the
-    formula, 20 times sooner.
+    float16, which rgba16f textures download as, goes through a table of all 65536 values: the same
+    bytes as the formula, 20 times faster.
     """
     values = np.asarray(linear)
     if values.dtype == np.float16:
@@ -52,7 +54,10 @@ def srgb8_from_linear(linear: ArrayLike) -> NDArray[np.uint8]:
 
 
 def picture_from_linear(rgba: ArrayLike) -> NDArray[np.uint8]:
-    """A linear (h, w, 4) image with coverage in alpha to an (h, w, 3) sRGB picture in which holes (alpha 0) are black."""
+    """Return the (h, w, 3) sRGB picture of a linear (h, w, 4) image with coverage in alpha.
+
+    Holes (alpha 0) become black.
+    """
     image = np.asarray(rgba)
     picture = srgb8_from_linear(image[..., :3])
     picture[image[..., 3] == 0] = 0

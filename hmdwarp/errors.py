@@ -1,17 +1,20 @@
-"""Every error this program raises on purpose, and the exit status each one ends the command line with.
+"""Every error that this program raises on purpose, with its exit status.
 
-A message says what was found, what was wanted and what to do, in one line.
+A message says in one line what was found, what was expected and what to do.
 """
 
 
 class HmdwarpError(Exception):
-    """A fault of ours (exit status 1); the two classes below are faults of the input and of the machine."""
+    """An internal error (exit status 1).
+
+    The two classes below are errors of the input and of the machine.
+    """
 
     exit_status = 1
 
 
 class InputError(HmdwarpError):
-    """What the user gave cannot be used: a file, an option, a value (exit status 2)."""
+    """The user's input cannot be used: a file, an option, a value (exit status 2)."""
 
     exit_status = 2
 
@@ -23,7 +26,7 @@ class MachineError(HmdwarpError):
 
 
 class UnknownNameError(InputError):
-    """A name that is in no registry; the message offers the nearest known one."""
+    """A name that no registry holds; the message offers the nearest known one."""
 
 
 class TraceError(InputError):
@@ -35,8 +38,8 @@ class SceneError(InputError):
 
 
 class PlanError(InputError):
-    """A combination of passes that cannot run, because one reads what none before it writes."""
+    """A combination of passes that cannot run, because one reads what no earlier one writes."""
 
 
 class ShaderError(HmdwarpError):
-    """A shader that does not compile or link, or a uniform set by a name it does not have."""
+    """A shader that does not compile or link, or a uniform set by a name that it lacks."""

@@ -1,7 +1,7 @@
-"""Registries: names to things, one file per entry, found by its file name and imported on first use.
+"""Registries: names to things, one file per entry, imported on first use.
 
 The command line, the contract tests, the bench and the README table read the same registries, so a
-new warp, fill, scene, lens or trace format is one new file.
+new warp, fill, scene, lens or trace format is one new file, found by its name.
 
 Every entry registers itself the same way, as a class or as an object with a `name`:
 

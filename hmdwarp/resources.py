@@ -1,4 +1,4 @@
-"""Where the files that are not Python lie: beside the package in a checkout, inside it in an installed wheel."""
+"""Locate non-Python files: beside the package in a checkout, inside it in an installed wheel."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ _PACKAGE = Path(__file__).resolve().parent
 
 
 def folder(name: str) -> Path:
-    """The folder `name` (shaders, recordings) of this installation. Errors: FileNotFoundError if it was not shipped."""
+    """Return the folder `name` (shaders, recordings) of this installation.
+
+    Errors: FileNotFoundError if it was not shipped.
+    """
     for place in (_PACKAGE / "_data" / name, _PACKAGE.parent / name):
         if place.is_dir():
             return place
@@ -16,5 +19,5 @@ def folder(name: str) -> Path:
 
 
 def recording_names() -> list[str]:
-    """Names of the shipped head traces, without the ending."""
+    """Return the names of the shipped head traces, without the ending."""
     return sorted(p.stem for p in folder("recordings").glob("*.csv"))

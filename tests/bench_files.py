@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from hmdwarp.metrics import QUALITY
+
 PAIRS = (("none", "none"), ("rotation", "none"), ("forward", "interpolate"))
 # So far above what any of them takes at 96x80 that another program on this machine cannot make a
 # difference.
@@ -14,9 +16,7 @@ AMPLE_MS = 1e4
 def a_row(warp: str, fill: str, total_ms: float | None, flip: float, **changes) -> dict:
     """A row of bench.json for runs of replays.small()."""
     time_ms = {stage: {"median": 0.0, "p95": 0.0} for stage in ("warp", "fill", "effects", "lens")}
-    quality = {
-        name: {"mean": 0.0, "p95": 0.0} for name in ("psnr_db", "ssim", "flip", "hole_share", "border_share", "flicker")
-    }
+    quality = {name: {"mean": 0.0, "p95": 0.0} for name in QUALITY}
     row = {
         "schema": 1,
         "hmdwarp": "0",

@@ -8,7 +8,7 @@ from hmdwarp.server import Server
 
 
 class ClientScene(hmdwarp.pipeline.client_scene.ClientScene):
-    """What a run's rig hands to fills that draw for themselves."""
+    """What a replay hands to fills that draw for themselves."""
 
     def __init__(self, gpu, scene: str = "planes", cache=None) -> None:
         super().__init__(Server(gpu, load_scene(scene)), cache)

@@ -16,7 +16,7 @@ from replays import small
 
 from hmdwarp.frames import frame_bytes
 from hmdwarp.gpu.shaders import ShaderLibrary
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import set_up_replay
 
 ALLOCATIONS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "vertex_array")
 WORK = ((moderngl.ComputeShader, "run"), (moderngl.ComputeShader, "run_indirect"), (moderngl.VertexArray, "render"))
@@ -62,18 +62,18 @@ def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
             patch.setattr(moderngl.Context, kind, _counted(getattr(moderngl.Context, kind), made, kind, textures))
         for owner, name in WORK:
             patch.setattr(owner, name, _counted(getattr(owner, name), work, f"{owner.__name__}.{name}", None))
-        with build_rig(asked) as rig:
+        with set_up_replay(asked) as setup:
             shown = 0
-            for instant_ns, is_shown in rig.timetable.instants():
+            for number, instant_ns in setup.schedule.numbered():
                 work.clear()
-                rig.loop.draw(instant_ns)
-                shown += is_shown and rig.loop.show(instant_ns) is not None
+                setup.loop.draw(instant_ns)
+                shown += number >= 0 and setup.loop.show(instant_ns) is not None
                 if shown == refreshes:
                     break
             assert shown == refreshes
-            layers = frame_bytes(rig.plan.needs, rig.pipeline.sizes, rig.plan.layers)
+            layers = frame_bytes(setup.plan.needs, setup.pipeline.sizes, setup.plan.layers)
             return Costs(
-                frozenset(shaders), dict(made), dict(work), layers, rig.channel.transit.size_bytes, dict(textures)
+                frozenset(shaders), dict(made), dict(work), layers, setup.channel.transit.size_bytes, dict(textures)
             )
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 from client_scene import ClientScene
-from reference.picture import LatePicture
+from reference.picture import RenderedPicture
 from worlds import World, read
 
 from hmdwarp.client import CLIENT_MODEL, ShownPicture, parse_fills
@@ -37,7 +37,7 @@ class Holed:
     def _wide(self, gpu) -> EyeImage:
         """Another picture of the same eye, wider and of any size."""
         (colour, depth), view = self.world._picture(), wide_view(self.world.rendered_view)
-        self.wide = LatePicture(colour, depth, view)
+        self.wide = RenderedPicture(colour, depth, view)
         return EyeImage(view, *self.world._textures(gpu, colour, depth))
 
     def empty(self, holes: np.ndarray) -> None:

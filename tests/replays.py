@@ -16,11 +16,9 @@ from numpy.typing import NDArray
 from hmdwarp.gpu.context import Gpu
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.loop import Refresh
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
-from hmdwarp.run.replay import ReplayResult, replay
-from hmdwarp.run.rig import Rig, build_rig
+from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
 
 SMALL = {
     "trace": "look-around",
@@ -50,11 +48,11 @@ def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object
     it says nothing. gpu: a context that many runs share, instead of one of its own.
     """
     with ExitStack() as stack:
-        stack.enter_context(patch("hmdwarp.run.rig.load_trace", _load))
+        stack.enter_context(patch("hmdwarp.run.replay_setup.load_trace", _load))
         if not page:
-            stack.enter_context(patch("hmdwarp.run.outcome.render_report", lambda *_, **__: "no page"))
+            stack.enter_context(patch("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
-            stack.enter_context(patch("hmdwarp.run.rig.Gpu", lambda: nullcontext(gpu)))
+            stack.enter_context(patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)))
         return replay(small(out, **options))
 
 
@@ -77,20 +75,18 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def each_refresh(options: RunOptions, look: Callable[[Rig, int, Refresh], None]) -> None:
+def each_refresh(options: RunOptions, look: Callable[[ReplaySetup, int, Refresh], None]) -> None:
     """The loop alone, without measuring and files.
 
-    look(rig, number, refresh) at every shown refresh.
+    look(setup, number, refresh) at every shown refresh.
     """
-    with patch("hmdwarp.run.rig.load_trace", _load), build_rig(options) as rig:
-        number = 0
-        for instant_ns, shown in rig.timetable.instants():
-            rig.loop.draw(instant_ns)
-            if shown:
-                refresh = rig.loop.show(instant_ns)
+    with patch("hmdwarp.run.replay_setup.load_trace", _load), set_up_replay(options) as setup:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            if number >= 0:
+                refresh = setup.loop.show(instant_ns)
                 assert refresh is not None
-                look(rig, number, refresh)
-                number += 1
+                look(setup, number, refresh)
 
 
 @attrs.frozen(eq=False)
@@ -109,14 +105,14 @@ def seen(options: RunOptions, every: int = 1) -> list[Seen]:
     """Both eyes of every n-th refresh in linear light."""
     found: list[Seen] = []
 
-    def look(rig: Rig, number: int, refresh: Refresh) -> None:
+    def look(setup: ReplaySetup, number: int, refresh: Refresh) -> None:
         if number % every:
             return
         for result in refresh.eyes:
-            truth = rig.server.draw(result.view, rig.size)
+            truth = setup.server.draw(result.view, setup.size)
             textures = (result.shown.texture, truth.colour, result.warped.texture)
             shown, right, warped = (download(texture).astype(np.float32) for texture in textures)
-            rig.server.pool(rig.size).release(truth.colour)
+            setup.server.pool(setup.size).release(truth.colour)
             found.append(Seen(shown, right, warped[..., 3]))
 
     each_refresh(options, look)

@@ -15,10 +15,10 @@ from hmdwarp.client.effects import effects
 from hmdwarp.frames import Needs
 from hmdwarp.resources import folder
 from hmdwarp.scenes import scenes
-from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, effect_names
 
 SCENES = scenes.names()
 PLAIN = [name for name in SCENES if not scenes.get(name).effects]
+LONG_NAMES = {name for name in effects.names() if "_" in name}  # a layer is called "overlay" too
 CALLING = [name for name in SCENES if scenes.get(name).effects]
 # All that a plain scene may compile for warp `forward` and fill `interpolate`.
 BASE_SHADERS = {
@@ -68,8 +68,8 @@ def test_each_effect_is_paid_by_those_who_call_for_it(scene):
     """
     everything = costs_of(scene=scene)
     declared = scenes.get(scene).effects
-    assert costs_of(scene=scene, effects=",".join(effect_names(declared))) == everything
-    for name in effect_names(declared):
+    assert costs_of(scene=scene, effects=",".join(declared)) == everything
+    for name in declared:
         fewer = costs_of(scene=scene, effects=f"no-{name}")
         assert fewer.sent <= everything.sent
         assert fewer != everything, f"{name} costs nothing at all"
@@ -84,50 +84,29 @@ def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
         assert forced.sent > plain.sent
 
 
-def test_every_effect_has_one_flag_and_every_flag_one_effect():
-    assert {effect.flag for effect in effects} == set(EVERY_EFFECT)
+def test_every_effect_says_what_it_does():
+    assert len({effect.order for effect in effects}) == len(effects.names())
     for effect in effects:
         assert effect.summary and effect.without and effect.source
         assert effect.refines == "" or effect.refines in effects.names()
 
 
 def test_every_effect_has_a_scene_that_calls_for_it():
-    called_for = SceneEffect.NONE
-    for name in SCENES:
-        called_for |= scenes.get(name).effects
-    assert called_for == EVERY_EFFECT
+    assert {effect for name in SCENES for effect in scenes.get(name).effects} == set(effects.names())
 
 
-def test_one_line_of_the_program_tests_an_effect_flag():
-    """Whoever looks at flags elsewhere has a second opinion of what is to be done.
-
-    Only the plan has one.
-    """
+def test_an_effect_is_named_only_where_it_is_declared_and_compensated():
+    """A test for a name elsewhere would be a second opinion of what is to be done."""
     root = folder("shaders").parent / "hmdwarp"
+    own = ("client/effects/", "client/effect_passes/", "scenes/library/")
     found = [
         f"{path.relative_to(root)}:{node.lineno}"
         for path in sorted(root.rglob("*.py"))
-        if "_data" not in path.parts
+        if "_data" not in path.parts and not path.relative_to(root).as_posix().startswith(own)
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if _tests_a_flag(node)
+        if isinstance(node, ast.Constant) and node.value in LONG_NAMES
     ]
-    assert len(found) == 1 and found[0].startswith("client/plan.py"), found
-
-
-def _tests_a_flag(node: ast.AST) -> bool:
-    """`a & b` or `a in b` where either side speaks of flags or of a named SceneEffect.
-
-    Masks that are assigned are no tests.
-    """
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitAnd):
-        sides = [node.left, node.right]
-    elif isinstance(node, ast.Compare) and any(
-        isinstance(op, ast.In | ast.NotIn | ast.Eq | ast.NotEq) for op in node.ops
-    ):
-        sides = [node.left, *node.comparators]
-    else:
-        return False
-    return any(ast.unparse(side).endswith(".flag") or ast.unparse(side).startswith("SceneEffect.") for side in sides)
+    assert not found, found
 
 
 def _passes(costs: Costs) -> int:

@@ -1,4 +1,4 @@
-"""Random late pictures and everything a warp may read, on the GPU and for the float64 twins."""
+"""Random rendered pictures and everything a warp may read, on the GPU and for the float64 twins."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typing
 import attrs
 import numpy as np
 import reference
-from reference.picture import GPU_SAMPLER_PIXELS, Asked, LatePicture
+from reference.picture import GPU_SAMPLER_PIXELS, RenderedPicture, TwinInputs
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_warp, parse_warp
@@ -28,7 +28,7 @@ def twin_of(name: str):
         for module in modules
         if name in vars(module) and vars(module)[name].__module__ == module.__name__
     }
-    assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in hmdwarp/reference, found {len(twins)}"
+    assert len(twins) == 1, f"warp '{name}' needs one function '{name}' in tests/reference, found {len(twins)}"
     return next(iter(twins.values()))
 
 
@@ -51,15 +51,15 @@ def read(texture) -> np.ndarray:
 
 
 class World:
-    """A late picture of a few planes with holes, and a shown view a plausible head motion away."""
+    """A rendered picture of a few planes with holes, and a view a plausible head motion away."""
 
     def __init__(
         self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True
     ) -> None:
         self.rng = rng = np.random.default_rng(seed)
         self.size, self.shown_size = size, shown_size or size
-        self.layers: tuple[LatePicture, ...] = ()
-        self.others: tuple[LatePicture, ...] = ()
+        self.layers: tuple[RenderedPicture, ...] = ()
+        self.others: tuple[RenderedPicture, ...] = ()
         self.other_images: tuple[EyeImage, ...] = ()
         self.cube: np.ndarray | None = None
         fov = Fov(*np.deg2rad([-rng.uniform(30, 55), rng.uniform(30, 55), -rng.uniform(30, 55), rng.uniform(30, 55)]))
@@ -100,7 +100,7 @@ class World:
     def _client_depth(self) -> np.ndarray:
         """Any depth will do for the contract.
 
-        The late depth itself, resized, so that many pixels agree and many do not.
+        The rendered depth itself, resized, so that many pixels agree and many do not.
         """
         (wide, high), (w, h) = self.size, self.shown_size
         return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
@@ -121,7 +121,7 @@ class World:
         return texture
 
     def _picture(self) -> tuple[np.ndarray, np.ndarray]:
-        """Another random picture of this world's late size."""
+        """Another random picture of this world's rendered size."""
         before = self.colour, self.inverse_depth
         self._draw()
         drawn = self.colour, self.inverse_depth
@@ -141,15 +141,13 @@ class World:
             uploaded = tuple(Surface(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
             self.rendered = self.rendered.having(peeled=uploaded)
         if "rendered.others" in entry.reads:
-            self.others = self.others or tuple(LatePicture(*self._picture(), self._beside()) for _ in range(2))
+            self.others = self.others or tuple(RenderedPicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(
                 EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others
             )
 
     def bring_cube(self, gpu) -> None:
-        """Random colours all around the late eye, faces as wide inside as the late picture's longer
-        side.
-        """
+        """Random colours around the rendered eye, faces as wide as the picture's longer side."""
         if self.cube is None:
             side = max(self.size) + 2
             colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))
@@ -171,7 +169,7 @@ class World:
         x, y = face.column * side, face.row * side
         return self.cube[y + edge : y + side - edge, x + edge : x + side - edge]
 
-    def _behind(self, number: int) -> LatePicture:
+    def _behind(self, number: int) -> RenderedPicture:
         """A layer.
 
         Farther than the visible surface by a factor, missing where a peel would find nothing more.
@@ -180,10 +178,10 @@ class World:
         missing = (self.inverse_depth <= 0) | (self.rng.uniform(size=self.inverse_depth.shape) < 0.3)
         depth = np.where(missing, -1, self.inverse_depth * 0.6**number).astype(np.float32).astype(np.float64)
         colour[..., 3] = 1
-        return LatePicture(colour * ~missing[..., None], depth, self.rendered_view)
+        return RenderedPicture(colour * ~missing[..., None], depth, self.rendered_view)
 
     def _beside(self) -> View:
-        """The late view from a few centimetres beside."""
+        """The rendered view from a few centimetres beside."""
         pose = self.rendered_view.pose
         return View(
             Pose(pose.position_m + self.rng.normal(scale=0.03, size=3), pose.orientation_xyzw), self.rendered_view.fov
@@ -208,8 +206,8 @@ class World:
         canvas.release()
         return out
 
-    def asked(self, settings: object) -> Asked:
-        return Asked(
+    def asked(self, settings: object) -> TwinInputs:
+        return TwinInputs(
             self.colour,
             self.inverse_depth,
             self.rendered_view,

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 
 class AdaptiveCompensator:
-    """Has a compensator for each rung of the governor's ladder and runs the governor's; stands where a Compensator stands.
+    """A compensator for each quality level, of which the governor's runs; stands where a Compensator stands.
 
-    Frames carry what any of the rungs needs. All are compiled and allocated at the start, so that a change costs nothing at the
-    refresh it happens. took() tells the governor what a refresh took, after both eyes: they change together. `changes` lists
-    what happened.
+    Frames carry what any of the levels needs. All are compiled and allocated at the start, so that a
+    change costs nothing at the refresh it happens. Both eyes change together. `changes` lists what
+    happened.
     """
 
     def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
@@ -39,13 +39,13 @@ class AdaptiveCompensator:
         return self._running.plan
 
     @property
-    def ladder(self) -> tuple[QualityLevel, ...]:
+    def levels(self) -> tuple[QualityLevel, ...]:
         """What it chooses from, from cheapest to most accurate."""
-        return self._governor.ladder
+        return self._governor.levels
 
     @property
     def budget_ms(self) -> float:
-        """What a refresh may take for one eye."""
+        """Time of a refresh for one eye."""
         return self._governor.budget_ms
 
     @property
@@ -53,16 +53,16 @@ class AdaptiveCompensator:
         return self._compensators[self._governor.level]
 
     def run(self, inputs: PassInputs) -> EyeResult:
-        """As Compensator.run, by the present rung, which gets what it would get alone."""
+        """Run the present level, which gets what it would get alone; see Compensator.run."""
         return self._running.run(attrs.evolve(inputs, rendered=inputs.rendered.only(self.plan.needs)))
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
-        """What the passes of each eye took at the refresh that was just made; the slower eye counts."""
+        """Hand the times of each eye's passes at the last refresh to the governor; the slower eye counts."""
         change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
         if change is not None:
             self.changes.append(change)
 
     def close(self) -> None:
-        """Free every texture and buffer of all rungs."""
+        """Free every texture and buffer of all levels."""
         for compensator in self._compensators.values():
             compensator.close()

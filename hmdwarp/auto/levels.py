@@ -1,4 +1,4 @@
-"""Which warp and fill to take for a time: the ladder of those that are worth their time, from the rows of a benchmark."""
+"""Quality levels: the combinations of warp and fill that are worth their time, from the rows of a benchmark."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR 
 
 @attrs.frozen
 class QualityLevel:
-    """One combination that is worth its time: nothing that is as cheap is more accurate.
+    """One combination that is worth its time: nothing that is as cheap is more accurate."""
 
-    warp: a registered name with its settings, as --warp takes it. total_ms: per eye. error: mean FLIP, 0 is perfect.
-    """
-
+    # A registered name with its settings, as --warp takes it.
     warp: str
     fill: str
+    # Per eye.
     total_ms: float
+    # Mean FLIP; 0 is perfect.
     error: float
     psnr_db: float | None = None
 
@@ -33,15 +33,16 @@ class QualityLevel:
         return self.warp if self.fill == "none" else f"{self.warp} + {self.fill}"
 
     def scaled(self, factor: float) -> QualityLevel:
-        """The same on a machine, or at a size, that takes `factor` times as long."""
+        """Return the level on a machine, or at a size, that takes `factor` times as long."""
         return attrs.evolve(self, total_ms=self.total_ms * factor)
 
 
-def ladder(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
-    """The Pareto front of error against time, from the cheapest to the most accurate; each rung is dearer and better than the last.
+def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
+    """Return the Pareto front of error against time, from the cheapest level to the most accurate.
 
-    rows: as in bench.json. Figures are means over the cases (trace, scene, latency, ..) that every combination was measured in;
-    of several sizes the largest counts, where time is scarcest. A row without a time or a FLIP is no measurement.
+    Each is slower and better than the last. rows: as in bench.json. Figures are means over the cases
+    (trace, scene, latency, ..) that every combination was measured in; of several sizes the largest
+    counts, where time is scarcest. A row without a time or a FLIP is no measurement.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
     combined, shared = _compared(rows)
@@ -49,7 +50,10 @@ def ladder(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
 
 
 def _compared(rows: Iterable[Row]) -> tuple[dict[tuple[str, str], dict[tuple, list[Figures]]], set[tuple]]:
-    """(figures of each warp and fill by case, the cases that all of them were measured in). Errors: as ladder."""
+    """Return figures of each warp and fill by case, and the cases that all were measured in.
+
+    Errors: as levels_from.
+    """
     measured = _largest(_measured(rows))
     combined: dict[tuple[str, str], dict[tuple, list[Figures]]] = {}
     for row, figures in measured:
@@ -64,29 +68,33 @@ def _compared(rows: Iterable[Row]) -> tuple[dict[tuple[str, str], dict[tuple, li
 
 
 def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
-    """The `choice` entry of bench.json: the most accurate combination within `budget_ms` per eye, and the next step up, if any.
+    """Return the `choice` entry of bench.json: the most accurate combination within the budget, and the next level.
 
-    sizes, cases: at which size (several only if they have as many pixels), and over how many cases, its figures are means.
-    Errors: as ladder; InputError for a budget that is no positive time, or in which nothing fits.
+    budget_ms: per eye. sizes, cases: at which size (several only if they have as many pixels), and
+    over how many cases, its figures are means.
+    Errors: as levels_from; InputError for a budget that is no positive time, or in which nothing fits.
     """
     rows = list(rows)
-    levels, (_, shared) = ladder(rows), _compared(rows)
+    levels, (_, shared) = levels_from(rows), _compared(rows)
     at = best_within(levels, budget_ms)
-    following = _told(levels[at + 1]) if at + 1 < len(levels) else None
+    following = _entry(levels[at + 1]) if at + 1 < len(levels) else None
     terms = {"sizes": sorted({case[_CASE.index("size")] for case in shared}), "cases": len(shared)}
     return {
         "budget_ms": float(budget_ms),
-        **_told(levels[at]),
+        **_entry(levels[at]),
         "settings": settings_of(levels[at].warp),
         **terms,
         "next": following,
     }
 
 
-def best_within(levels: tuple[QualityLevel, ...], budget_ms: float) -> int:
-    """Which of the rungs is the most accurate within the budget. Errors: InputError with the cheapest time if none is."""
-    if not (math.isfinite(budget_ms) and budget_ms > 0):
-        raise InputError(f"budget {budget_ms:g} ms: wanted a time above 0 ms for one eye")
+def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None) -> int:
+    """Return the number of the most accurate level within the budget.
+
+    Errors: InputError with the cheapest time if none is.
+    """
+    if budget_ms is None or not (math.isfinite(budget_ms) and budget_ms > 0):
+        raise InputError(f"budget {budget_ms or 0:g} ms: wanted a time above 0 ms for one eye")
     fitting = [number for number, level in enumerate(levels) if level.total_ms <= budget_ms]
     if not fitting:
         cheapest = levels[0]
@@ -98,12 +106,12 @@ def best_within(levels: tuple[QualityLevel, ...], budget_ms: float) -> int:
 
 
 def settings_of(warp: str) -> dict[str, str]:
-    """The settings in a warp's spec: 'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}."""
+    """Return the settings in a warp's spec: 'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}."""
     _, _, settings = warp.partition(":")
     return dict(part.split("=", 1) for part in settings.split(",") if "=" in part)
 
 
-def _told(level: QualityLevel) -> dict[str, Any]:
+def _entry(level: QualityLevel) -> dict[str, Any]:
     return {
         "warp": level.warp,
         "fill": level.fill,

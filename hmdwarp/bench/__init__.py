@@ -1,6 +1,8 @@
-"""What accuracy costs in time: every method on the same late frames, error against time."""
+"""The benchmark: error against time of every method on the same late frames.
 
-from .options import BenchOptions
-from .run import BenchResult, bench
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = ["BenchOptions", "BenchResult", "bench"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

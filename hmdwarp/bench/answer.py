@@ -1,4 +1,4 @@
-"""The answer to `--budget`, in sentences a person can act on."""
+"""The answer to `--budget`, in sentences to act on."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from ..report.bench import choice_terms
 
 
 def answer(choice: Mapping[str, Any]) -> list[str]:
-    """What to run, how accurate it is and how long it takes; then what the next step up would give and cost. One sentence each.
+    """Return the best combination within the budget, then the gain and cost of the next step up.
 
     choice: as in bench.json.
     """
     name, step, where = _name(choice), choice["next"], f" ({choice_terms(choice)})"
-    first = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {name}: {_accuracy(choice)}, {choice['total_ms']:.2f} ms{where}."
+    best = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {name}"
+    first = f"{best}: {_accuracy(choice)}, {choice['total_ms']:.2f} ms{where}."
     use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
     if step is None:
         return [first, use, "Nothing that was measured is more accurate, however long it takes."]
-    dearer = step["total_ms"] - choice["total_ms"]
+    extra_ms = step["total_ms"] - choice["total_ms"]
     following = f"The next step up is {_name(step)}: {_accuracy(step)}, {step['total_ms']:.2f} ms"
-    return [first, use, f"{following}; {_gain(choice, step)} for {dearer:.2f} ms more."]
+    return [first, use, f"{following}; {_gain(choice, step)} for {extra_ms:.2f} ms more."]
 
 
 def _name(entry: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""One resample from the late picture to the panel against two: sharpness and time, for every warp that can be fused with the lens."""
+"""Fused warps: one resample from late picture to panel against two, in sharpness and time."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..client.plan import build_plan, needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
 from ..metrics import Compared, QualityJob, QualityPool, sharpness
-from ..run.log import stage_columns
-from ..run.rig import Rig
+from ..run.combinations import instants_of
+from ..run.comparison import refreshes
+from ..run.replay_setup import ReplaySetup
+from ..run.rows import stage_columns
 from ..server.targets import Target, TargetPool
-from .cases import instants_of
-from .casework import refreshes
 
 INSTANTS = 3
 SUPERSAMPLING = 3
@@ -29,7 +29,7 @@ EYE = 0
 
 @attrs.frozen(eq=False)
 class _Pair:
-    """A warp both ways."""
+    """A warp in both forms, with its times and sharpness."""
 
     warp: str
     compensators: dict[str, Compensator]
@@ -37,41 +37,43 @@ class _Pair:
     sharpness: dict[str, list[float]] = attrs.field(factory=lambda: {form: [] for form in FORMS})
 
 
-def pairs_of(rig: Rig, warps: list[str], lens: str) -> list[_Pair]:
-    """Those of the warps that can be fused."""
-    found = []
+def pairs_of(setup: ReplaySetup, warps: list[str], lens: str) -> list[_Pair]:
+    """Return the warps that can be fused with the lens."""
+    pairs = []
     for warp in warps:
-        plan = build_plan(rig.plan.effects, warp, "none", lens, client_geometry=True)
+        plan = build_plan(setup.plan.effects, warp, "none", lens, client_geometry=True)
         if plan.warp.fuses:
-            fused = build_plan(rig.plan.effects, warp, "none", lens, client_geometry=True, fused=True)
-            found.append(_Pair(warp, {"fused": rig.compensator(fused), "separate": rig.compensator(plan)}))
-    return found
+            fused = build_plan(setup.plan.effects, warp, "none", lens, client_geometry=True, fused=True)
+            pairs.append(_Pair(warp, {"fused": setup.compensator(fused), "separate": setup.compensator(plan)}))
+    return pairs
 
 
 class PanelTruth:
-    """What the panel should show: the scene without latency, drawn and sent through the lens at several times the resolution, averaged
-    in linear light. Call with what the passes are given."""
+    """The truth on the panel: the scene without latency, through the lens.
 
-    def __init__(self, rig: Rig, lens: str) -> None:
-        self._rig = rig
-        wide, high = rig.size
-        most = rig.gpu.max_texture_size // max(wide, high)
+    It is drawn at several times the resolution and averaged in linear light.
+    """
+
+    def __init__(self, setup: ReplaySetup, lens: str) -> None:
+        self._setup = setup
+        wide, high = setup.size
+        most = setup.gpu.max_texture_size // max(wide, high)
         self._times = max(1, min(SUPERSAMPLING, most))
         self._size = (self._times * wide, self._times * high)
-        self._targets = TargetPool(rig.gpu, self._size)
+        self._targets = TargetPool(setup.gpu, self._size)
         # A canvas is sampled bilinearly, as the lens expects; a target of the server is not.
-        self._shown, self._panel = Canvas(rig.gpu.gl, self._size), Canvas(rig.gpu.gl, self._size)
+        self._shown, self._panel = Canvas(setup.gpu.gl, self._size), Canvas(setup.gpu.gl, self._size)
         self._target = Target(self._shown.texture, self._targets.acquire().inverse_depth)
-        plan = build_plan(rig.plan.effects, "none", "none", lens, client_geometry=True)
-        self._lens = plan.lens(rig.gpu, rig.headset, self._size)
+        plan = build_plan(setup.plan.effects, "none", "none", lens, client_geometry=True)
+        self._lens = plan.lens(setup.gpu, setup.headset, self._size)
 
     def __call__(self, inputs: PassInputs) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
-        """sRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
-        self._rig.server.draw(inputs.shown, self._size, self._target, inputs.shown_ns)
+        """Return the sRGB picture (h, w, 3) and the lit pixels (h, w), top row first."""
+        self._setup.server.draw(inputs.shown, self._size, self._target, inputs.shown_ns)
         self._lens.run(self._shown, inputs.shown.fov, inputs.eye, self._panel)
-        self._rig.gpu.gl.memory_barrier()
+        self._setup.gpu.gl.memory_barrier()
         large = download(self._panel.texture).astype(np.float32)
-        wide, high = self._rig.size
+        wide, high = self._setup.size
         mean = large.reshape(high, self._times, wide, self._times, 4).mean(axis=(1, 3))
         return picture_from_linear(mean), mean[..., 3] == 1
 
@@ -83,22 +85,30 @@ class PanelTruth:
 
 
 def fused_rows(
-    rig: Rig, warps: list[str], lens: str, pool: QualityPool, instants: int, rounds: int, step: Callable[[], None]
+    setup: ReplaySetup,
+    warps: list[str],
+    lens: str,
+    pool: QualityPool,
+    instants: int,
+    rounds: int,
+    step: Callable[[], None],
 ) -> list[dict[str, Any]]:
-    """The `fused` of bench.json: the left eye at up to INSTANTS refreshes of the rig's run, both ways by turns."""
-    pairs = pairs_of(rig, warps, lens)
-    truth_of = PanelTruth(rig, lens)
-    numbers = instants_of(rig.timetable.count, min(INSTANTS, instants))
+    """Return the `fused` of bench.json: the left eye at up to INSTANTS refreshes, both forms."""
+    pairs = pairs_of(setup, warps, lens)
+    truth_of = PanelTruth(setup, lens)
+    numbers = instants_of(setup.schedule.count, min(INSTANTS, instants))
     needs = needs_of(compensator.plan for pair in pairs for compensator in pair.compensators.values())
     try:
-        for number, refresh in refreshes(rig, needs, numbers):
+        for number, refresh in refreshes(setup, needs, numbers):
             pool.wait()
-            inputs = {pair.warp: rig.loop.inputs(refresh, pair.compensators["fused"].plan.needs)[EYE] for pair in pairs}
-            _time(rig, pairs, inputs, rounds)
+            inputs = {
+                pair.warp: setup.loop.inputs(refresh, pair.compensators["fused"].plan.needs)[EYE] for pair in pairs
+            }
+            _time(setup, pairs, inputs, rounds)
             truth, seen = truth_of(refresh.inputs[EYE])
             for pair in pairs:
                 _compare(pair, inputs[pair.warp], number, truth, seen, pool)
-            rig.gpu.timer.collect()
+            setup.gpu.timer.collect()
             step()
         pool.wait()
     finally:
@@ -106,13 +116,13 @@ def fused_rows(
     return [_row(pair, numbers, pool) for pair in pairs]
 
 
-def _time(rig: Rig, pairs: list[_Pair], inputs: dict[str, PassInputs], rounds: int) -> None:
-    rig.gpu.timer.collect()
+def _time(setup: ReplaySetup, pairs: list[_Pair], inputs: dict[str, PassInputs], rounds: int) -> None:
+    setup.gpu.timer.collect()
     for round_ in range(rounds + 1):  # the first to warm up
         for pair in pairs:
             for form in FORMS if round_ % 2 else FORMS[::-1]:
                 pair.compensators[form].run(inputs[pair.warp])
-                total = stage_columns(rig.gpu.timer.collect())["total_ms"]
+                total = stage_columns(setup.gpu.timer.collect())["total_ms"]
                 if round_:
                     pair.times[form].append(total)
 

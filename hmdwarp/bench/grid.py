@@ -1,4 +1,4 @@
-"""Error as a function of motion: one late frame from the scene's viewpoint, and a head that has moved or turned by so much."""
+"""Error against motion: one late frame from the scene's viewpoint, and a head moved since."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
-from ..run.rig import Rig
+from ..run.combinations import Combination
+from ..run.read_back import coverage, shown_picture
+from ..run.replay_setup import ReplaySetup
 from ..scenes import Scene
 from ..server.targets import TargetPool
-from .cases import Combination
 
 METRES, DEGREES = 0.3, 30.0
 STEPS = 3  # to either side
@@ -33,13 +34,16 @@ AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 
 
 def offsets() -> list[tuple[str, float]]:
-    """(axis, metres or degrees) of every displacement but none at all: x right, y up, z backwards; yaw left, pitch up, roll left."""
+    """Return (axis, metres or degrees) of every displacement.
+
+    x is right, y up, z backwards; yaw left, pitch up, roll left.
+    """
     shares = [k / STEPS for k in range(-STEPS, STEPS + 1) if k]
     return [(axis, share * (METRES if axis in "xyz" else DEGREES)) for axis in AXES for share in shares]
 
 
 def displaced(viewpoint: Pose, axis: str, offset: float) -> Pose:
-    """world_from_head after a movement in the head's own frame."""
+    """Return world_from_head after a movement in the head's own frame."""
     if axis in ("x", "y", "z"):
         return viewpoint @ Pose(offset * np.eye(3)["xyz".index(axis)])
     half = math.radians(offset) / 2
@@ -48,63 +52,70 @@ def displaced(viewpoint: Pose, axis: str, offset: float) -> Pose:
 
 
 class Scripted:
-    """A PoseSource: at rest at the viewpoint up to time 0, then one displacement after the other, a nanosecond each."""
+    """A PoseSource: at the viewpoint up to time 0, then each displacement for a nanosecond."""
 
     def __init__(self, scene: Scene, moves: list[tuple[str, float]]) -> None:
         self._poses = [displaced(scene.viewpoint, axis, offset) for axis, offset in moves]
         self._rest = scene.viewpoint
 
     def start(self) -> None:
-        """Nothing to get ready."""
+        """Do nothing."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Errors: HmdwarpError after the last displacement."""
+        """Return the pose. Errors: HmdwarpError after the last displacement."""
         if time_ns > len(self._poses):
-            raise HmdwarpError(f"the script has {len(self._poses)} displacements: wanted none after them")
+            raise HmdwarpError(f"the script has {len(self._poses)} displacements: expected no time after them")
         return PoseSample(time_ns, self._poses[time_ns - 1] if time_ns > 0 else self._rest, Origin.MEASURED)
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing."""
 
 
-def grid_rows(rig: Rig, warps: list[Combination], pool: QualityPool, step: Callable[[], None]) -> list[dict[str, Any]]:
-    """The `grid` of bench.json: every warp (unfilled combinations), left eye, on the server and headset of `rig`.
+def grid_rows(
+    setup: ReplaySetup, warps: list[Combination], pool: QualityPool, step: Callable[[], None]
+) -> list[dict[str, Any]]:
+    """Return the `grid` of bench.json: every warp (unfilled combinations), left eye.
 
-    rig: of the size wanted. The head has been at rest before, so older frames show what the newest one does.
+    setup: has the server, the headset and the size. The head has been at rest before, so older
+    frames equal the newest one.
     """
     moves = [("x", 0.0), *offsets()]
     with ExitStack() as stack:
-        loop = _loop(rig, warps, Scripted(rig.scene, moves), stack)
-        compensators = [rig.compensator(c.plan) for c in warps]
-        targets = TargetPool(rig.gpu, rig.size)
+        loop = _loop(setup, warps, Scripted(setup.scene, moves), stack)
+        compensators = [setup.compensator(c.plan) for c in warps]
+        targets = TargetPool(setup.gpu, setup.size)
         stack.callback(targets.close)
         target = targets.acquire()
         for number in range(len(moves)):
             refresh = loop.show(number + 1)
-            truth = rig.server.draw(refresh.inputs[0].shown, rig.size, target, refresh.shown_ns)
+            assert refresh is not None  # the link has no latency
+            truth = setup.server.draw(refresh.inputs[0].shown, setup.size, target, refresh.shown_ns)
             picture = picture_from_linear(download(truth.colour))
             for combination, compensator in zip(warps, compensators, strict=True):
                 result = compensator.run(loop.inputs(refresh, combination.plan.needs)[0])
-                shown = Compared(picture_from_linear(download(result.shown.texture)), picture, result.view)
-                pool.submit(
-                    (combination.warp, number), QualityJob(shown, covered=download(result.warped.texture)[..., 3])
-                )
-            rig.gpu.timer.collect()
+                shown = Compared(shown_picture(result), picture, result.view)
+                pool.submit((combination.warp, number), QualityJob(shown, covered=coverage(result)))
+            setup.gpu.timer.collect()
             step()
         pool.wait()
     return [_row(c.warp, move, pool.results[c.warp, number]) for c in warps for number, move in _with_rest(moves)]
 
 
-def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
-    """A loop of its own on the rig's server, whose newest frame was drawn at time 0."""
+def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
+    """Return a second loop on the setup's server, whose newest frame was drawn at time 0."""
     needs = needs_of(c.plan for c in warps)
-    history = History(needs.others.past, needs.others.spacing_ns, rig.server.recycle)
+    history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, 0, history.offer, rig.server.recycle)
+    channel = Channel(LinkOptions(), 0, None, 0, history.offer, setup.server.recycle)
     stack.callback(channel.close)
-    main: Compensator = rig.compensator(rig.plan)
+    main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
-        PoseRequest(source, None, rig.size, rig.options.guard, needs), rig.server, channel, history, main, rig.headset
+        PoseRequest(source, None, setup.size, setup.options.guard_factor, needs),
+        setup.server,
+        channel,
+        history,
+        main,
+        setup.headset,
     )
     for back in range(needs.others.past, -1, -1):
         loop.draw(-back * max(1, needs.others.spacing_ns))
@@ -112,7 +123,7 @@ def _loop(rig: Rig, warps: list[Combination], source: Scripted, stack: ExitStack
 
 
 def _with_rest(moves: list[tuple[str, float]]) -> list[tuple[int, tuple[str, float]]]:
-    """(number, move), sorted by axis and offset, the head at rest once for every axis."""
+    """Return (number, move), sorted by axis and offset, the head at rest once for every axis."""
     numbered = [(number, move) for number, move in enumerate(moves) if number]
     numbered += [(0, (axis, 0.0)) for axis in AXES]
     return sorted(numbered, key=lambda entry: (AXES.index(entry[1][0]), entry[1][1]))

@@ -1,4 +1,4 @@
-"""From what was measured to the rows of bench.json and the flat columns of bench.csv."""
+"""The rows of bench.json and the flat columns of bench.csv, from the measurements."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from operator import add
 from typing import Any
 
 from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, pooled
-from ..run.outcome import summary_of
-from ..run.rig import Rig
-from .casework import Measured
+from ..run.comparison import Measured
+from ..run.replay_results import summary_of_rows
+from ..run.replay_setup import ReplaySetup
 from .traffic import passes_of
 
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
@@ -45,13 +45,18 @@ COLUMNS = (
 )
 
 
-def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
-    """One row of bench.json: the keys of summary.json, where the error is, the eyes' mismatch, and each pass against its bound."""
+def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
+    """Return one row of bench.json.
+
+    It has the keys of summary.json, the error by region, the eyes' mismatch, and the time and bound
+    of each pass.
+    """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
-    base = summary_of(rig, combination.warp, combination.fill, combination.plan.lens.name, [*measured.times, *pictures])
-    rendered_pixels, shown_pixels = (w * h for w, h in (rig.pipeline.sizes.rendered, rig.pipeline.sizes.shown))
+    passes = combination.warp, combination.fill, combination.plan.lens.name
+    base = summary_of_rows(setup, passes, [*measured.times, *pictures])
+    rendered_pixels, shown_pixels = (w * h for w, h in (setup.pipeline.sizes.rendered, setup.pipeline.sizes.shown))
     return {
         **base,
         "frames": len(pictures),
@@ -62,7 +67,7 @@ def row_of(rig: Rig, measured: Measured, pool: QualityPool, bytes_per_s: float) 
 
 
 def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """The rows under COLUMNS: medians and means without a suffix, the bad tail with _p95; what there is not is empty."""
+    """Yield the rows under COLUMNS: medians and means without a suffix, the bad tail with _p95."""
     for row in rows:
         yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}
 
@@ -79,12 +84,12 @@ def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _times(row: Mapping[str, Any]) -> dict[str, Any]:
-    found = {}
+    times: dict[str, Any] = {}
     for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
         for name in names:
             entry = row[table][name]
-            found |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
-    return found
+            times |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
+    return times
 
 
 def _regions(row: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,9 +1,8 @@
-"""Runs a bench: every combination of what was asked for, on the loop that every other driver uses."""
+"""One bench: every combination of its options, on the loop that every other driver uses."""
 
 from __future__ import annotations
 
 import itertools
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -25,24 +24,15 @@ from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
-from ..run.rig import build_rig, timetable
+from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from ..run.comparison import Comparison
+from ..run.replay_setup import set_up_replay
+from ..run.schedule import schedule_of
+from ..run.summary import machine_of
 from ..scenes import load_scene
 from ..version import __version__
 from . import fused, grid
-from .cases import (
-    GPU_BATCH_BYTES,
-    MEMORY_PART,
-    Case,
-    Combination,
-    batches,
-    cases_of,
-    combinations_of,
-    common_start_s,
-    instants_of,
-    run_options,
-    warps_of,
-)
-from .casework import Casework
+from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
 from .options import BenchOptions
 from .rows import COLUMNS, flat, row_of
 
@@ -52,10 +42,12 @@ Progress = Callable[[int, int], None]
 
 @attrs.frozen(eq=False)
 class BenchResult:
-    """What a bench found: `data` as bench.json has it. refused: why there is no choice for the budget asked for, else ""."""
+    """The results of a bench."""
 
     folder: Path
+    # As in bench.json.
     data: dict[str, Any]
+    # Why no combination fits the budget, else "".
     refused: str = ""
 
     @property
@@ -66,7 +58,7 @@ class BenchResult:
 
 @attrs.frozen(eq=False)
 class _Work:
-    """A case with its run's options and how many instants of it are measured."""
+    """A case with its run's options and the number of its measured instants."""
 
     case: Case
     run: Any
@@ -75,7 +67,7 @@ class _Work:
 
 
 class _Steps:
-    """Counts what is done for the caller's progress."""
+    """A counter of finished steps for the caller's progress."""
 
     def __init__(self, total: int, progress: Progress) -> None:
         self._done, self._total, self._progress = 0, total, progress
@@ -87,9 +79,12 @@ class _Steps:
 
 
 def bench(options: BenchOptions, progress: Progress = lambda done, total: None) -> BenchResult:
-    """Run it and write options.out: bench.csv, bench.json and bench.html; nothing is left there if it fails or is interrupted.
+    """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
-    All that was asked for is checked before anything runs. progress(done, total) is called after each measured refresh.
+    If it fails or is interrupted, partial output is removed.
+
+    All that was asked for is checked before anything runs. progress(done, total) is called after
+    each measured refresh.
     Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
     started = time.perf_counter()
@@ -126,7 +121,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
 
 
 def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
-    """Everything that can be found wrong without starting the GPU. Errors: InputError and its kin."""
+    """Check everything that needs no GPU. Errors: InputError and its kin."""
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations, called = {}, {}
     for name in options.scenes:
@@ -147,13 +142,16 @@ def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
     for case in cases_of(options):
         guarded_size(options.guard, headset, case.size)
         run = run_options(options, case, start_s=starts[case.recording])
-        count = timetable(traces[case.recording].track, run, rate_hz).count
+        count = schedule_of(traces[case.recording].track, run, rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
     return works
 
 
 def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
-    """Rows, tables and charts tell cases apart by what things are called. called: by what was asked for. Errors: InputError."""
+    """Raise InputError if two share a name: rows, tables and charts distinguish cases by it.
+
+    called: name by option.
+    """
     found: dict[str, str] = {}
     for asked, name in called.items():
         first = found.setdefault(name, asked)
@@ -166,9 +164,9 @@ def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
 def _examined(
     options: BenchOptions, headset: Headset, works: list[_Work]
 ) -> tuple[dict[str, Any], Bandwidth, ClockCheck, dict[Case, list[list[Combination]]]]:
-    """What this machine is and can, and which combinations fit into it at the same time."""
+    """Return the machine, its bandwidth and clocks, and the combinations that fit together."""
     with Gpu() as gpu:
-        machine = {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
+        machine = machine_of(gpu)
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
         batched = {
             work.case: batches(
@@ -183,7 +181,7 @@ def _examined(
 
 
 def _check_room(gpu: Gpu, run: PipelineOptions, headset: Headset, needs: Needs) -> None:
-    sizes = eye_sizes(run.guard, headset, run.size or headset.eye_size_px)
+    sizes = eye_sizes(run.guard_factor, headset, run.size or headset.eye_size_px)
     check_held(gpu, run, needs, sizes, run.rate_hz or headset.refresh_hz)
 
 
@@ -208,11 +206,11 @@ def _case_rows(
     steps: _Steps,
 ) -> Iterator[dict[str, Any]]:
     for batch in batched:
-        with build_rig(work.run, needs_of(c.plan for c in batch)) as rig:
-            casework = Casework(rig, work.case, batch, pool, options.rounds)
-            casework.run(options.instants, steps)
+        with set_up_replay(work.run, needs_of(c.plan for c in batch)) as setup:
+            comparison = Comparison(setup, work.case, batch, pool, options.rounds)
+            comparison.run(options.instants, steps)
             pool.wait()
-            yield from (row_of(rig, measured, pool, bandwidth.bytes_per_s) for measured in casework.measured)
+            yield from (row_of(setup, measured, pool, bandwidth.bytes_per_s) for measured in comparison.measured)
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
@@ -222,18 +220,18 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
     unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
     with (
         _pool(options, headset, grid.SIZE) as pool,
-        build_rig(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as rig,
+        set_up_replay(attrs.evolve(work.run, size=grid.SIZE), needs_of(c.plan for c in unfilled)) as setup,
     ):
-        return grid.grid_rows(rig, unfilled, pool, steps)
+        return grid.grid_rows(setup, unfilled, pool, steps)
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
     with (
         _pool(options, headset, work.case.size) as pool,
-        build_rig(work.run, needs_of(c.plan for c in work.combinations)) as rig,
+        set_up_replay(work.run, needs_of(c.plan for c in work.combinations)) as setup,
     ):
         return fused.fused_rows(
-            rig, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
+            setup, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
         )
 
 
@@ -242,7 +240,7 @@ def _fused_lens(options: BenchOptions) -> str:
 
 
 def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
-    """What the fused rows were measured with; row: any of the first case."""
+    """Return the setting of the fused rows; row: any of the first case."""
     return {
         **{key: row[key] for key in ("scene", "trace", "latency_ms", "size")},
         "lens": _fused_lens(options),
@@ -251,7 +249,7 @@ def _fused_at(options: BenchOptions, row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
-    """The choice for the budget, or why there is none: a run is not thrown away because its budget was too small."""
+    """Return the choice for the budget, or why there is none: too small a one discards no run."""
     if budget_ms is None:
         return None, ""
     try:

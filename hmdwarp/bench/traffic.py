@@ -1,4 +1,4 @@
-"""What a pass must move through memory, how long that takes at least on this device, and how far above it the pass runs."""
+"""The memory traffic of a pass, the least time that takes on this device, and the pass's time."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from ..frames.layers import PIXEL_BYTES
 def passes_of(
     plan: Plan, rendered_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
 ) -> list[dict[str, Any]]:
-    """The `passes` of a row: name, bytes, bound_ms (bytes at the copy bandwidth), median_ms, times_bound.
+    """Return the `passes` of a row: name, bytes, bound_ms, median_ms, times_bound.
 
-    stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so no pass can be quicker unless its
-    pictures stay in the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it writes counts.
+    stages: the timer's milliseconds by stage. The bound counts each byte once and no arithmetic, so
+    no pass can be quicker unless its pictures stay in the caches. Drawing the client's own depth is
+    a pass of its own here; of it, only the picture it writes counts.
     """
     moved = {"client_depth": PIXEL_BYTES["r32f"] * shown_pixels} if plan.draws_client_depth else {}
     moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)

@@ -53,7 +53,7 @@ def main() -> None:
 def _print_what_the_terminal_can() -> None:
     """A dash that the locale's encoding has not, or a file name that is no text, is printed as '?': no reason to end a run that is done."""
     with suppress(AttributeError):  # closed (None), or somebody's own stream
-        sys.stdout.reconfigure(errors="replace")
+        sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
 
 
 def _nobody_reads() -> NoReturn:
@@ -74,7 +74,7 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     if isinstance(error, typer.Abort):
         _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
     if type(error).__name__ == "NoArgsIsHelpError":
-        print(error.format_message())
+        print(error.format_message())  # type: ignore[attr-defined]
         sys.exit(0)
     # Usage errors. Newer typers carry a click of their own, older ones use the real one: there is no one base class to name.
     if hasattr(error, "format_message"):

@@ -50,6 +50,11 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
         yield progress, screen
 
 
+def sayer(quiet: bool) -> Callable[[str], None]:
+    """Return what prints a sentence on stderr, or drops it."""
+    return (lambda text: None) if quiet else lambda text: typer.echo(text, err=True)
+
+
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
     """Names on the left, their texts wrapped beside them, line by line."""
     rows = list(rows)

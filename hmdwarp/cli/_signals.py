@@ -27,6 +27,7 @@ def end_cleanly() -> None:
 
 def end_if_asked(*_: object) -> None:
     """Raises Ended again, once, if a signal came and its exception was lost: Python drops what is raised inside a destructor or a
-    callback of the garbage collector, and the signal with it. Called after every step of a long run."""
+    callback of the garbage collector, and the signal with it. Called after every step of a long run.
+    """
     if _came:
         raise Ended(_came.pop())

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..client.fills import Fill
     from ..client.warps import Warp
     from ..headsets import Headset
+    from ..options import Option
     from ..poses import PoseTrack
     from ..study.design import Design
     from ..study.scales import Scale
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies.
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
 
@@ -80,11 +81,8 @@ def _lenses() -> list[dict[str, str]]:
 
 def _scenes() -> list[dict[str, str]]:
     from ..scenes import scenes
-    from ..scenes.effects import effect_names
 
-    return [
-        {"name": s.name, "summary": s.summary, "effects": ", ".join(effect_names(s.effects)) or "none"} for s in scenes
-    ]
+    return [{"name": s.name, "summary": s.summary, "effects": ", ".join(s.effects) or "none"} for s in scenes]
 
 
 def _headsets() -> list[dict[str, str]]:
@@ -153,9 +151,9 @@ def _scale_row(scale: Scale) -> dict[str, str]:
 
 
 def _studies() -> list[dict[str, str]]:
-    from ..study.design.read import load_design, ready_names
+    from ..study.design import load_design, study_names
 
-    return [_study_row(load_design(name, checked=False)) for name in ready_names()]
+    return [_study_row(load_design(name, checked=False)) for name in study_names()]
 
 
 def _study_row(design: Design) -> dict[str, str]:
@@ -166,6 +164,45 @@ def _study_row(design: Design) -> dict[str, str]:
         "scales": ", ".join(scale.name for scale in design.scales),
         "conditions": "; ".join(parts),
         "order": design.order,
+    }
+
+
+def _options() -> list[dict[str, str]]:
+    from ..bench import BenchOptions
+    from ..options import options_of
+    from ..pipeline.options import PipelineOptions
+    from ..run import LiveOptions, RecordOptions, RunOptions
+
+    commands = {
+        "replay": RunOptions,
+        "live": LiveOptions,
+        "plan": PipelineOptions,
+        "record": RecordOptions,
+        "bench": BenchOptions,
+    }
+    takers: dict[Option, list[str]] = {}
+    for command, kind in commands.items():
+        for option in options_of(kind):
+            takers.setdefault(option, []).append(command)
+    first = {option.name: option for option in reversed(takers)}
+    return [
+        _option_row(option, option.name if first[option.name] is option else f"{names[0]} {option.name}", names)
+        for option, names in takers.items()
+    ]
+
+
+def _option_row(option: Option, name: str, commands: list[str]) -> dict[str, str]:
+    default = {False: "no", True: "yes"}.get(option.default) if option.kind is bool else str(option.default)
+    return {
+        "name": name.replace("_", "-"),
+        "summary": option.help,
+        "flag": option.metavar or option.name.upper() if option.positional else option.flag,
+        "value": option.limits
+        or {bool: "yes or no", int: "a whole number", float: "a number"}.get(option.kind, "a text"),
+        "unit": option.unit or "none",
+        "default": "none" if default in (None, "", "None") else default,
+        "commands": ", ".join(commands),
+        "in_a_study": "no" if "live" not in commands else "yes" if option.in_study else f"no: {option.study}",
     }
 
 
@@ -180,4 +217,5 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "recordings": _recordings,
     "scales": _scales,
     "studies": _studies,
+    "options": _options,
 }

@@ -6,7 +6,19 @@ from typing import Annotated
 
 import typer
 
-KINDS = ("warps", "fills", "effects", "lenses", "scenes", "headsets", "formats", "recordings", "scales", "studies")
+KINDS = (
+    "warps",
+    "fills",
+    "effects",
+    "lenses",
+    "scenes",
+    "headsets",
+    "formats",
+    "recordings",
+    "scales",
+    "studies",
+    "options",
+)
 
 
 def list_(
@@ -15,7 +27,7 @@ def list_(
     json: Annotated[bool, typer.Option("--json", help="Everything, as a JSON array of objects.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Everything, as a Markdown table.")] = False,
 ) -> None:
-    """List the warps, fills, effects, lenses, scenes, headsets, trace formats, recordings, rating scales or ready studies there are."""
+    """List warps, fills, effects, lenses, scenes, headsets, trace formats, recordings, scales, studies or options."""
     from ..errors import InputError
     from ..registry import unknown_name
 

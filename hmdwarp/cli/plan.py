@@ -2,90 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from . import _options as o
+from ..errors import InputError
+from ..options import Option
+from ..pipeline.options import PipelineOptions
+from ..run.options import DESKTOP, OPENXR, LiveOptions
+from ._options import Said, takes
 
 if TYPE_CHECKING:
     from ..client.plan import Plan, Step
     from ..headsets import Headset
-    from ..pipeline.options import PipelineOptions
 
 REPLAY = "replay"
-Source = Annotated[str, typer.Option("--source", help="Who shows it: replay, or live: openxr or desktop.")]
+_SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
 
 
-def plan(
-    scene: o.Scene = "room",
-    latency: o.Latency = 200.0,
-    warp: o.ChosenWarp = "forward",
-    budget: o.Budget = None,
-    bench: o.Bench = None,
-    fill: o.ChosenFill = None,
-    effects: o.Effects = "auto",
-    lens: o.Lens = None,
-    headset: o.Headset = "rift-dk1",
-    size: o.Size = None,
-    rate: o.Rate = None,
-    guard: o.Guard = 1.0,
-    wide: o.Wide = False,
-    fused: o.Fused = False,
-    scanout: o.Scanout = 0.0,
-    follow_scanout: o.FollowScanout = True,
-    source: Source = REPLAY,
-) -> None:
-    """Print the passes that would run for these choices, in order and with reasons, and what the frames weigh. Starts nothing."""
+@takes(PipelineOptions, _SOURCE)
+def plan(said: Said) -> None:
+    """Print the passes that would run for these choices, in order and with reasons, and the bytes of a frame. Starts nothing."""
     from ..headsets import load_headset
-    from ..pipeline.options import AUTO, fill_for, parse_size
     from ..pipeline.planning import build_plan_for
     from ..scenes import load_scene
     from ._show import in_columns
 
-    chosen, kind, told = load_headset(headset), *_driver(source)
-    options = kind(
-        scene=scene,
-        latency_ms=latency,
-        warp=warp,
-        fill=fill_for(warp, fill, fused, wide),
-        effects=effects,
-        lens="none" if lens is None and told else o.lens_for(lens, headset),
-        headset=headset,
-        size=None if size is None else parse_size(size),
-        rate_hz=rate,
-        guard=guard,
-        fused=fused,
-        scanout_ms=scanout,
-        follow_scanout=follow_scanout,
-        budget_ms=budget,
-        bench=bench,
-    )
-    if warp == AUTO:
+    source, headset = said["source"], load_headset(said["headset"])
+    kind, told = _driver(source)
+    if said["lens"] is None and told:
+        said["lens"] = "none"
+    options = kind.of(said)
+    if options.chooses_warp:
         _auto(options, told)
         return
-    built = build_plan_for(options, chosen, load_scene(scene), **told)
-    weights = _weights(options, chosen, [built])
+    built = build_plan_for(options, headset, load_scene(options.scene), **told)
+    weights = _weights(options, headset, [built])
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
-    in_columns([*weights, *_assumed(source, headset)])
+    in_columns([*weights, *_assumed(source, options.headset)])
 
 
-def _driver(source: str) -> tuple[Callable[..., PipelineOptions], dict[str, str]]:
-    """The options of whoever shows it, and what the plan is told of that. Errors: InputError for a source that is not known."""
-    from ..display.openxr import WHO
-    from ..errors import InputError
-    from ..pipeline.options import PipelineOptions
-    from ..run.live.options import DESKTOP, OPENXR, LiveOptions
+def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
+    """Return the driver's options, and what it tells the plan. Errors: InputError for an unknown source."""
+    from ..display.openxr import RUNTIME_LABEL
 
     if source not in (REPLAY, OPENXR, DESKTOP):
         raise InputError(f"source '{source}': wanted {REPLAY}, {OPENXR} or {DESKTOP}")
-    options = PipelineOptions if source == REPLAY else partial(LiveOptions, source=source)
-    return options, {"distorts": WHO, "takes_depth": WHO} if source == OPENXR else {}
+    kind = PipelineOptions if source == REPLAY else LiveOptions
+    return kind, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
 
 
 def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
@@ -105,8 +72,8 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
     from ..auto.levels import best_within
     from ..headsets import load_headset
     from ..pipeline.planning import plans_for
-    from ..run.bench_levels import ladder_from_file
-    from ..run.trial import INSTANTS, candidates
+    from ..run import levels_from_file
+    from ..run.short_bench import INSTANTS, candidates
     from ..scenes import load_scene
     from ._show import in_columns, paragraph
 
@@ -119,7 +86,7 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
             f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and keep to that time."
         )
         return
-    found = ladder_from_file(options.bench, options, None)
+    found = levels_from_file(options.bench, options, None)
     first = best_within(found.levels, options.budget_ms)
     typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
     marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
@@ -144,7 +111,7 @@ def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> l
     from ..pipeline.sizes import eye_sizes
 
     rate_hz = options.rate_hz or headset.refresh_hz
-    needs, sizes = needs_of(plans), eye_sizes(options.guard, headset, options.size or headset.eye_size_px)
+    needs, sizes = needs_of(plans), eye_sizes(options.guard_factor, headset, options.size or headset.eye_size_px)
     parts = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
     told = ", ".join(f"{name} {count / 1e6:.1f} MB" for name, count in parts.items())
     at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"

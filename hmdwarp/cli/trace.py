@@ -7,72 +7,37 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..options import Option
 from ..poses.formats import formats
+from ..poses.options import TraceOptions
+from ._options import Said, takes
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from ..poses.analysis import Analysis
     from ..poses.load import LoadedTrace
-    from ..poses.options import TraceOptions
 
 app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
-Format = Annotated[
-    str | None, typer.Option("--format", help=f"Read as this format instead of looking: {', '.join(formats.names())}.")
-]
-QuatOrder = Annotated[
-    str | None, typer.Option("--quat-order", help="Order of the quaternion where no header tells: xyzw or wxyz.")
-]
-Up = Annotated[
-    str | None,
-    typer.Option(
-        "--up",
-        help="What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3).",
-    ),
-]
-Scale = Annotated[float | None, typer.Option("--scale", help="Metres per unit of the file's positions.")]
-Rate = Annotated[float | None, typer.Option("--rate", help="Samples per second, in place of the file's clock.")]
-SegmentNumber = Annotated[
-    int | None, typer.Option("--segment", help="Which recording of a file that holds several, from 1.")
-]
-Trace = Annotated[str, typer.Argument(metavar="TRACE", help="A file, or the bare name of a shipped recording.")]
-
-
-def _options(
-    *,
-    format: str | None,
-    quat_order: str | None,
-    up: str | None,
-    scale: float | None,
-    rate: float | None,
-    segment: int | None,
-) -> TraceOptions:
-    from ..poses.options import TraceOptions
-
-    return TraceOptions(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)
+_TRACE = Option(
+    "A file, or the bare name of a shipped recording.", required=True, name="trace", metavar="TRACE", positional=True
+)
+_OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
+_TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
+_OWN_RATE = {"trace_rate": "rate"}
 
 
 @app.command()
-def info(
-    trace: Trace,
-    *,
-    format: Format = None,
-    quat_order: QuatOrder = None,
-    up: Up = None,
-    scale: Scale = None,
-    rate: Rate = None,
-    segment: SegmentNumber = None,
-) -> None:
+@takes(_TRACE, TraceOptions, renamed=_OWN_RATE)
+def info(said: Said) -> None:
     """Rate, duration, gaps, speeds, what latency costs, and every defect found with what was done about it."""
     from rich.console import Console
 
     from ..poses.analysis import analyse
     from ..poses.load import load_trace
 
-    loaded = load_trace(
-        trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)
-    )
+    loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
     console = Console()
     if not console.is_terminal:
@@ -86,18 +51,8 @@ def info(
 
 
 @app.command()
-def convert(
-    trace: Trace,
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="The file to write.")],
-    *,
-    to: Annotated[str, typer.Option("--to", help="Format to write: native, tum or euroc.")] = "native",
-    format: Format = None,
-    quat_order: QuatOrder = None,
-    up: Up = None,
-    scale: Scale = None,
-    rate: Rate = None,
-    segment: SegmentNumber = None,
-) -> None:
+@takes(_TRACE, _OUT, _TO, TraceOptions, renamed=_OWN_RATE)
+def convert(said: Said) -> None:
     """Write a clean trace: one segment, unit quaternions without sign flips, rising time, OpenXR axes, metres."""
     from rich.console import Console
 
@@ -105,13 +60,12 @@ def convert(
     from ..poses.load import load_trace
     from ..report import write_stream
 
+    to, out = said["to"], said["out"]
     target = formats.get(to)
     if not target.writes:
         able = ", ".join(f.name for f in formats if f.writes)
         raise InputError(f"format {to} is read, not written: wanted one of {able}")
-    loaded = load_trace(
-        trace, _options(format=format, quat_order=quat_order, up=up, scale=scale, rate=rate, segment=segment)
-    )
+    loaded = load_trace(said["trace"], TraceOptions.of(said))
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)

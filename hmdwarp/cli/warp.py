@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from . import _options as o
+from ..options import names_in
 
 
 def warp(
@@ -16,8 +16,8 @@ def warp(
     out: Annotated[
         Path, typer.Option("--out", help="OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.")
     ],
-    warp: o.Warp = "forward",
-    fill: o.Fill = "none",
+    warp: Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}.")] = "forward",
+    fill: Annotated[str, typer.Option("--fill", help=f"{names_in('client/fills')}.")] = "none",
     size: Annotated[
         str | None, typer.Option(help="WxH pixels of the result; by default the frame's.", show_default=False)
     ] = None,

@@ -12,7 +12,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, ShownDepth, images_read, pictures_read
-from .effects import LatePass, ShownPass, Tools
+from .effects import RenderedPass, ShownPass, Tools
 from .geometry import ClientGeometry
 from .inputs import PassInputs
 from .picture import ShownPicture
@@ -116,7 +116,7 @@ class Compensator:
             one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
             for one in plan.effect_passes
         ]
-        self._rendered = [one for one in made if isinstance(one, LatePass)]
+        self._rendered = [one for one in made if isinstance(one, RenderedPass)]
         self._shown = [one for one in made if isinstance(one, ShownPass)]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
 

@@ -21,3 +21,9 @@ class ShownPicture:
     # r32f of the same size, 1/m in the shown view, -1 where it is unknown (a hole, or a guess
     # without depth); None where no pass of the plan reads it.
     inverse_depth: moderngl.Texture | None = None
+
+    @property
+    def depth(self) -> moderngl.Texture:
+        """The inverse depth, for passes that read or write it: their plan makes it."""
+        assert self.inverse_depth is not None
+        return self.inverse_depth

@@ -5,7 +5,7 @@ Passes that are not in the plan compile nothing, allocate nothing and cost nothi
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import reduce
 from operator import or_
 
@@ -14,8 +14,7 @@ import attrs
 from ..errors import InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import readable_names
-from ..scenes.effects import SceneEffect
-from .effects import Effect, EffectPass, LatePass, effects
+from .effects import Effect, EffectPass, RenderedPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
 from .variants import Choice, fill_text, parse_fills, parse_warp
@@ -65,7 +64,7 @@ class Plan:
     """The ordered passes, and those left out with their reasons."""
 
     # What is compensated, by effect_passes.
-    effects: SceneEffect
+    effects: tuple[str, ...]
     # The warp with its settings, and the chain of fills with theirs.
     choice: Choice[Warp]
     fills: tuple[Choice[Fill], ...]
@@ -144,7 +143,7 @@ def needs_of(plans: Iterable[Plan]) -> Needs:
 
 
 def build_plan(
-    declared: SceneEffect,
+    declared: Collection[str],
     warp: str,
     fill: str,
     lens: str,
@@ -182,7 +181,7 @@ def build_plan(
     draft = _Draft()
     passes = _effect_passes(declared, choice.entry, fused, forbidden, draft)
     rendered, shown = (
-        [one for one in passes if issubclass(one.made_by, LatePass) is before] for before in (True, False)
+        [one for one in passes if issubclass(one.made_by, RenderedPass) is before] for before in (True, False)
     )
     for one in rendered:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
@@ -208,7 +207,7 @@ def build_plan(
     else:
         draft.leave_out("lens", f"lens 'none' was asked for: {chosen_lens.summary}")
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
-    compensated = reduce(or_, (effect.flag for one in passes for effect in one.effects), SceneEffect.NONE)
+    compensated = effects.ordered(effect.name for one in passes for effect in one.effects)
     return Plan(
         compensated,
         choice,
@@ -237,32 +236,30 @@ class _Draft:
 
 
 def _effect_passes(
-    declared: SceneEffect, warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft
+    declared: Collection[str], warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft
 ) -> list[PlannedEffect]:
     """Return the passes for the declared effects; leave out what this warp cannot do."""
-    # Nothing else tests an effect's flag.
-    called_for = {effect.name: effect for effect in effects if effect.flag & declared}
     chosen: list[Effect] = []
     for effect in effects:
-        why_not = _why_not(effect, called_for, warp, fused, forbidden)
+        why_not = _why_not(effect, declared, warp, fused, forbidden)
         if why_not:
             draft.leave_out(effect.name, why_not)
         else:
             chosen.append(effect)
-    made_by = sorted({effect.made_by for effect in chosen}, key=lambda one: one.order)
+    made_by = dict.fromkeys(effect.made_by for effect in sorted(chosen, key=lambda one: one.order))
     return [PlannedEffect(each, tuple(effect for effect in chosen if effect.made_by is each)) for each in made_by]
 
 
 def _why_not(
-    effect: Effect, called_for: Mapping[str, Effect], warp: type[Warp], fused: bool, forbidden: Collection[str]
+    effect: Effect, declared: Collection[str], warp: type[Warp], fused: bool, forbidden: Collection[str]
 ) -> str:
     if effect.name in forbidden:
         return f"the scene calls for it, but it was forbidden: {effect.without}"
-    if effect.name not in called_for:
+    if effect.name not in declared:  # the only place that tests for an effect
         return "nothing in the scene calls for it"
-    if effect.refines and effect.refines not in called_for:
+    if effect.refines and effect.refines not in declared:
         return f"it refines {effect.refines}, which is left out: {effect.without}"
-    if fused and not issubclass(effect.made_by, LatePass):
+    if fused and not issubclass(effect.made_by, RenderedPass):
         return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
     if effect.made_by.carries and not warp.carries:
         return f"warp '{warp.name}' carries nothing along: {effect.without}"
@@ -317,7 +314,7 @@ def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: typ
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
         raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
-    if not lens.look:
+    if not lens.library:
         raise PlanError(
             f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
         )

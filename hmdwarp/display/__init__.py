@@ -1,10 +1,9 @@
-"""Displays: where live pictures go, and whose eyes see them.
+"""Displays for live pictures: OpenXR, a desktop window, or offscreen.
 
-OpenXR, a desktop window, or offscreen.
-
-The loop knows none of this; hmdwarp.run knows only the protocol re-exported here.
+The loop knows none of them; hmdwarp.run knows only the protocol. Names are in __init__.pyi; each
+loads its module at first use.
 """
 
-from ._base import Closed, Command, Display, DisplayOptions, Label, Lost, TextPanel, Tick
+import lazy_loader
 
-__all__ = ["Closed", "Command", "Display", "DisplayOptions", "Label", "Lost", "TextPanel", "Tick"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 from ..errors import MachineError
 from .controls import CONTROLS, Control
+from .status import Status
 
 if TYPE_CHECKING:
-    from ..geometry import Eyes
+    import moderngl
+
+    from ..geometry import Eyes, View
     from ..gpu.context import Gpu
+    from ..gpu.textures import Canvas
     from ..headsets import Headset
-    from ..pipeline.loop import Refresh
     from ..poses import PoseSource, PoseTrack
 
 
@@ -36,25 +39,50 @@ class Lost(MachineError):
 
 
 class TextPanel(Hashable, Protocol):
-    """Something drawn over the picture instead of a line of text: a question with its scale.
+    """Text and figures over the picture, where a line of text is not enough: a question's scale.
 
-    Equal panels look the same. While a panel that wants pointing lies there, a window's mouse is
-    free and leads no head. What the mouse does on the panel comes as commands whose place is (u, v)
-    of the panel, origin bottom left: "point" where it moves, "press" where it is clicked, "up" and
-    "down" as its wheel turns. Walking stops meanwhile.
+    Equal text panels look the same. On one that takes the pointer, a window's mouse is free and
+    does not turn the head, and walking stops. Mouse events on it become commands whose value is
+    (u, v) of the text panel, origin bottom left: "point" for motion, "press" for a click; "up" and
+    "down" for the wheel have no value.
     """
 
     @property
-    def pointed(self) -> bool: ...
+    def pointed(self) -> bool:
+        """Whether it takes the pointer."""
 
     def ink(self) -> NDArray[np.uint8]:
         """Return (h, w), top row first: 255 where ink is.
 
-        Called once for a panel, not at each refresh.
+        Called once for each text panel, not at each refresh.
         """
 
 
 Label = str | TextPanel  # what lies over a picture; "" for nothing
+
+
+class EyePicture(Protocol):
+    """The finished picture of one eye."""
+
+    @property
+    def view(self) -> View:
+        """The view it was made for."""
+
+    @property
+    def panel(self) -> Canvas:
+        """Linear light after the lens, or before it for a display that corrects the lens itself."""
+
+    @property
+    def inverse_depth(self) -> moderngl.Texture | None:
+        """Inverse depth in 1/m, r32f, -1 where unknown; None unless the display takes depth."""
+
+
+class Picture(Protocol):
+    """The finished pictures of one refresh, as `pipeline.loop.Refresh` has them."""
+
+    @property
+    def eyes(self) -> Sequence[EyePicture]:
+        """One for each view of Display.eyes, the left one first."""
 
 
 @attrs.frozen
@@ -87,7 +115,7 @@ class DisplayOptions:
     size: tuple[int, int] | None = None  # (w, h) of one eye; None for what the display prefers
     full_screen: bool = False  # of a window
     vsync: bool = True
-    panel: bool = True
+    control_panel: bool = True  # over a window, where its package is installed
     depth_layer: bool = True  # whether a runtime that takes the picture's depth gets it
     # put around every call into a runtime that may hang; it gets the call's name
     watching: Callable[[str], AbstractContextManager[object]] = lambda what: nullcontext()  # noqa: E731
@@ -103,16 +131,45 @@ class Display(Protocol):
     All times are on its own clock, `now_ns`, which is its pose source's too.
     """
 
-    name: str  # "openxr", "desktop" or "offscreen"
-    about: dict[str, str]  # what it is, by name, for headers and summaries (runtime, headset, ..)
-    gpu: Gpu  # its pictures can be shown; it belongs to the display
-    eyes: Eyes
-    source: PoseSource
-    size: tuple[int, int]  # (w, h) of one eye that it prefers
-    rate_hz: float  # nominal refresh rate
-    headset: Headset | None  # whose lens the plan corrects; None where the runtime does that
-    distorts: str  # as build_plan has it
-    takes_depth: str  # as build_plan has it
+    @property
+    def name(self) -> str:
+        """Name of the source: openxr, desktop or offscreen."""
+
+    @property
+    def about(self) -> dict[str, str]:
+        """What it is, by name, for headers and summaries (runtime, headset, ..)."""
+
+    @property
+    def gpu(self) -> Gpu:
+        """The context whose pictures it shows; it belongs to the display."""
+
+    @property
+    def eyes(self) -> Eyes:
+        """Where the eyes sit and what each sees."""
+
+    @property
+    def source(self) -> PoseSource:
+        """The head."""
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Preferred (w, h) of one eye's picture in pixels."""
+
+    @property
+    def rate_hz(self) -> float:
+        """Nominal refresh rate."""
+
+    @property
+    def headset(self) -> Headset | None:
+        """The headset whose lens the plan corrects; None where the runtime corrects it."""
+
+    @property
+    def distorts(self) -> str:
+        """What corrects the lens instead of the plan, as build_plan has it; "" for nothing."""
+
+    @property
+    def takes_depth(self) -> str:
+        """What takes the picture's depth, as build_plan has it; "" for nothing."""
 
     def now_ns(self) -> int:
         """Return this instant."""
@@ -125,10 +182,10 @@ class Display(Protocol):
         Errors: Closed; Lost.
         """
 
-    def show(self, refresh: Refresh | None, label: Label = "") -> int:
+    def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Hand over the picture of the tick that wait() returned; None for an empty one.
 
-        label: text or a panel over it. Returns when it was handed over.
+        label: text or a text panel over it. Return the instant at which it was handed over.
         Errors: Closed; Lost.
         """
 
@@ -139,16 +196,19 @@ class Display(Protocol):
         """
 
     def restart(self) -> None:
-        """Prepare for something new: a recorded head begins anew, a live one goes on."""
+        """Prepare for something new: a recorded head begins anew."""
 
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""
 
-    def tell(self, status: object) -> None:
-        """Show a Status in the title line and the control panel."""
+    def tell(self, status: Status) -> None:
+        """Show the status in the title line and the control panel."""
 
     def reopen(self) -> bool:
-        """Tell, after Lost, whether the display is back. The gpu stays the same. Errors: Closed."""
+        """Reconnect after Lost; return whether the display is back. The gpu stays the same.
+
+        Errors: Closed.
+        """
 
     def close(self) -> None:
         """Release everything, the gpu last, in whatever state. May be called twice."""

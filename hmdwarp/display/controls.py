@@ -23,13 +23,10 @@ class Control:
     span: tuple[float, float] = (0.0, 0.0)  # least and most of a number
     also: tuple[str, ...] = ()  # further keys for the same
     value: object = None  # what the command carries, where several keys are one control
-    buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/bindings.py
+    buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/profiles.py
     written: str = ""  # how the help names its keys, "" for as they are
-    # in the help only while a panel lies over the picture, and not over pictures that must stay
-    # free of text
-    # in the help only while a panel lies over the picture, and not over pictures that must stay
-    # clear
-    beside_plate: bool = False
+    # available only while a text panel lies over the picture: other pictures must stay free of text
+    needs_text_panel: bool = False
 
 
 CONTROLS: tuple[Control, ...] = (
@@ -58,9 +55,9 @@ def control(name: str) -> Control:
     return next(one for one in CONTROLS if one.name == name)
 
 
-def help_goes(controls: tuple[Control, ...], plate: bool) -> bool:
-    """Tell whether an open help must be closed now.
+def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
+    """Return whether an open help must be closed now.
 
-    plate: whether a panel lies over the picture.
+    has_text_panel: whether a text panel lies over the picture.
     """
-    return not plate and any(one.name == "help" and one.beside_plate for one in controls)
+    return not has_text_panel and any(one.name == "help" and one.needs_text_panel for one in controls)

@@ -1,4 +1,4 @@
-"""Text over the picture: drawn once into a texture, placed where the eye finds it."""
+"""Text over the picture: drawn once into a texture, placed where the eye sees it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..gpu.textures import allocate, upload
 from ._base import Label
 
 if TYPE_CHECKING:
-    from PIL.ImageFont import FreeTypeFont
+    from PIL.ImageFont import FreeTypeFont, ImageFont
 
 FONT_PX, LINE_PX, PAD_PX, COLUMN_PX = 28, 38, 18, 28
 LETTERS_A_LINE = 44
@@ -28,42 +28,43 @@ KEPT = 16  # textures; notices are few, and a help text is the same each time
 # all of it.
 AT_M = 1.0
 LINE_M = 0.056
-MOST_WIDE_M, MOST_HIGH_M = 1.1, 1.2
+MAX_WIDTH_M, MAX_HEIGHT_M = 1.1, 1.2
 MIDDLE_M, LOWEST_M = -0.35, -0.62
-PLATE_MIDDLE_M = (
-    -0.1
-)  # people look straight at a panel, and no turn of the head brings it nearer: little below straight ahead
+# People look straight at a text panel, and no turn of the head brings it nearer: little below
+# straight ahead.
+TEXT_PANEL_MIDDLE_M = -0.1
 
 # In a window without an eye to see it by: as many pixels as it has, but no more than this share of
-# the place, above this margin.
-MOST_OF_PLACE, MARGIN = 0.94, 0.03
+# the viewport, above this margin.
+MAX_SHARE, MARGIN = 0.94, 0.03
 
 
 @attrs.frozen(eq=False)
 class Notice:
-    """A drawn text."""
+    """A drawn text or text panel. (u, v) on it has its origin at the bottom left."""
 
     label: Label
     # r8 with mipmaps, 1 where a letter is; it belongs to the Notices that made it
     ink: moderngl.Texture
 
-    def plate_from_place(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
-        """Return 3x3: (x, y, 1) in pixels of a (w, h) place, origin bottom left, to the panel's uv.
+    def uv_from_pixel(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
+        """Return 3x3: (x, y, 1) in pixels of a (w, h) viewport, origin bottom left, to uv.
 
-        The third row is positive in front of the eye. eye: whose eye sees it, 1 m in front of the
-        head, text below the middle; None for a place without one, text at its bottom. A panel lies
+        The third row is positive in front of the eye. eye: sees it 1 m in front of the head, text
+        below the middle; None for a viewport without an eye, text at its bottom. A text panel lies
         in the middle of either.
         """
-        return np.linalg.inv(self._in_place(size) if eye is None else _seen(self._in_head(), eye, size))
+        pixel_from_uv = self._in_viewport(size) if eye is None else _seen(self._in_head(), eye, size)
+        return np.asarray(np.linalg.inv(pixel_from_uv), np.float64)
 
     @property
     def _is_text(self) -> bool:
         return isinstance(self.label, str)
 
-    def _in_place(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """Return pixels of the place from the panel's uv."""
+    def _in_viewport(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        """Return pixels of the viewport from uv."""
         w, h = self.ink.size
-        scale = min(1.0, MOST_OF_PLACE * size[0] / w, MOST_OF_PLACE * size[1] / h)
+        scale = min(1.0, MAX_SHARE * size[0] / w, MAX_SHARE * size[1] / h)
         # At whole pixels letters of full size keep their edges.
         middle = (size[1] - scale * h) / 2
         left, bottom = (
@@ -73,16 +74,16 @@ class Notice:
         return np.array([[scale * w, 0, left], [0, scale * h, bottom], [0, 0, 1.0]])
 
     def _in_head(self) -> NDArray[np.float64]:
-        """Return metres in the head's axes from the panel's uv: its point is this times (u, v, 1)."""
+        """Return 3x3: (u, v, 1) to metres in the head's axes."""
         w, h = (pixels * LINE_M / LINE_PX for pixels in self.ink.size)
-        scale = min(1.0, MOST_WIDE_M / w, MOST_HIGH_M / h)
+        scale = min(1.0, MAX_WIDTH_M / w, MAX_HEIGHT_M / h)
         w, h = scale * w, scale * h
-        bottom = max((MIDDLE_M if self._is_text else PLATE_MIDDLE_M) - h / 2, LOWEST_M)
+        bottom = max((MIDDLE_M if self._is_text else TEXT_PANEL_MIDDLE_M) - h / 2, LOWEST_M)
         return np.array([[w, 0, -w / 2], [0, h, bottom], [0, 0, -AT_M]])
 
 
 def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDArray[np.float64]:
-    """Return homogeneous pixels of the eye's picture from the panel's uv."""
+    """Return homogeneous pixels of the eye's picture from uv."""
     head_from_eye = eye.head_from_eye
     from_eye = in_head - np.outer(head_from_eye.position_m, (0, 0, 1))
     in_eye = head_from_eye.rotation.as_matrix().T @ from_eye
@@ -100,7 +101,7 @@ class Notices:
         self._kept: OrderedDict[Label, Notice] = OrderedDict()
 
     def of(self, label: Label) -> Notice | None:
-        """Return the notice of a text or panel, None for an empty text.
+        """Return the notice of a text or text panel, None for an empty text.
 
         Lines are wrapped; a tab in them makes two columns.
         """
@@ -109,15 +110,15 @@ class Notices:
         if label not in self._kept:
             if len(self._kept) == KEPT:
                 self._kept.popitem(last=False)[1].ink.release()
-            self._kept[label] = self._drawn(label)
+            self._kept[label] = self._draw(label)
         self._kept.move_to_end(label)
         return self._kept[label]
 
-    def _drawn(self, label: Label) -> Notice:
-        ink = drawn(label) if isinstance(label, str) else label.ink()
+    def _draw(self, label: Label) -> Notice:
+        ink = text_ink(label) if isinstance(label, str) else label.ink()
         texture = allocate(self._gl, ink.shape[::-1], (1, "f1"), linear=True)
         upload(texture, ink)
-        texture.build_mipmaps()  # a head-locked plate shows letters at half their size
+        texture.build_mipmaps()  # a head-locked text panel shows letters at half their size
         return Notice(label, texture)
 
     def close(self) -> None:
@@ -127,7 +128,7 @@ class Notices:
         self._kept.clear()
 
 
-def drawn(text: str) -> NDArray[np.uint8]:
+def text_ink(text: str) -> NDArray[np.uint8]:
     """Return (h, w), top row first: 255 where a letter of the text is, with a margin."""
     from PIL import Image, ImageDraw, ImageFont
 
@@ -146,7 +147,7 @@ def drawn(text: str) -> NDArray[np.uint8]:
     return np.asarray(image)
 
 
-def _widest(font: FreeTypeFont, parts: list[str], from_px: int = 0) -> int:
+def _widest(font: FreeTypeFont | ImageFont, parts: list[str], from_px: int = 0) -> int:
     return max((from_px + math.ceil(font.getlength(part)) for part in parts), default=0)
 
 

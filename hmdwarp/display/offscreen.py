@@ -2,8 +2,8 @@
 
 Framebuffers instead of pictures, a recording as head, a clock of its own.
 
-Time goes on by one refresh a picture. The same code does everything a run does; only nothing is
-visible. Two runs are equal, whatever else the machine does.
+Time advances by one refresh for each picture. The same code does everything a run does, and nothing
+is visible. Two runs are equal, whatever else the machine does.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.looped import LoopedSource
-from . import Command, DisplayOptions, Tick
-from ._base import Label
-from .desktop.views import shown
+from . import Command, DisplayOptions, Label, Status, Tick
+from .desktop.views import ViewChoice
 from .present import Presenter
 
 if TYPE_CHECKING:
-    from ..pipeline.loop import Refresh
+    from ..geometry import Eyes
+    from ..headsets import Headset
+    from . import Picture
 
 AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
 
@@ -43,11 +44,11 @@ class OffscreenDisplay:
     def __init__(self, options: DisplayOptions, gpu: Gpu | None = None) -> None:
         if options.trace is None:
             raise InputError("an offscreen display has no head to follow: name a recorded one by --trace")
-        self._headset, self._size_asked = load_headset(options.headset), options.size
-        self.rate_hz = options.rate_hz or self._headset.refresh_hz
+        headset = load_headset(options.headset)
+        self._views = ViewChoice(headset, options.size, options.view)
+        self.rate_hz = options.rate_hz or headset.refresh_hz
         self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0
         self.source = LoopedSource(options.trace, self.now_ns)
-        self.look(options.view)
         self._owns, self.gpu = gpu is None, gpu if gpu is not None else Gpu()
         self._presenter = Presenter(self.gpu)
         self._target: moderngl.Framebuffer | None = None
@@ -55,29 +56,44 @@ class OffscreenDisplay:
         self._closed = False
         self.about = {"display": "offscreen", "trace": options.trace.name, "renderer": self.gpu.renderer}
 
+    @property
+    def eyes(self) -> Eyes:
+        """Eyes of the present view."""
+        return self._views.current.eyes
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) of one eye's picture in the present view."""
+        return self._views.current.size
+
+    @property
+    def headset(self) -> Headset | None:
+        """The headset whose lens the plan corrects; None for the flat view."""
+        return self._views.current.headset
+
     def now_ns(self) -> int:
         """Return the number of ticks, in nanoseconds."""
         return self._at_ns
 
     def look(self, view: str) -> None:
         """Switch the view like a window."""
-        made = shown(view, self._headset, self._size_asked)
-        self.eyes, self.size, self.headset, self._count = made.eyes, made.size, made.headset, made.count
+        self._views.look(view)
 
     def restart(self) -> None:
         """Begin the recording anew."""
         self.source.restart()
 
     def wait(self) -> Tick | None:
-        """Return at once: time goes on."""
+        """Advance the time by one refresh and return at once."""
         self._at_ns += self._period_ns
         return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
 
-    def show(self, refresh: Refresh | None, label: Label = "") -> int:
+    def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw what a window would, invisibly."""
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
-        into, notice = self._framebuffer((w * self._count, h)), self._presenter.notice(label)
-        for eye in range(self._count):
+        count = self._views.current.count
+        into, notice = self._framebuffer((w * count, h)), self._presenter.notice(label)
+        for eye in range(count):
             panel = refresh.eyes[eye].panel if refresh is not None else None
             self._presenter.show(panel, into, (eye * w, 0, w, h), hardware_srgb=False, notice=notice)
         return self._at_ns
@@ -90,19 +106,21 @@ class OffscreenDisplay:
         return self._target
 
     def _free_target(self) -> None:
-        for thing in filter(None, (self._target, self._texture)):
-            thing.release()
+        if self._target is not None:
+            self._target.release()
+        if self._texture is not None:
+            self._texture.release()
         self._target = self._texture = None
 
     def commands(self) -> Sequence[Command]:
         """Return nothing: it has no user."""
         return ()
 
-    def tell(self, status: object) -> None:
+    def tell(self, status: Status) -> None:
         """Do nothing: it has no user."""
 
     def reopen(self) -> bool:
-        """Return True: it never goes away."""
+        """Return False: it is never lost."""
         return False
 
     def close(self) -> None:

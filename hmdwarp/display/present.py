@@ -1,4 +1,4 @@
-"""From linear light to the colours of a window or runtime, and from inverse depth to its depth."""
+"""Finished pictures in the colours and depths of a window or runtime."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Presenter:
         window. Holes are black, light beyond 0..1 is clipped, NaN is black. notice: over it, as
         `eye` sees head-locked content; eye None: at the bottom of the viewport.
         """
-        picture, size = panel or self._nothing, tuple(viewport[2:])
+        picture, size = panel or self._nothing, (viewport[2], viewport[3])
         key = (hardware_srgb, picture.size != size, notice is not None)
         if key not in self._pictures:
             self.prepare(hardware_srgb=hardware_srgb)
@@ -70,8 +70,8 @@ class Presenter:
         whole.uniforms.set(picture=0, picture_size=picture.size, place=tuple(viewport))
         if notice is not None:
             notice.ink.use(1)
-            whole.uniforms.set(ink=1, plate_from_place=notice.plate_from_place(size, eye))
-        # Off for a window too: one may be sRGB without having been asked to be.
+            whole.uniforms.set(ink=1, uv_from_pixel=notice.uv_from_pixel(size, eye))
+        # Off for a window too: one may be sRGB without a request for it.
         (self._gl.enable_direct if hardware_srgb else self._gl.disable_direct)(FRAMEBUFFER_SRGB)
         self._draw(whole, into, viewport, moderngl.NOTHING)
         self._gl.disable_direct(FRAMEBUFFER_SRGB)

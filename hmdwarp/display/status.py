@@ -24,7 +24,6 @@ class Status:
 
     # what each control is set to, by its name
     values: dict[str, object] = attrs.field(factory=dict)
-    # what controls of kind "choice" may be set to, the present value included
     # what controls of kind "choice" may be set to, with the present value
     choices: Mapping[str, tuple[object, ...]] = attrs.field(factory=dict)
     budget_ms: float = 0.0  # a refresh of the display

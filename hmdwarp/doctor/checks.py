@@ -17,12 +17,15 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from typing import Any
 
 import attrs
 
-from ..display.openxr.trouble import APT, lacks, manifest_in_words, trouble
+from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
 from ..gpu.context import HOW_TO_GET_GL
 from ..version import __version__
+
+Answer = dict[str, Any]  # the JSON object of a probe; `error` is set where something is missing
 
 PROBE_SECONDS = 30.0  # a cold runtime may start its whole compositor before it answers
 
@@ -71,7 +74,7 @@ def replay_can_run(findings: list[Finding]) -> bool:
     return all(finding.state is not State.MISSING for finding in findings)
 
 
-def ask(question: str, seconds: float = PROBE_SECONDS) -> dict[str, object]:
+def ask(question: str, seconds: float = PROBE_SECONDS) -> Answer:
     """Return the last words of the probe `question` (gl, openxr, window).
 
     `error` is set where it crashed, hung or printed nothing.
@@ -80,26 +83,24 @@ def ask(question: str, seconds: float = PROBE_SECONDS) -> dict[str, object]:
     command = [sys.executable, "-P", "-m", "hmdwarp.doctor.probes", question]
     try:
         done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
-        stdout, stderr, trouble = (
-            done.stdout,
-            done.stderr,
-            f"ended with status {done.returncode}" if done.returncode else "",
-        )
+        stdout, stderr = done.stdout, done.stderr
+        failure = f"ended with status {done.returncode}" if done.returncode else ""
     except subprocess.TimeoutExpired as expired:
-        stdout, stderr, trouble = expired.stdout or b"", expired.stderr or b"", f"gave no answer within {seconds:g} s"
+        stdout, stderr = expired.stdout or b"", expired.stderr or b""
+        failure = f"gave no answer within {seconds:g} s"
     known = _last_object(stdout.decode(errors="replace"))
-    if trouble or not known:
-        said = stderr.decode(errors="replace").strip().splitlines()
+    if failure or not known:
+        output = stderr.decode(errors="replace").strip().splitlines()
         return {
             "stage": "start",
             **known,
             "error": "died",
-            "message": f"{trouble or 'said nothing'}{f' ({said[-1]})' if said else ''}",
+            "message": f"{failure or 'said nothing'}{f' ({output[-1]})' if output else ''}",
         }
     return known
 
 
-def _last_object(text: str) -> dict[str, object]:
+def _last_object(text: str) -> Answer:
     for line in reversed(text.splitlines()):
         try:
             value = json.loads(line)
@@ -130,7 +131,7 @@ def packages() -> Finding:
             "make setup",
         )
     found, absent = {}, []
-    for name in sorted(re.match(r"[\w.-]+", line)[0] for line in declared if "extra ==" not in line):
+    for name in sorted(re.split(r"[^\w.-]", line)[0] for line in declared if "extra ==" not in line):
         try:
             found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
@@ -147,8 +148,8 @@ def opengl() -> list[Finding]:
     """Check that a context with compute shaders starts; report driver, limits and stage clock."""
     known = ask("gl")
     if "error" in known:
-        trouble = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
-        return [Finding("OpenGL", State.MISSING, trouble, HOW_TO_GET_GL.split(";")[0], known)]
+        reason = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
+        return [Finding("OpenGL", State.MISSING, reason, HOW_TO_GET_GL.split(";")[0], known)]
     detail = (
         f"{known['renderer']}, {known['version']} "
         f"({'software, on the processor' if known['software'] else 'hardware'}); "
@@ -172,30 +173,34 @@ def openxr() -> list[Finding]:
     """Check loader and runtime, up to the headset; optional, replay needs none of them."""
     known = ask("openxr")
     if known["stage"] in ("start", "binding"):
-        trouble = _one_line(known.get("message", known.get("error")))
-        return [Finding("OpenXR loader", State.OPTIONAL, trouble, f"{APT} libgl1, and pip install pyopenxr", known)]
+        reason = _one_line(known.get("message", known.get("error")))
+        return [Finding("OpenXR loader", State.OPTIONAL, reason, f"{INSTALL} libgl1, and pip install pyopenxr", known)]
     loader = Finding(
         "OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}"
     )
     return [loader, _runtime(known)]
 
 
-def _runtime(known: dict[str, object]) -> Finding:
+def _runtime(known: Answer) -> Finding:
     parts = (known["runtime"], known["runtime_version"]) if "runtime" in known else ("the runtime", "")
     name = parts[0] if parts[1] in parts[0] else " ".join(parts)  # Monado's name says it
-    detail, remedy = _runtime_trouble(name, known) if "error" in known else lacks(name, known["extensions"])
+    detail, remedy = (
+        _runtime_failure(name, known) if "error" in known else missing_extensions(name, known["extensions"])
+    )
     if detail:
         return Finding("OpenXR runtime", State.OPTIONAL, detail, remedy, known)
     return Finding("OpenXR runtime", State.OK, f"{name}, headset '{known['headset']}'", facts=known)
 
 
-def _runtime_trouble(name: str, known: dict[str, object]) -> tuple[str, str]:
-    return trouble(known["stage"], known["error"], known.get("message"), name, manifest_in_words(os.environ))
+def _runtime_failure(name: str, known: Answer) -> tuple[str, str]:
+    return diagnose(known["stage"], known["error"], known.get("message"), name, manifest_text(os.environ))
 
 
 def window() -> Finding:
     """Check that a desktop window opens; optional, replay needs none."""
-    remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then put xvfb-run -a before the command"
+    remedy = (
+        f"run in a desktop session, or under a virtual one: {INSTALL} xvfb, then put xvfb-run -a before the command"
+    )
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return Finding(
             "desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy

@@ -30,9 +30,9 @@ def tell(known: dict[str, object]) -> None:
 
 
 def gl() -> None:
-    """The OpenGL context that replay would use.
+    """Report the OpenGL context that replay would use.
 
-    Who draws, its limits, and whether its timers measure anything.
+    Its renderer, its limits, and whether its timers measure anything.
     """
     from ..errors import MachineError
     from ..gpu.context import Gpu
@@ -55,7 +55,7 @@ def gl() -> None:
 
 
 def openxr() -> None:
-    """How far one gets on the way to a headset: binding, runtime, service, headset."""
+    """Report each step on the way to a headset: binding, runtime, service, headset."""
     known: dict[str, object] = {"stage": "binding"}
     tell(known)
     try:
@@ -94,17 +94,17 @@ def openxr() -> None:
 
 
 def window() -> None:
-    """Whether a desktop window with OpenGL 4.3 can be opened; it stays hidden."""
+    """Report whether a desktop window with OpenGL 4.3 opens; it stays hidden."""
     import warnings
 
-    from ..display.desktop.opening import choose_library
+    from ..display.desktop import choose_library
 
     choose_library()
     import glfw
 
     warnings.simplefilter("ignore", glfw.GLFWError)
     if not glfw.init():
-        tell({"stage": "display", "error": (glfw.get_error()[1] or b"no display").decode()})
+        tell({"stage": "display", "error": _text(glfw.get_error()[1] or "no display")})
         return
     try:
         hints = {
@@ -117,7 +117,7 @@ def window() -> None:
             glfw.window_hint(hint, value)
         made = glfw.create_window(64, 64, "hmdwarp doctor", None, None)
         if not made:
-            tell({"stage": "window", "error": (glfw.get_error()[1] or b"no window").decode()})
+            tell({"stage": "window", "error": _text(glfw.get_error()[1] or "no window")})
             return
         monitor = glfw.get_primary_monitor()
         mode = glfw.get_video_mode(monitor) if monitor else None

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..geometry import View
-from ..scenes.effects import SceneEffect
 from .layers import Layer, layers
 
 if TYPE_CHECKING:
@@ -80,15 +79,12 @@ class Frame:
 
     eyes: tuple[EyeImage, ...]
     drawn_ns: int
-    # What the scene called for.
-    effects: SceneEffect = SceneEffect.NONE
     # The world_from_head that the frame was drawn for, and its origin; None where only the views
     # are known.
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
     drawing: Lap | None = None
-    # Milliseconds of other work on its way by name (encode, decode), entered by whoever does the
-    # work.
+    # Milliseconds of other work on its way, by name (encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
 
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:

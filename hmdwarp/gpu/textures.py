@@ -6,6 +6,8 @@ row.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +65,24 @@ class Canvas:
     def release(self) -> None:
         self._framebuffer.release()
         self.texture.release()
+
+
+class Releasable(Protocol):
+    """A texture, buffer, framebuffer or vertex array."""
+
+    def release(self) -> object:
+        """Free it."""
+
+
+def release_all(*things: Releasable) -> None:
+    """Release each of them, in this order."""
+    for thing in things:
+        thing.release()
+
+
+def tiles(size: tuple[int, int], side: int) -> tuple[int, int]:
+    """Return how many square tiles of `side` pixels cover a (w, h) picture, across and down."""
+    return -(-size[0] // side), -(-size[1] // side)
 
 
 def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:

@@ -23,7 +23,6 @@ from ..frames import EyeImage
 from ..geometry import View, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
-from ..scenes.effects import SceneEffect
 
 NO_DEPTH = -1.0
 
@@ -72,7 +71,7 @@ def warp_image(
 
 def _plan(warp: str, fill: str) -> Plan:
     try:
-        return build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False, brings=PICTURE)
+        return build_plan((), warp, fill, "none", client_geometry=False, brings=PICTURE)
     except PlanError as error:
         able = [f"warps {', '.join(entry.name for entry in warps if set(entry.reads) <= set(PICTURE))}"]
         able.append(
@@ -108,6 +107,7 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
     try:
         gpu.timer.collect()
         result = compensator.run(PassInputs(rendered, shown))
+        assert result.shown is not None and result.warped is not None, "only a fused plan lacks them"
         picture = download(result.shown.texture).astype(np.float32)
         warped = download(result.warped.texture)[..., 3]
         times = dict(gpu.timer.collect())

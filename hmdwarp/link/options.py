@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import attrs
-import numpy as np
 
 from ..errors import InputError
+from ..options import Declared, Option, option
 from .bandwidth import QUEUE_MS, Bandwidth
 from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
@@ -18,89 +18,6 @@ from .link import Link
 from .loss import GilbertElliott
 
 _MOST_SEED = 2**63
-
-
-@attrs.frozen
-class LinkOptions:
-    """A network: how long frames take, which are lost, how much fits through.
-
-    By default the latency alone.
-    """
-
-    delay: DelayModel = attrs.field(factory=ConstantDelay)
-    loss: GilbertElliott | None = None
-    bandwidth: Bandwidth | None = None
-    # Random seed of jitter and loss; the same one makes the same network, whatever is sent through
-    # it.
-    seed: int = 0
-
-    def __attrs_post_init__(self) -> None:
-        if not 0 <= self.seed < _MOST_SEED:
-            raise InputError(f"seed {self.seed}: wanted a whole number, 0 or more")
-
-    @classmethod
-    def parse(
-        cls, *, jitter: str = "", delay_trace: Path | None = None, loss: str = "", bandwidth: str = "", seed: int = 0
-    ) -> Self:
-        """Return the network that the texts of the options describe, "" or None for the default.
-
-        jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace: a
-        file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
-        `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
-        Mbit/s, and the longest wait in the queue where it matters: 50,queue=100. Errors:
-        InputError.
-        """
-        if delay_trace is not None and jitter:
-            raise InputError(
-                f"jitter '{jitter}' beside a delay trace: the trace says every delay; leave one of them out"
-            )
-        delay = delay_models.get("trace").parse(str(delay_trace)) if delay_trace is not None else parse_jitter(jitter)
-        return cls(delay, parse_loss(loss), parse_bandwidth(bandwidth), seed)
-
-    @property
-    def is_plain(self) -> bool:
-        """Whether every frame takes exactly the latency and arrives."""
-        return attrs.evolve(self, seed=0) == LinkOptions()
-
-    def longest_ns(self, latency_ns: int) -> int:
-        """Return a bound on the time from sending to arrival, without the transfer of bytes."""
-        return self.delay.longest_ns(latency_ns) + (self.bandwidth.queue_ns if self.bandwidth is not None else 0)
-
-    def typical_ns(self, latency_ns: int) -> int:
-        """Return the mean delay, without queue and transfer."""
-        return self.delay.typical_ns(latency_ns)
-
-    def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
-        """Return a bound on the frames under way, of any size, if one is sent each refresh.
-
-        Those that wait came within the last queue_ms, one more is being transferred, and the delay
-        of the others began within the longest delay; one is about to enter.
-        """
-        waiting = math.ceil(self.bandwidth.queue_ns * 1e-9 * rate_hz) + 2 if self.bandwidth is not None else 0
-        return waiting + math.ceil(self.delay.longest_ns(latency_ns) * 1e-9 * rate_hz) + 2
-
-    def check(self, latency_ns: int) -> None:
-        """Check the delays against the latency. Errors: InputError for an impossible network."""
-        self.delay.check(latency_ns)
-
-    def delays(self, latency_ns: int) -> Iterator[int]:
-        """Yield the delay of each frame in ns. Errors: as `check`."""
-        self.check(latency_ns)
-        return self.delay.samples(latency_ns, np.random.default_rng([self.seed, 0]))
-
-    def link(
-        self,
-        latency_ns: int,
-        discard: Callable[[Any], None] = lambda frame: None,
-        wasted: Callable[[Any], None] | None = None,
-        receive: Callable[[Any], bool] | None = None,
-    ) -> Link:
-        """Return a new link through this network; see `Link` for the callbacks.
-
-        Errors: as `check`.
-        """
-        losses = self.loss.samples(np.random.default_rng([self.seed, 1])) if self.loss is not None else None
-        return Link(self.delays(latency_ns), losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)
 
 
 def parse_jitter(text: str) -> DelayModel:
@@ -151,3 +68,117 @@ def _number(text: str, found: str, wanted: str) -> float:
         return float(text)
     except ValueError:
         raise InputError(f"{found}: {wanted}") from None
+
+
+_DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, name="delay_trace")
+
+
+@attrs.frozen
+class LinkOptions(Declared):
+    """A network: how long frames take, which are lost, how much fits through.
+
+    By default the latency alone.
+    """
+
+    # How long each frame takes.
+    delay: DelayModel = option(
+        ConstantDelay(),
+        "Delays around the latency: uniform:MS or normal:MS (standard deviation); by default none.",
+        name="jitter",
+        kind=str,
+        default="",
+        beside=(_DELAY_TRACE,),
+        parse=parse_jitter,
+    )
+    # Which frames never arrive.
+    loss: GilbertElliott | None = option(
+        None,
+        "Lost frames: a share, or bursts like p=0.02,r=0.3 (Gilbert-Elliott); by default none.",
+        default="",
+        numeric=True,
+        parse=parse_loss,
+    )
+    # How much fits through.
+    bandwidth: Bandwidth | None = option(
+        None,
+        "Bandwidth of the link; with ,queue=MS the longest wait before it; by default unlimited.",
+        unit="Mbit/s",
+        name="bandwidth",
+        default="",
+        numeric=True,
+        parse=parse_bandwidth,
+    )
+    # The same seed makes the same network, whatever is sent through it.
+    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
+
+    def __attrs_post_init__(self) -> None:
+        if not 0 <= self.seed < _MOST_SEED:
+            raise InputError(f"seed {self.seed}: wanted a whole number, 0 or more")
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields that something was said about.
+
+        said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace:
+        a file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
+        `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
+        Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
+        Errors: InputError.
+        """
+        path = said.get("delay_trace")
+        if path is None:
+            return super().values_of(said)
+        if said.get("jitter"):
+            raise InputError(
+                f"jitter '{said['jitter']}' beside a delay trace: the trace says every delay; leave one of them out"
+            )
+        return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether every frame takes exactly the latency and arrives."""
+        return attrs.evolve(self, seed=0) == LinkOptions()
+
+    def longest_ns(self, latency_ns: int) -> int:
+        """Return a bound on the time from sending to arrival, without the transfer of bytes."""
+        return self.delay.longest_ns(latency_ns) + (self.bandwidth.queue_ns if self.bandwidth is not None else 0)
+
+    def typical_ns(self, latency_ns: int) -> int:
+        """Return the mean delay, without queue and transfer."""
+        return self.delay.typical_ns(latency_ns)
+
+    def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
+        """Return a bound on the frames under way, of any size, if one is sent each refresh.
+
+        Those that wait came within the last queue_ms, one more is being transferred, and the delay
+        of the others began within the longest delay; one is about to enter.
+        """
+        waiting = math.ceil(self.bandwidth.queue_ns * 1e-9 * rate_hz) + 2 if self.bandwidth is not None else 0
+        return waiting + math.ceil(self.delay.longest_ns(latency_ns) * 1e-9 * rate_hz) + 2
+
+    def check(self, latency_ns: int) -> None:
+        """Check the delays against the latency. Errors: InputError for an impossible network."""
+        self.delay.check(latency_ns)
+
+    def delays(self, latency_ns: int) -> Iterator[int]:
+        """Yield the delay of each frame in ns. Errors: as `check`."""
+        import numpy as np
+
+        self.check(latency_ns)
+        return self.delay.samples(latency_ns, np.random.default_rng([self.seed, 0]))
+
+    def link(
+        self,
+        latency_ns: int,
+        discard: Callable[[Any], None] = lambda frame: None,
+        wasted: Callable[[Any], None] | None = None,
+        receive: Callable[[Any], bool] | None = None,
+    ) -> Link:
+        """Return a new link through this network; see `Link` for the callbacks.
+
+        Errors: as `check`.
+        """
+        import numpy as np
+
+        losses = self.loss.samples(np.random.default_rng([self.seed, 1])) if self.loss is not None else None
+        return Link(self.delays(latency_ns), losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 # 32 rows keep float64 temporaries of a 2064x2208 eye under 10 MB, and every matrix product below
-# OpenBLAS's threading threshold: with threads its last bits could differ with the load of the machine.
+# OpenBLAS's threading threshold: with threads its last bits could differ with the load of the
+# machine.
 _ROWS = 32
 
 
@@ -18,7 +19,7 @@ def row_blocks(height: int) -> Iterator[slice]:
 
 
 def pixel_centres(rows: slice, width: int) -> NDArray[np.float64]:
-    """Return the pixel coordinates x, y of the centres, i + 0.5: (rows, width, 2), bottom row first."""
+    """Return the pixel coordinates x, y of the centres: (rows, width, 2), bottom row first."""
     x = np.arange(width) + 0.5
     y = np.arange(rows.start, rows.stop) + 0.5
     return np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)

@@ -1,4 +1,4 @@
-"""One picture to measure, with everything its metrics need, and the measuring itself."""
+"""One picture to measure, with everything its metrics need."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError
 from ..geometry import View
-from .library.flip import flip
-from .metric import Input, metrics_in_order
+from .flip_map import flip
+from .inputs import Input
 from .pictures import check_pair, error_image
-from .regions import region_sums
 
 T = TypeVar("T")
 
@@ -71,7 +70,7 @@ class QualityJob:
         for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
-        if self.regions and not Input.COVERAGE | Input.DEPTH in self.inputs:
+        if self.regions and (Input.COVERAGE | Input.DEPTH) not in self.inputs:
             raise InputError("regions of the error need the coverage and the truth's inverse depth: pass both")
 
     @property
@@ -81,7 +80,7 @@ class QualityJob:
         for flag, value in (
             (Input.COVERAGE, self.covered),
             (Input.DEPTH, self.truth_inverse_depth),
-            (Input.RENDERED, self.rendered and self.rendered_size),
+            (Input.RENDERED, None if self.rendered is None else self.rendered_size),
             (Input.PREVIOUS, self.previous),
         ):
             if value is not None:
@@ -109,7 +108,7 @@ class Measurement:
 
     def __init__(self, job: QualityJob, pixels_per_degree: float) -> None:
         self._job, self._pixels_per_degree = job, pixels_per_degree
-        self.now = job.now
+        self.now: Compared = job.now
 
     @functools.cached_property
     def flip(self) -> tuple[float, NDArray[np.float32]]:
@@ -146,17 +145,3 @@ def _declared(value: T | None, flag: Input) -> T:
     if value is None:
         raise HmdwarpError(f"a metric reads {flag.name} without declaring it in `needs`")
     return value
-
-
-def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
-    """Return all figures of one job; the same job gives the same bits wherever it runs."""
-    now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
-    values = {
-        metric.name: metric.compute(measurement) if metric.needs in there else None for metric in metrics_in_order()
-    }
-    flip_map = measurement.flip[1]
-    error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
-    regions = None
-    if job.regions:
-        regions = region_sums(now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map)
-    return QualityResult(values, error_map, regions)

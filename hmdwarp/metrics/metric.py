@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -11,19 +10,10 @@ import attrs
 
 from ..registry import Registry
 from .figure import Figure
+from .inputs import Input
 
 if TYPE_CHECKING:
     from .job import Measurement
-
-
-class Input(enum.Flag):
-    """What a metric is computed from."""
-
-    TRUTH = enum.auto()  # the picture without latency
-    COVERAGE = enum.auto()  # which pixels the warp covered, before the fill
-    DEPTH = enum.auto()  # inverse depth of the truth
-    RENDERED = enum.auto()  # the view the late frame was rendered for
-    PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
 
 
 @attrs.frozen(kw_only=True)
@@ -53,8 +43,8 @@ class Metric:
     short_label: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
     short_digits: int = 3
 
-    # --- where it is shown ---
-    # Columns of a low rank leave a bench's table first where the terminal is narrow; None: never in it.
+    # --- where it is shown --- Columns of a low rank leave a bench's table first where the terminal
+    # is narrow; None: never in it.
     bench_rank: float | None = 0
     tile_note: str = ""  # note under its tile at the top of a report; "": no tile
     chart: str = ""  # heading of its chart over time; "": no chart
@@ -87,7 +77,7 @@ class Metric:
         return f"% of {self.percent_of}" if self.percent_of else self.unit
 
 
-METRICS: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library")
+metrics: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library", "metrics")
 # Decides which pictures are the worst and, unless another one is chosen, which method is the best.
 PRIMARY = "flip"
 
@@ -95,4 +85,4 @@ PRIMARY = "flip"
 @functools.cache
 def metrics_in_order() -> tuple[Metric, ...]:
     """Return all metrics in the order of files, tables and pages."""
-    return tuple(sorted(METRICS, key=lambda metric: metric.order))
+    return tuple(sorted(metrics, key=lambda metric: metric.order))

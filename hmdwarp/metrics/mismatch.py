@@ -1,4 +1,4 @@
-"""Mismatch: holes that only one eye sees. The two pictures then rival, worse than a hole in both."""
+"""Mismatch: holes that only one eye sees. The two pictures rival, worse than a hole in both."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import View, WarpMap
-from ..gpu.textures import flip_rows
+from ..gpu import flip_rows
 from .grid import pixel_centres, row_blocks
 
-# The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a surface
-# slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth. Things that
-# hide each other differ by more.
+# The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a
+# surface slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth.
+# Things that hide each other differ by more.
 DEPTH_TOLERANCE = 0.02
 DEPTH_FLOOR = 0.002  # 1/m: nearer to each other than that, things are equally far
 
@@ -32,7 +32,7 @@ class Mismatch:
 
     @property
     def share(self) -> float | None:
-        """Part of what both eyes see that is a hole for exactly one, 0..1; None if nothing is seen by both."""
+        """Part of what both eyes see that is a hole for exactly one, 0..1; None without any."""
         return self.one_eyed / self.seen_by_both if self.seen_by_both else None
 
 
@@ -43,8 +43,8 @@ class SharedSurface:
     through the warp map to the right eye. It is seen there if the right eye's own depth at the
     nearest pixel is the same.
 
-    left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of one
-    size, top row first, in 1/m, 0 or NaN = infinitely far.
+    left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of
+    one size, top row first, in 1/m, 0 or NaN = infinitely far.
     Errors: InputError unless the two have one size.
     """
 

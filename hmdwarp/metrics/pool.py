@@ -1,8 +1,8 @@
 """Measurement of pictures in other processes: SSIM and FLIP take a second a frame.
 
-multiprocessing and loky were tried instead. Spawned children of multiprocessing import the user's main
-script again. Those of loky (3.7) stay for good, 200 MB each, when this process is killed. Neither is
-faster, and neither does the work of a killed child again.
+multiprocessing and loky were tried instead. Spawned children of multiprocessing import the user's
+main script again. Those of loky (3.7) stay for good, 200 MB each, when this process is killed.
+Neither is faster, and neither does the work of a killed child again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from typing import Any
 import attrs
 
 from ..errors import HmdwarpError, MachineError
-from .job import QualityJob, QualityResult, measure
+from .job import QualityJob, QualityResult
+from .measuring import measure
 from .worst import Kept, WorstKeeper
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"
@@ -38,7 +39,7 @@ def worker_count(workers: int | None) -> int:
 
 
 class QualityPool:
-    """A pool of `workers` processes that measure QualityJobs; 0 measures inside submit(), to the same bits.
+    """A pool of processes that measure QualityJobs; with 0 of them submit() does, to the same bits.
 
         with QualityPool(2, pixels_per_degree, worst=6) as pool:
             pool.submit((frame, eye), job)            # waits while all workers are behind
@@ -47,12 +48,13 @@ class QualityPool:
     Leaving the block normally waits for all submitted jobs. Leaving it by an exception (Ctrl-C too)
     drops the rest at once. No process outlives the block.
 
-    keep=True in submit keeps that job's pictures in `kept`. `worst` is how many of the worst pictures
-    (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. Anything else is dropped as soon
-    as it is measured, so memory does not grow with the length of the run. A kept picture comes with
-    its FLIP map, without previous frame, coverage and depth.
+    keep=True in submit keeps that job's pictures in `kept`. `worst` is how many of the worst
+    pictures (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. Anything else is
+    dropped as soon as it is measured, so memory does not grow with the length of the run. A kept
+    picture comes with its FLIP map, without previous frame, coverage and depth.
 
-    Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a worker died.
+    Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a
+    worker died.
     """
 
     def __init__(
@@ -89,7 +91,7 @@ class QualityPool:
             self._threads.append(thread)
 
     def submit(self, key: Any, job: QualityJob, *, keep: bool = False) -> None:
-        """Submit a job under a key that sorts among the others; block while each worker has a job waiting."""
+        """Submit a job under a sortable key; block while each worker has a job waiting."""
         if keep or self._keeper.count:
             job = attrs.evolve(job, error_map=True)
         if not self._workers and not self._stopping.is_set():
@@ -102,7 +104,7 @@ class QualityPool:
             raise HmdwarpError("this pool of measuring processes is closed: submit inside its with block")
 
     def wait(self) -> None:
-        """Wait until all submitted jobs are measured, so that the next timing has the machine to itself.
+        """Wait until all jobs are measured, so that the next timing has the machine to itself.
 
         Errors: as submit.
         """
@@ -112,7 +114,7 @@ class QualityPool:
         self._raise_failure()
 
     def finish(self) -> dict[Any, dict[str, float | None]]:
-        """Wait for all submitted jobs, end the workers, and return all results in the order of their keys."""
+        """Wait for all jobs, end the workers, and return all results in the order of their keys."""
         try:
             for _ in self._threads:
                 self._put(None)
@@ -179,7 +181,7 @@ class QualityPool:
             self._store(key, job, keep, measure(job, self._pixels_per_degree))
         except Exception as error:
             self._fail(key, error)
-            raise self._failure from error
+            self._raise_failure(error)
 
     def _serve(self, worker: _Worker) -> None:
         while not self._stopping.is_set():
@@ -204,7 +206,8 @@ class QualityPool:
             self._results[key] = result.values
             if result.regions is not None:
                 self._regions[key] = result.regions
-            # Only what reports show is worth keeping: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
+            # Only what reports show is worth keeping: a job of a 2064x2208 eye is 100 MB, its
+            # pictures are 40.
             shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, regions=False)
             kept = Kept(key, shown, result)
             if keep:
@@ -218,9 +221,9 @@ class QualityPool:
                 self._failure = type(known)(f"measuring picture {key} failed: {known}")
         self._stopping.set()
 
-    def _raise_failure(self) -> None:
+    def _raise_failure(self, cause: Exception | None = None) -> None:
         if self._failure is not None:
-            raise self._failure
+            raise self._failure from cause
 
     def _stop_workers(self, *, kill: bool) -> None:
         if kill:

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .library.psnr_db import db_of
-from .pictures import check_pair
+from .pictures import check_pair, db_of
 
 REGIONS = ("holes", "edges", "elsewhere")
 SUMS = ("pixels", "squared_error", "flip")
@@ -30,8 +29,8 @@ EDGE_WIDTH_PX = 2
 def region_of(coverage: NDArray, truth_inverse_depth: NDArray) -> NDArray[np.uint8]:
     """Return the region of each pixel, (h, w), as an index into REGIONS.
 
-    coverage: (h, w), after the warp and before the fill; 0 is a hole. truth_inverse_depth: (h, w) in
-    1/m, 0 or NaN = infinitely far.
+    coverage: (h, w), after the warp and before the fill; 0 is a hole. truth_inverse_depth: (h, w)
+    in 1/m, 0 or NaN = infinitely far.
     Errors: InputError unless both have one size.
     """
     if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
@@ -48,8 +47,8 @@ def near_discontinuity(inverse_depth: NDArray) -> NDArray[np.bool_]:
     """Return the pixels, (h, w), within 2 pixels of a jump in depth, along a row, a column or both.
 
     A jump lies between two neighbours whose step continues neither the step before it nor the one
-    after it, by more than two planes that meet could make: RELATIVE_STEP of the nearer one, at least
-    LEAST_STEP. A wall seen at a grazing angle has none.
+    after it, by more than two planes that meet could make: RELATIVE_STEP of the nearer one, at
+    least LEAST_STEP. A wall seen at a grazing angle has none.
     """
     depth = np.nan_to_num(np.asarray(inverse_depth, dtype=np.float32), nan=0.0)
     near = np.zeros(depth.shape, bool)

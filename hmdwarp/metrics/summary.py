@@ -21,10 +21,10 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
 
     rows: keyed by the columns of frames.csv.
     time_ms: per stage {median, p95} of the `<stage>_ms` columns, per eye.
-    quality: per metric {mean, p95}. p95 is always the bad tail: 95 % of the pictures are at least as
-    good. It is the 5th percentile where higher is better (psnr_db, ssim), else the 95th.
-    measured: per metric, how many pictures had it. A picture without a figure (None, or no such key)
-    is left out of that metric, never counted as 0; without any, mean, median and p95 are None.
+    quality: per metric {mean, p95}. p95 is always the bad tail: 95 % of the pictures are at least
+    as good. It is the 5th percentile where higher is better (psnr_db, ssim), else the 95th.
+    measured: per metric, how many pictures had it. A picture without a figure (None, or no such
+    key) is left out of that metric, never counted as 0; without any, mean, median and p95 are None.
     Errors: HmdwarpError for NaN or infinite values, which no measurement gives.
     """
     rows = list(rows)

@@ -1,8 +1,8 @@
-"""The measuring process: jobs come in on standard input, results go out on standard output, both pickled.
+"""The measuring process: pickled jobs on standard input, pickled results on standard output.
 
-It is an ordinary program started by QualityPool, not a fork and not a multiprocessing child. It holds
-no GL context, does not import the user's main script again, is out of reach of the terminal's Ctrl-C,
-and ends by itself when its input does.
+It is an ordinary program started by QualityPool, not a fork and not a multiprocessing child. It
+holds no GL context, does not import the user's main script again, is out of reach of the terminal's
+Ctrl-C, and ends by itself when its input does.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def main() -> None:
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     os.nice(_NICENESS)
 
-    from .job import measure
+    from .measuring import measure
 
     # A parent that is gone (EOFError, BrokenPipeError) needs no more results.
     with contextlib.suppress(EOFError, BrokenPipeError):

@@ -1,4 +1,4 @@
-"""The worst pictures of a long run, in bounded memory and in an order that does not depend on timing."""
+"""The worst pictures of a long run, in bounded memory; timing does not matter."""
 
 from __future__ import annotations
 
@@ -21,16 +21,18 @@ class Kept:
 
     @property
     def rank(self) -> tuple[float, Any]:
-        """Sort key: larger is worse. Of two equally bad pictures the one with the larger key is worse."""
+        """Sort key: larger is worse. Of two equals the one with the larger key is worse."""
         return self.result.values[PRIMARY] or 0.0, self.key
 
 
 class WorstKeeper:
-    """The `count` pictures with the largest FLIP error, at most one from each bucket (a second of the trace, say).
+    """The `count` pictures with the largest FLIP error, at most one from each bucket.
+
+    A bucket is a second of the trace, say.
 
     The order in which pictures are offered does not matter. A bucket's worst is dropped only for
-    `count` buckets that are worse still, and those can only get worse. A picture whose bucket is None
-    is never kept.
+    `count` buckets that are worse still, and those can only get worse. A picture whose bucket is
+    None is never kept.
     """
 
     def __init__(self, count: int, bucket: Callable[[Any], Hashable]) -> None:

@@ -1,4 +1,4 @@
-"""A picture's whole way on one GPU: server, channel, history, client and the loop that drives them. Every driver builds this one."""
+"""A picture's whole way on one GPU: server, channel, history, client and the loop that drives them."""
 
 from __future__ import annotations
 
@@ -32,47 +32,55 @@ _SAME_REFRESH = 1e-3
 
 
 def latency_ns(options: PipelineOptions) -> int:
-    """What was asked for."""
+    """Return the latency of the options."""
     return round(options.latency_ms * 1e6)
 
 
 def refreshes_of(latency_ms: float, rate_hz: float) -> int:
-    """How many refreshes after it was drawn a frame is shown: it waits for the next one after it has arrived."""
+    """Return how many refreshes after it was drawn a frame is shown: the next one after it has arrived."""
     return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
 
 
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """The most frames there are at a time: under way, shown, being drawn, and older ones kept."""
+    """Return the most frames there are at a time: under way, shown, being drawn, and older ones kept."""
     if options.network.is_plain:
         return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
     return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.others.past
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
-    """How old a frame will be when it is seen, as far as one can know. plain_ns: over a link that does nothing but delay."""
+    """Return the expected age of a frame when it is seen. plain_ns: over a link that only delays."""
     return plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
-    """Errors: as check_room, for the most frames there are at a time."""
-    check_room(gpu, needs, sizes, options.guard, frames_held(options, rate_hz, needs), options.latency_ms)
+    """Check the room for the most frames there are at a time. Errors: as check_room."""
+    check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
-@attrs.frozen
-class Timing:
-    """When things happen. rate_hz: of the display's refreshes; link_latency_ns: what the link delays by."""
+@attrs.frozen(eq=False)
+class Target:
+    """Where the pictures of a run go."""
 
+    # Belongs to the caller.
+    gpu: Gpu
+    eyes: Eyes
+    # Of the display's refreshes.
     rate_hz: float
+    # Delay of the link.
     link_latency_ns: int
+    # Headset whose lens the plans correct, if they do.
+    lens_of: Headset | None = None
 
 
 @attrs.define(eq=False)
 class Pipeline:
-    """Everything on the GPU that one run needs, ready to go. Use as a context manager; the GPU itself belongs to the caller.
+    """Everything on the GPU that one run needs, ready to go.
 
-    plan: what runs at first; auto: what chooses among several, where something does.
+    Use as a context manager; the GPU itself belongs to the caller.
     """
 
+    # The plan that runs at first.
     plan: Plan
     requested: PoseRequest
     sizes: EyeSizes
@@ -81,15 +89,17 @@ class Pipeline:
     geometry: ClientScene
     channel: Channel
     loop: Loop
+    # The part that chooses the warp; None where the options name one.
     auto: AdaptiveCompensator | None
     lens_of: Headset | None
     _made: list[Compensator | AdaptiveCompensator]
     _cleanup: ExitStack
 
     def compensator(self, plan: Plan) -> Compensator:
-        """A compensator for another plan on the same frames, freed with the pipeline."""
-        self._made.append(_compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry))
-        return self._made[-1]
+        """Return a compensator for another plan on the same frames, freed with the pipeline."""
+        made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
+        self._made.append(made)
+        return made
 
     def exchange(self, plan: Plan) -> None:
         """Run this plan from now on; frames must carry what it reads. What it replaces is freed."""
@@ -114,23 +124,21 @@ class Pipeline:
 
 
 def build_pipeline(
-    gpu: Gpu,
     options: PipelineOptions,
     scene: Scene,
-    eyes: Eyes,
+    target: Target,
     plans: Sequence[Plan],
     requested: PoseRequest,
-    timing: Timing,
-    lens_of: Headset | None = None,
     levels: tuple[QualityLevel, ...] = (),
 ) -> Pipeline:
-    """Compile and allocate all of it. plans: one, or that of each rung. lens_of: whose lens the plans correct, if they do.
+    """Compile and allocate all of it.
 
+    plans: one, or that of each quality level.
     Errors: InputError for sizes the GPU cannot do, MachineError where there is no room.
     """
-    needs = requested.needs
-    sizes = eye_sizes(requested.guard, eyes, requested.size)
-    check_held(gpu, options, needs, sizes, timing.rate_hz)
+    needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
+    sizes = eye_sizes(requested.guard, target.eyes, requested.size)
+    check_held(gpu, options, needs, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -138,7 +146,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, timing, plans, history, server)
+        channel = _channel(options, sizes, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -146,26 +154,25 @@ def build_pipeline(
                 compensators.append(_compensator(gpu, plan, lens_of, sizes, geometry))
                 unfinished.callback(compensators[-1].close)
             unfinished.pop_all()
-        auto = (
-            AdaptiveCompensator(Governor(levels, options.budget_ms), dict(zip(levels, compensators, strict=True)))
-            if levels
-            else None
-        )
-        compensator = auto or compensators[0]
-        loop = Loop(requested, server, channel, history, compensator, eyes)
+        auto = None
+        if levels and options.budget_ms is not None:
+            governor = Governor(levels, options.budget_ms)
+            auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
+        compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
+        loop = Loop(requested, server, channel, history, compensator, target.eyes)
         parts = (gpu, server, geometry, channel, loop, auto, lens_of)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, timing: Timing, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
     reads = {name for plan in plans for name in plan.layers}
     weight = sum(frame_bytes(needs_of(plans), sizes, reads).values())
     coder = None
     if not codecs.get(options.coding.codec).is_none:
-        coder = Coder(options.coding, sizes.rendered, timing.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    return Channel(options.network, timing.link_latency_ns, coder, weight, history.offer, server.recycle)
+        coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
+    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, server.recycle)
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

@@ -13,6 +13,7 @@ from ..link import ResponseTime
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..auto.adaptive import AdaptiveCompensator
     from ..client.compensator import Compensator, EyeResult
     from ..client.history import History
     from ..client.plan import Plan
@@ -94,11 +95,12 @@ class Loop:
         server: Server,
         channel: Channel,
         history: History,
-        compensator: Compensator,
+        compensator: Compensator | AdaptiveCompensator,
         eyes: Eyes,
     ) -> None:
         self._requested, self._server, self._channel, self.history = requested, server, channel, history
-        self.compensator, self._eyes = compensator, eyes
+        self.compensator: Compensator | AdaptiveCompensator = compensator
+        self._eyes = eyes
         self._last: Refresh | None = None
 
     def exchange(self, compensator: Compensator) -> None:
@@ -106,20 +108,21 @@ class Loop:
         self.compensator, self._last = compensator, None
 
     def draw(self, now_ns: int) -> None:
-        """The server draws all eyes for the pose it is asked for now, and the frame goes on its way."""
+        """Draw all eyes on the server for the pose of this instant, and send the frame on its way."""
         asked = self._requested
         head = asked.for_server(now_ns)
         timer = self._server.gpu.timer
         with timer.stage("render"):
             frame = self._server.draw_frame(self._eyes.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
-        self._channel.send(Frame(frame.eyes, frame.drawn_ns, frame.effects, head, timer.lap()), now_ns)
+        self._channel.send(Frame(frame.eyes, frame.drawn_ns, head, timer.lap()), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
-        """Warp the newest frame that has arrived to the head at `shown_ns`; None before the first frame has arrived.
+        """Warp the newest frame that has arrived to the head at `shown_ns`; return None before the first.
 
-        The head is asked for after the frame was chosen and right before the first pass is dispatched: it is as new as can be.
+        The head is read after the frame was chosen and right before the first pass is dispatched: it
+        is as new as can be.
         """
-        self._tell_what_the_last_took()
+        self._record_timings()
         frame = self._channel.newest(shown_ns)
         if frame is None:
             return None
@@ -130,17 +133,24 @@ class Loop:
             eyes.append(self.compensator.run(one))
             laps.append(self.compensator.gpu.timer.lap())
         plan, transit = self.compensator.plan, self._channel.transit
+        assert transit is not None  # a frame has arrived
         self._last = Refresh(shown_ns, head, frame, plan, inputs, tuple(eyes), transit, tuple(laps))
         return self._last
 
-    def _tell_what_the_last_took(self) -> None:
+    def _record_timings(self) -> None:
         last, self._last = self._last, None
         if last is not None:
             self.compensator.record_timings(last.stage_ms)
 
     def inputs(self, refresh: Refresh, needs: Needs) -> tuple[PassInputs, ...]:
-        """What another plan with these needs is given at the refresh just shown; frames must carry as much, see Requested.needs."""
-        return tuple(attrs.evolve(one, others=self._others(refresh.frame, one.eye, needs)) for one in refresh.inputs)
+        """Return the inputs of another plan with these needs at the refresh just shown.
+
+        Frames must carry as much, see PoseRequest.needs; what they carry beyond is left out.
+        """
+        return tuple(
+            attrs.evolve(one, rendered=one.rendered.only(needs), others=self._others(refresh.frame, one.eye, needs))
+            for one in refresh.inputs
+        )
 
     def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
         asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
@@ -153,8 +163,10 @@ class Loop:
         )
 
     def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
+        """Return the other pictures that a plan looks into, without what they carry for other plans."""
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
-        return (*beside, *(past.eyes[eye] for past in self.history.frames[: needs.others.past]))
+        past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])
+        return tuple(image.only(needs) for image in (*beside, *past))
 
 
 def _total(stages: Stages) -> float:

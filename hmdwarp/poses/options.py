@@ -1,4 +1,4 @@
-"""What a user may state about a trace file instead of leaving it to detection."""
+"""What a user may state about a trace file in place of what its reader finds."""
 
 from __future__ import annotations
 
@@ -7,23 +7,38 @@ import math
 import attrs
 
 from ..errors import InputError
+from ..options import Declared, option
 
 QUAT_ORDERS = ("xyzw", "wxyz")
 
 
 @attrs.frozen
-class TraceOptions:
+class TraceOptions(Declared):
     """Overrides for reading a trace; None leaves the matter to the file.
 
-    Errors: InputError for an order, axes or numbers out of range.
+    Errors: InputError for values that are wrong whatever the file holds.
     """
 
-    format: str | None = None  # name of a trace format
-    quat_order: str | None = None  # xyzw or wxyz
-    up: str | None = None  # see `reading.axes.parse_axes`
-    scale: float | None = None  # metres per unit of the file's positions
-    rate: float | None = None  # samples per second, in place of the file's clock
-    segment: int | None = None  # which recording of the file, from 1
+    # Name of a trace format.
+    format: str | None = option(
+        None, "Read the trace as this format ('hmdwarp list formats' names them); by default it is detected."
+    )
+    quat_order: str | None = option(None, "Order of quaternions, xyzw or wxyz, where the file does not say.")
+    # See `reading.axes.parse_axes`.
+    up: str | None = option(
+        None,
+        "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3).",
+    )
+    # Metres per unit.
+    scale: float | None = option(
+        None, "Metres per unit of the file's positions; by default as its format has it.", kind=float
+    )
+    # Samples per second.
+    rate: float | None = option(
+        None, "Samples per second, in place of the file's clock.", kind=float, name="trace_rate", unit="Hz"
+    )
+    # Which recording, counted from 1.
+    segment: int | None = option(None, "Which recording of a file that holds several, from 1.", kind=int)
 
     def __attrs_post_init__(self) -> None:
         if self.quat_order is not None and self.quat_order not in QUAT_ORDERS:

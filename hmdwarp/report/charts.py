@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import PAGE, SERIES, drawing, dress, not_measured, svg_text
+from .style import PAGE, SERIES, Style, drawing, dress, not_measured, svg_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +47,7 @@ class Band:
 
 
 def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
-    """Make one point of the values of one instant (the two eyes); pool more than `bins` instants into `bins`."""
+    """Make one point of the values of one instant (the two eyes); pool the instants into `bins`."""
     there = np.isfinite(series.value)
     time_s, value = series.time_s[there], series.value[there]
     instants, index = np.unique(time_s, return_inverse=True)
@@ -69,8 +69,8 @@ def time_series(
 ) -> str:
     """Draw at most two lines over time as one <svg> element.
 
-    A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left out;
-    a chart of nothing says so. The same data give the same text.
+    A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left
+    out; a chart of nothing says so. The same data give the same text.
     unit: of the vertical axis, "" for a plain number.
     """
     with drawing([(line.label, line.value.tobytes()) for line in series]):
@@ -104,6 +104,6 @@ def _draw(axes: Axes, number: int, series: Series) -> bool:
     marker = "o" if len(band.mean) <= _FEW_POINTS else ""
     if (band.high > band.low).any():
         axes.fill_between(band.time_s, band.low, band.high, color=colour, alpha=0.2, linewidth=0)
-    style = {"linestyle": _DASHES[number], "linewidth": 1.3, "marker": marker, "markersize": 3}
+    style: Style = {"linestyle": _DASHES[number], "linewidth": 1.3, "marker": marker, "markersize": 3}
     axes.plot(band.time_s, band.mean, color=colour, label=series.label, **style)
     return True

@@ -1,4 +1,4 @@
-"""Writing files so that nothing half-written ever has a final name, and whole folders of results so that they belong together."""
+"""Atomic files and folders of results: partial output never has a final name."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ _NO_PLACE = frozenset({errno.ENOTDIR, errno.EISDIR, errno.ENOENT, errno.ENAMETOO
 
 
 def write_error(error: OSError, path: Path) -> HmdwarpError:
-    """The one-line error for a write to `path` that failed: MachineError for a full disk, InputError for a place that cannot be written."""
+    """Return the one-line error for a failed write to `path`.
+
+    MachineError for a full disk, InputError for a place that cannot be written.
+    """
     why = error.strerror or str(error)
     if error.errno in _NO_ROOM:
         return MachineError(f"{path}: cannot write ({why}): make room or choose another folder")
@@ -35,7 +38,9 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
 
 @contextmanager
 def atomic(path: str | os.PathLike) -> Iterator[Path]:
-    """A temporary path beside `path` to write to; it takes the final name when the block ends, or is deleted if it fails.
+    """Yield a temporary path beside `path`; it takes the final name when the block ends.
+
+    If the block fails, it is deleted.
 
     Errors: as write_error, also for an OSError raised inside.
     """
@@ -82,12 +87,13 @@ def write_text(path: str | os.PathLike, content: str) -> None:
 
 
 def write_stream(path: Path, write: Callable[[IO[str]], None], source: Path | None = None) -> None:
-    """Write a text file by calling `write` with a stream, so that a long one need not be in memory whole.
+    """Write a text file by calling `write` with a stream, which saves memory for a long one.
 
-    source: a file that must not be overwritten. Errors: InputError for a folder or the source itself; else as write_bytes.
+    source: a file that must not be overwritten. Errors: InputError for a folder or the source
+    itself; else as write_bytes.
     """
     if path.is_dir():
-        raise InputError(f"{path} is a directory: wanted the name of a file to write")
+        raise InputError(f"{path} is a directory: expected the name of a file to write")
     if source is not None and path.exists() and source.exists() and path.samefile(source):
         raise InputError(f"{path} is the input itself: write to another file")
     with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
@@ -95,7 +101,10 @@ def write_stream(path: Path, write: Callable[[IO[str]], None], source: Path | No
 
 
 def write_json(path: str | os.PathLike, value: Any) -> None:
-    """Write JSON, indented, keys in the order given. NaN and infinity are refused (ValueError): no JSON reader need know them."""
+    """Write indented JSON, keys in their order.
+
+    Errors: ValueError for NaN and infinity, which are no JSON.
+    """
     write_text(path, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False, default=_plain) + "\n")
 
 
@@ -106,7 +115,7 @@ def _plain(value: Any) -> Any:
 
 
 def write_csv(path: str | os.PathLike, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
-    """Write rows under the given columns; a value that is None or missing is an empty field, floats keep all their digits.
+    """Write rows under `columns`; None and missing values are empty, floats keep all their digits.
 
     Errors: HmdwarpError for a row with a key that is no column; else as write_bytes.
     """
@@ -135,7 +144,9 @@ def write_png(path: str | os.PathLike, picture: NDArray) -> None:
 
 
 def write_image_result(path: Path, colour: NDArray, coverage: NDArray, time_ms: Mapping[str, float]) -> None:
-    """A warped image as .npz (colour linear, coverage, time_ms as JSON text) or as .png (sRGB, holes transparent), by the ending.
+    """Write a warped image as .npz or .png, by the ending of the path.
+
+    .npz: colour (linear), coverage, time_ms as JSON text. .png: sRGB, holes transparent.
 
     Errors: InputError for another ending; else as write_bytes.
     """
@@ -148,7 +159,7 @@ def write_image_result(path: Path, colour: NDArray, coverage: NDArray, time_ms: 
         alpha = np.rint(np.clip(coverage, 0, 1) * 255).astype(np.uint8)
         write_png(path, np.concatenate([srgb8_from_linear(colour), alpha[..., None]], axis=2))
     else:
-        raise InputError(f"{path}: wanted a name that ends in .npz or .png")
+        raise InputError(f"{path}: expected a name that ends in .npz or .png")
 
 
 class OutputFolder:
@@ -158,10 +169,11 @@ class OutputFolder:
             out.write_json("summary.json", summary)
             video = VideoWriter(out.path("replay.mp4"), ...)
 
-    Making one checks at once, before a long run, that the folder can be made and written. Files go to a hidden folder inside
-    it and get their names when the block ends without an error; otherwise they are deleted, and so is the folder if this
-    made it. `last` (summary.json) is removed first and put there last, so that where it is, everything beside it is of
-    one run. Files of an earlier run that match an `owned` pattern and were not written again are removed; no other file is.
+    Making one checks at once, before a long run, that the folder can be made and written. Files go
+    to a hidden folder inside it and get their names when the block ends without an error; otherwise
+    they are deleted, and so is the folder if this made it. `last` (summary.json) is removed first
+    and put there last, so that where it is, everything beside it is of one run. Files of an earlier
+    run that match an `owned` pattern and were not written again are removed; no other file is.
 
     Errors: InputError if the folder cannot be written, MachineError if the disk is full.
     """
@@ -187,7 +199,10 @@ class OutputFolder:
             raise
 
     def path(self, name: str) -> Path:
-        """Where to write the file that will be called `name` (with subfolders, made here). Errors: ValueError outside the folder."""
+        """Return the path to write the file `name` to; its subfolders are made.
+
+        Errors: ValueError for a name outside the folder.
+        """
         staged = self._staging / name
         if Path(name).is_absolute() or ".." in Path(name).parts:
             raise ValueError(f"'{name}' leads out of the output folder")
@@ -198,23 +213,18 @@ class OutputFolder:
         return staged
 
     def write_bytes(self, name: str, content: bytes) -> None:
-        """As the function of this name."""
         self._write(name, write_bytes, content)
 
     def write_text(self, name: str, content: str) -> None:
-        """As the function of this name."""
         self._write(name, write_text, content)
 
     def write_json(self, name: str, value: Any) -> None:
-        """As the function of this name."""
         self._write(name, write_json, value)
 
     def write_csv(self, name: str, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
-        """As the function of this name."""
         self._write(name, write_csv, rows, columns)
 
     def write_png(self, name: str, picture: NDArray) -> None:
-        """As the function of this name."""
         self._write(name, write_png, picture)
 
     def _write(self, name: str, writer: Any, *content: Any) -> None:
@@ -226,7 +236,7 @@ class OutputFolder:
             raise type(error)(str(error).replace(str(staged), str(self.folder / name))) from error
 
     def commit(self) -> None:
-        """Give every file its final name. Errors: InputError or MachineError; then `last` is not there."""
+        """Give every file its final name. Errors: InputError or MachineError, without `last`."""
         staged = sorted(p.relative_to(self._staging) for p in self._staging.rglob("*") if p.is_file())
         final = [p for p in staged if p != Path(self._last)] + [p for p in staged if p == Path(self._last)]
         current = self.folder / self._last
@@ -245,7 +255,7 @@ class OutputFolder:
         shutil.rmtree(self._staging)
 
     def discard(self) -> None:
-        """Delete what was written so far, and the folder too if this made it and nothing else is in it."""
+        """Delete the files written so far, and the folder if this made it and it is empty."""
         shutil.rmtree(self._staging, ignore_errors=True)
         folder = self.folder
         while self._made is not None and folder.is_relative_to(self._made):
@@ -272,6 +282,6 @@ class OutputFolder:
 
 
 def _first_missing(path: Path) -> Path | None:
-    """The outermost folder of `path` that does not exist yet, None if all do."""
+    """Return the outermost folder of `path` that does not exist yet, None if all do."""
     missing = [p for p in (path, *path.parents) if not p.exists()]
     return missing[-1] if missing else None

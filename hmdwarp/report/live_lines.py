@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..metrics import METRICS, Figure
+from ..metrics import Figure, metrics
 from .tables import TIME_FIGURES, Summary
 
 _MS = Figure("", "", "ms", 2)
@@ -40,7 +40,7 @@ def missed_share(live: Mapping[str, Any]) -> float:
 
 
 def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
-    """Return (what, median ms of all eyes, p95 ms, share of a refresh) of each part of a refresh, then the sum."""
+    """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
     live = summary["live"]
     rows = []
     for name, entry in live["refresh_ms"].items():
@@ -74,5 +74,5 @@ def _per_eye(summary: Summary) -> str:
 
 
 def _holes(summary: Summary) -> str:
-    entry, text = summary["quality"]["hole_share"], METRICS.get("hole_share").figure.text
+    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
     return "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"

@@ -1,4 +1,4 @@
-"""report.html of a live run: as a replay's, without a truth to compare with, and with figures of its own."""
+"""report.html of a live run: as a replay's, without a truth, with figures of its own."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metrics import METRICS, Figure, Input, metrics_in_order
+from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
 from .live_lines import budget_rows, missed_share
 from .parts import CLOCK_NAMES, Chart, Tile, environment
@@ -57,7 +57,7 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
 
 
 def _tiles(summary: Summary) -> list[Tile]:
-    live, holes, total = summary["live"], METRICS.get("hole_share"), summary["time_ms"]["total"]
+    live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
     age, pose_age, time = live["age_ms"], live["pose_age_ms"], TIME_FIGURES[-1]
     missed = f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}"
     return [
@@ -93,7 +93,7 @@ def _value(value: object) -> str:
 
 
 def _charts(summary: Summary, column: Column) -> list[Chart]:
-    time_s, budget_ms, holes = column("time_s"), summary["live"]["budget_ms"], METRICS.get("hole_share")
+    time_s, budget_ms, holes = column("time_s"), summary["live"]["budget_ms"], metrics.get("hole_share")
     limit = Series("a refresh of the display", time_s, np.full(len(time_s), budget_ms))
     both_eyes = holes.scale * np.concatenate([column("hole_share/0"), column("hole_share/1")])
     lines = (

@@ -1,4 +1,4 @@
-"""report.html of a replay: one page that holds its pictures and charts and loads nothing from the network."""
+"""report.html of a replay: one page with its pictures and charts, without network access."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def render_report(
 ) -> str:
     """Return the text of report.html; the same arguments give the same text.
 
-    summary, baseline_summary: as summary.json. rows, baseline_rows: as frames.csv's, None for absent
-    values. command: as the user typed it. notes: the run's, one sentence each.
+    summary, baseline_summary: as summary.json. rows, baseline_rows: as frames.csv's, None for
+    absent values. command: as the user typed it. notes: the run's, one sentence each.
     """
     names = column_names(summary, baseline_summary)
     comparison = comparison_rows(summary, baseline_summary)

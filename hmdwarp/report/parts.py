@@ -16,7 +16,7 @@ CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished G
 
 
 def environment() -> Environment:
-    """Make the environment of the templates: it escapes everything, and a missing name is an error."""
+    """Make the templates' environment: it escapes everything, and a missing name is an error."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     made = Environment(

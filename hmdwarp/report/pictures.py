@@ -1,4 +1,4 @@
-"""Pictures for people: strips of labelled panels, the error map in colour, and their bytes in a file.
+"""Pictures for people: strips of labelled panels, the error map in colour, and image files.
 
 Pictures are (h, w, 3) uint8 sRGB, top row first.
 """
@@ -21,7 +21,10 @@ _PAPER, _INK, _GAP = (255, 255, 255), (60, 60, 60), 6
 
 
 def magma(error_map: NDArray) -> Picture:
-    """An error map in FLIP's own colours, dark where nothing shows and bright where it does: (h, w) bytes, or floats 0..1, to (h, w, 3)."""
+    """Colour an error map as FLIP does, from dark (no error) to bright.
+
+    error_map: (h, w) bytes, or floats 0..1; returns (h, w, 3).
+    """
     levels = np.asarray(error_map)
     if levels.dtype != np.uint8:
         levels = np.rint(np.clip(levels, 0, 1) * 255).astype(np.uint8)
@@ -36,15 +39,16 @@ def _magma_table() -> Picture:
 
 
 def comparison_panels(rendered: Picture | None, warped: Picture, truth: Picture, error_map: NDArray) -> list[Panel]:
-    """The four panels every comparison shows, in this order; without a late picture, three."""
+    """Return the four panels of every comparison, in this order; without a late picture, three."""
     first = [] if rendered is None else [("late frame", rendered)]
     return [*first, ("warped", warped), ("truth", truth), ("error (FLIP)", magma(error_map))]
 
 
 def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Picture:
-    """Panels side by side (or in rows of `columns`), each with its label above, on white.
+    """Lay panels side by side (or in rows of `columns`), each with its label above, on white.
 
-    Panels may differ in size: smaller ones are enlarged by repeating pixels, or shrunk, to the first one's height.
+    Panels may differ in size: smaller ones are enlarged by repeating pixels, or shrunk, to the
+    first one's height.
     Errors: HmdwarpError without any panel.
     """
     from PIL import Image, ImageDraw, ImageFont
@@ -81,12 +85,12 @@ def _scaled(picture: Picture, height: int):
 
 
 def png_bytes(picture: NDArray) -> bytes:
-    """A picture, (h, w, 3) or (h, w) uint8, as a PNG file."""
+    """Encode a picture, (h, w, 3) or (h, w) uint8, as a PNG file."""
     return _encoded(picture, "PNG", compress_level=6)
 
 
 def jpeg_bytes(picture: NDArray, quality: int = 90) -> bytes:
-    """A picture as a JPEG file without chroma subsampling: about a tenth of the PNG, for pages that hold many."""
+    """Encode a picture as a JPEG file without chroma subsampling: about a tenth of the PNG."""
     return _encoded(picture, "JPEG", quality=quality, subsampling=0)
 
 

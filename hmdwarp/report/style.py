@@ -1,11 +1,13 @@
 """How charts look: the colours, dashes and markers that tell warps, fills and regions apart.
 
-Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter, reds
-gather, greens draw triangles, purples know more than one layer. Colour is never alone: points and lines
-carry their names, lines of one hue differ in their dashes, fills in the marker, regions in the hatching.
+Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter,
+reds gather, greens draw triangles, purples know more than one layer. Colour is never alone: points
+and lines carry their names, lines of one hue differ in their dashes, fills in the marker, regions
+in the hatching.
 
-Charts of a page take their colours and font from the page around them, so that one chart serves light
-and dark: Matplotlib writes stand-in colours, and svg_text() replaces them by the page's CSS variables.
+Charts of a page take their colours and font from the page around them, so that one chart serves
+light and dark: Matplotlib writes stand-in colours, and svg_text() replaces them by the page's CSS
+variables.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import re
 import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
@@ -24,7 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# name: (on light paper, on dark paper, dash). Each has a contrast of 3 or more to its paper: a test computes it.
+# name: (on light paper, on dark paper, dash). Each has a contrast of 3 or more to its paper: a test
+# computes it.
 _WARPS: dict[str, tuple[str, str, int]] = {
     "none": ("#6b7280", "#9aa3ad", 0),
     "rotation": ("#a87400", "#e3b341", 0),
@@ -56,7 +59,7 @@ def warp_of(spec: str) -> str:
 
 
 def _key(spec: str) -> str:
-    """Return the key of a warp's colour: its name, or one of a few for warps that this table lacks."""
+    """Return the key of a warp's colour: its name, or one of a few for unknown warps."""
     name = warp_of(spec)
     return name if name in _WARPS else f"other-{zlib.crc32(name.encode()) % len(_OTHERS)}"
 
@@ -74,7 +77,7 @@ _VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(
 
 @attrs.frozen
 class Palette:
-    """The colours of a chart: stand-ins for a page, which is light or dark, or real ones for a picture."""
+    """The colours of a chart: stand-ins for a page (light or dark), real ones for a picture."""
 
     ink: str
     grid: str
@@ -98,7 +101,7 @@ def css_variables(dark: bool) -> str:
 
 
 def dashes_of(specs: Iterable[str]) -> dict[str, Any]:
-    """Return a dash for the line of each spec; the settings of one warp, which share its colour, differ."""
+    """Return a dash for each spec; settings of one warp share its colour but differ in it."""
     chosen: dict[str, Any] = {}
     seen: dict[str, int] = {}
     for spec in specs:
@@ -110,11 +113,14 @@ def dashes_of(specs: Iterable[str]) -> dict[str, Any]:
 
 
 def markers_of(fills: Iterable[str]) -> dict[str, str]:
-    """Return a marker for each fill; fills that the table lacks get theirs in the order of their names."""
+    """Return a marker for each fill; unknown fills get theirs in the order of their names."""
     fills = set(fills)
     unknown = sorted(fills - set(_MARKERS))
     chosen = {fill: _MARKERS[fill] for fill in sorted(fills & set(_MARKERS))}
     return chosen | {fill: _MORE_MARKERS[number % len(_MORE_MARKERS)] for number, fill in enumerate(unknown)}
+
+
+Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
 
 
 @contextmanager
@@ -128,7 +134,7 @@ def drawing(content: object, font_size: float = 9) -> Iterator[None]:
     from matplotlib import rc_context
 
     salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
-    settings = {
+    settings: Any = {
         "svg.fonttype": "none", "svg.hashsalt": salt, "font.size": font_size, "font.sans-serif": ["DejaVu Sans"],
         "hatch.linewidth": 0.7, "text.parse_math": False, "axes.unicode_minus": True,
     }  # fmt: skip
@@ -137,8 +143,8 @@ def drawing(content: object, font_size: float = 9) -> Iterator[None]:
         yield
 
 
-def dress(axes: Axes, palette: Palette = PAGE, *, grid: str = "both") -> None:
-    """Draw no box, a pale grid behind, everything else in ink; grid: the axis whose lines are drawn."""
+def dress(axes: Axes, palette: Palette = PAGE, *, grid: Literal["both", "x", "y"] = "both") -> None:
+    """Draw no box, a pale grid, everything else in ink; grid: the axis whose lines are drawn."""
     axes.patch.set_visible(False)
     axes.grid(True, axis=grid, color=palette.grid, linewidth=0.6)
     axes.set_axisbelow(True)
@@ -167,7 +173,8 @@ def svg_text(figure: Figure) -> str:
     text = text[text.index("<svg") :]
     for stand_in, variable in _VARIABLES.items():
         text = text.replace(stand_in, f"var({variable})")
-    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every chart.
+    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every
+    # chart.
     text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
     text = re.sub(r'<g id="[^"]*"', "<g", text)
     head, rest = text.split(">", 1)

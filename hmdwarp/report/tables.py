@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics import METRICS, STAGES, Figure, metrics_in_order
+from ..metrics import STAGES, Figure, metrics, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -33,10 +33,10 @@ class Row:
 
 
 def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
-    """Return the rows of quality, then those of time per eye; two cells each if there is a baseline.
+    """Return the rows of quality, then of time per eye; two cells each if there is a baseline.
 
-    The better of two means is marked if they differ after rounding. Time and holes are no contest: a
-    warp that does nothing is quick and leaves nothing empty.
+    The better of two means is marked if they differ after rounding. Time and holes are no contest:
+    a warp that does nothing is quick and leaves nothing empty.
     """
     summaries = [summary] if baseline is None else [summary, baseline]
     rows = [_row(figure, [s["quality"][figure.name] for s in summaries], "mean") for figure in QUALITY_FIGURES]
@@ -45,15 +45,13 @@ def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
 
 def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -> Row:
     cells = tuple((figure.text(e[main]), figure.text(e["p95"])) for e in entries)
-    if (
-        figure.name not in _CONTESTS
-        or len(entries) < 2
-        or None in (entries[0][main], entries[1][main])
-        or cells[0][0] == cells[1][0]
-    ):
+    if figure.name not in _CONTESTS or len(entries) < 2 or cells[0][0] == cells[1][0]:
         return Row(figure, cells, None)
-    first_is_larger = entries[0][main] > entries[1][main]
-    return Row(figure, cells, 0 if first_is_larger == METRICS.get(figure.name).higher_is_better else 1)
+    first, second = (entry[main] for entry in entries)
+    if first is None or second is None:
+        return Row(figure, cells, None)
+    first_is_larger = first > second
+    return Row(figure, cells, 0 if first_is_larger == metrics.get(figure.name).higher_is_better else 1)
 
 
 def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
@@ -68,7 +66,7 @@ def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
 
 
 def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
-    """Return the small table that ends a run: means (medians for times) with the bad tail beside them.
+    """Return the table that ends a run: means (medians for times) with the bad tail beside them.
 
     The better column of each quality line is bold and starred, so that it reads without colour too.
     """

@@ -1,8 +1,9 @@
 """H.264 video of a run, through PyAV.
 
-Which encoder is used depends on how PyAV was built. The order is libopenh264 (BSD licence), libx264 (GPL-2.0-or-later: it is
-in PyAV's own wheels, hmdwarp neither contains nor links it), then the encoders of graphics cards. What a distribution
-of hmdwarp together with PyAV must observe follows from the one that PyAV brings.
+Which encoder is used depends on how PyAV was built. The order is libopenh264 (BSD licence), libx264
+(GPL-2.0-or-later: it is in PyAV's own wheels, hmdwarp neither contains nor links it), then the
+encoders of graphics cards. What a distribution of hmdwarp together with PyAV must observe follows
+from the one that PyAV brings.
 """
 
 from __future__ import annotations
@@ -38,7 +39,10 @@ _BT709, _LIMITED = 1, 1  # the same number in FFmpeg's colour space, primaries a
 
 
 def available_encoders() -> list[str]:
-    """The H.264 encoders this PyAV was built with, the preferred one first; a graphics card's may still refuse to open."""
+    """Return the H.264 encoders of this PyAV, the preferred one first.
+
+    A graphics card's encoder may still refuse to open.
+    """
     import av
 
     return [name for name in ENCODERS if name in av.codecs_available and _can_encode(name)]
@@ -55,18 +59,21 @@ def _can_encode(name: str) -> bool:
 
 
 class VideoWriter:
-    """Writes sRGB pictures as an H.264 mp4 that any player and browser shows in its true colours.
+    """A writer of sRGB pictures to an H.264 mp4 that players and browsers show in true colours.
 
         with VideoWriter(path, (w, h), 90) as video:
             video.add(picture)
 
-    size: (w, h) of the pictures; odd sides are padded to even by repeating the last row or column, for 4:2:0 has no odd ones.
-    rate: pictures per second. The file is BT.709, limited range, 4:2:0, and says so in its tags; chroma has half the
-    resolution, single-pixel colours blur. It is written under a temporary name and renamed by close(); abort(), or an exception
-    in the block, leaves nothing, nor does close() before the first picture.
+    size: (w, h) of the pictures; odd sides are padded to even by repeating the last row or column,
+    for 4:2:0 has no odd ones.
+    rate: pictures per second. The file is BT.709, limited range, 4:2:0, and says so in its tags;
+    chroma has half the resolution, single-pixel colours blur. It is written under a temporary name
+    and renamed by close(); abort(), or an exception in the block, leaves nothing, nor does close()
+    before the first picture.
 
-    Errors: MachineError if PyAV has no H.264 encoder that opens, or the disk is full; InputError for a place that cannot be
-    written, a size below 16 or a rate beyond 0..1000; HmdwarpError for a picture of another size.
+    Errors: MachineError if PyAV has no H.264 encoder that opens, or the disk is full; InputError
+    for a place that cannot be written, a size below 16 or a rate beyond 0..1000; HmdwarpError for a
+    picture of another size.
     """
 
     def __init__(self, path: str | os.PathLike, size: tuple[int, int], rate: float) -> None:
@@ -75,7 +82,7 @@ class VideoWriter:
         self.path, self.size = Path(path), size
         if min(size) < 16 or not 0 < rate <= 1000:
             found = f"video of {size[0]}x{size[1]} at {rate:g} pictures per second"
-            raise InputError(f"{found}: wanted at least 16x16 and a rate above 0, at most 1000")
+            raise InputError(f"{found}: expected at least 16x16 and a rate above 0, at most 1000")
         self._temporary = self.path.with_name(f".{self.path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
         self.frames = 0
         self._open = True
@@ -96,7 +103,8 @@ class VideoWriter:
 
         tried = []
         for name in available_encoders():
-            # A refused codec context stays in its container, so each encoder is first tried on its own.
+            # A refused codec context stays in its container, so each encoder is first tried on its
+            # own.
             trial = av.CodecContext.create(name, "w")
             _set_up(trial, self.size, rate, name)
             try:
@@ -117,7 +125,7 @@ class VideoWriter:
         )
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """The next picture, (h, w, 3) uint8 sRGB, top row first."""
+        """Append a picture, (h, w, 3) uint8 sRGB, top row first."""
         import av
         from av.video.reformatter import ColorRange, Colorspace
 
@@ -142,7 +150,7 @@ class VideoWriter:
         self.frames += 1
 
     def close(self) -> None:
-        """Finish the file and give it its name; without any picture there is no file. May be called again."""
+        """Finish the file and name it; without pictures, delete it. May be called again."""
         if not self._open:
             return
         if self.frames == 0:
@@ -160,7 +168,7 @@ class VideoWriter:
             raise
 
     def abort(self) -> None:
-        """Stop and delete what was written. May be called again."""
+        """Stop and delete the partial file. May be called again."""
         import av
 
         self._open = False

@@ -20,7 +20,8 @@ def p_text(p: float | None) -> str:
     if p < 1e-4:
         digit, _, power = f"{p:.0e}".partition("e")
         return f"{digit}e{int(power)}"
-    # Exact p are dyadic fractions that often end in 5: .3125 is printed as .313, not to the even digit.
+    # Exact p are dyadic fractions that often end in 5: .3125 is printed as .313, not to the even
+    # digit.
     text = str(Decimal(p).quantize(Decimal("0.001" if p >= 0.01 else "0.0001"), ROUND_HALF_UP))
     return text.removeprefix("0") if p < 0.9995 else text
 

@@ -1,1 +1,8 @@
-"""Runs around the loop: replay, live and record, with their logs, summaries and measurements."""
+"""Runs around the loop: replay, live and record, with their logs, summaries and measurements.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""The ladder of a run that chooses its warp by itself: from the figures of a benchmark, or of a short trial on the run's own frames."""
+"""Quality levels of a run that chooses its warp, from the figures of a benchmark."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from ..auto.levels import QualityLevel, ladder
+from ..auto.levels import QualityLevel, levels_from
 from ..errors import InputError
 from ..headsets import Headset, load_headset
 from ..pipeline.options import PipelineOptions
@@ -17,28 +17,31 @@ from ..pipeline.planning import build_plan_for
 from ..report import SCHEMA, summary_faults
 
 Row = Mapping[str, Any]
-LensTime = Callable[[PipelineOptions], float]
+LensTime = Callable[[], float]
 
 
 @attrs.frozen
-class Ladder:
-    """The rungs, from cheapest to most accurate. notes: how they were found. machine: where, as in summary.json; None for here."""
+class LevelSet:
+    """Quality levels and where they come from."""
 
+    # From cheapest to most accurate.
     levels: tuple[QualityLevel, ...] = ()
+    # How they were found.
     notes: tuple[str, ...] = ()
+    # Where they were measured, as in summary.json; None for this machine.
     machine: Mapping[str, Any] | None = None
 
     def notes_on(self, renderer: str, cpu_count: int) -> list[str]:
-        """The notes of a run on this machine."""
+        """Return the notes of a run on this machine."""
         there = None if self.machine is None else (self.machine["gl_renderer"], self.machine["cpu_count"])
         if there is None or there == (renderer, cpu_count):
             return list(self.notes)
-        told = f"The benchmark was run on {there[0]} with {there[1]} cores, this is {renderer} with {cpu_count}"
-        return [*self.notes, f"{told}: its times hold here up to a common factor, which the run finds out by itself."]
+        where = f"The benchmark was run on {there[0]} with {there[1]} cores, this is {renderer} with {cpu_count}"
+        return [*self.notes, f"{where}: its times hold here up to a common factor, which the run finds out by itself."]
 
 
 def read_rows(path: Path) -> list[Row]:
-    """The rows of a bench.json. Errors: InputError naming the file and what is wrong with it."""
+    """Return the rows of a bench.json. Errors: InputError naming the file and its fault."""
     try:
         bench = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -60,12 +63,13 @@ def read_rows(path: Path) -> list[Row]:
     return bench["rows"]
 
 
-def ladder_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> Ladder:
-    """The ladder of a benchmark for a run.
+def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> LevelSet:
+    """Return the levels of a benchmark for a run.
 
-    Rows of the run's size are taken if there are any; else those of the largest size, their times in proportion to the pixels. Where
-    they were measured with another lens than the run's, that of the run counts, which lens_ms measures here (None: it does not count).
-    What this run cannot have is left out, and told.
+    Rows of the run's size are taken if there are any; else those of the largest size, their times in
+    proportion to the pixels. Where they were measured with another lens than the run's, that of the
+    run counts, which lens_ms measures here (None: it does not count). What this run cannot have is
+    left out, with a note.
     Errors: InputError for a file that is no benchmark, and if nothing of it can be run.
     """
     headset = load_headset(options.headset)
@@ -84,7 +88,7 @@ def ladder_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | N
 
 def _fitted(
     rows: list[Row], options: PipelineOptions, headset: Headset, lens_ms: LensTime | None, notes: list[str], name: str
-) -> Ladder:
+) -> LevelSet:
     other = {row["lens"] for row in rows} - {options.lens}
     try:
         levels, more = _at_size(
@@ -93,13 +97,13 @@ def _fitted(
     except InputError as error:
         raise InputError(f"{name}: {error}") from error
     if other:
-        added = 0.0 if options.lens == "none" or lens_ms is None else lens_ms(options)
+        added = 0.0 if options.lens == "none" or lens_ms is None else lens_ms()
         levels = tuple(attrs.evolve(level, total_ms=level.total_ms + added) for level in levels)
         counts = f"with {added:.2f} ms" if lens_ms else "which a run times first: these are without it"
         more.append(
             f"{name} was measured with lens {', '.join(sorted(other))}: lens {options.lens} counts instead, {counts}."
         )
-    return Ladder(levels, (*notes, *more), rows[0]["machine"])
+    return LevelSet(levels, (*notes, *more), rows[0]["machine"])
 
 
 def _without_lens(row: Row) -> Row:
@@ -110,8 +114,8 @@ def _without_lens(row: Row) -> Row:
 
 
 def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
-    """What makes the benchmark's errors, or times, differ from this run's beyond what is put right."""
-    told = []
+    """Return notes on how the benchmark's errors or times differ from this run's, beyond what is corrected."""
+    differing = []
     for key, mine, unit in (
         ("guard", options.guard, ""),
         ("latency_ms", options.latency_ms, " ms"),
@@ -119,18 +123,18 @@ def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[s
     ):
         theirs = sorted({row[key] for row in rows if key in row})
         if theirs and mine not in theirs:
-            told.append(
+            differing.append(
                 f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"
             )
-    return [f"{name} was measured with {'; '.join(told)}."] if told else []
+    return [f"{name} was measured with {'; '.join(differing)}."] if differing else []
 
 
 def _at_size(rows: list[Row], size: tuple[int, int], name: str) -> tuple[tuple[QualityLevel, ...], list[str]]:
     same = [row for row in rows if tuple(row["size"]) == size]
     if same:
-        return ladder(same), []
+        return levels_from(same), []
     width, height = max((row["size"] for row in rows), key=lambda s: s[0] * s[1])
     factor = size[0] * size[1] / (width * height)
-    told = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
-    note = f"{told}: its times are taken in proportion to the pixels, {factor:.2g} times."
-    return tuple(level.scaled(factor) for level in ladder(rows)), [note]
+    terms = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
+    note = f"{terms}: its times are taken in proportion to the pixels, {factor:.2g} times."
+    return tuple(level.scaled(factor) for level in levels_from(rows)), [note]

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from ..geometry import Fov, Pose
 from ..headsets import Headset, load_headset
 from ..pipeline.build import expected_age_ns
-from ..pipeline.options import AUTO, RunOptions
+from ..pipeline.options import AUTO
 from ..poses import PoseSample, PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
-from .rig import Timetable, timetable
+from .options import RunOptions
+from .schedule import Schedule, schedule_of
 
 QUANTILE = 0.95
 # A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and reaches farther.
@@ -46,25 +47,26 @@ class Guard:
 
 
 def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
-    """The options with a number for guard `auto`, and what to tell about it. Errors: as load_headset, load_trace and timetable."""
+    """The options with a number for guard `auto`, and what to tell about it. Errors: as load_headset, load_trace and schedule_of."""
     if options.guard != AUTO:
         return options, ()
     headset, track = load_headset(options.headset), load_trace(options.trace, options.trace_options).track
-    times = timetable(track, options, options.rate_hz or headset.refresh_hz)
-    found = guard_for(headset, track, times, options)
+    schedule = schedule_of(track, options, options.rate_hz or headset.refresh_hz)
+    found = guard_for(headset, track, schedule, options)
     return attrs.evolve(options, guard=found.factor), (str(found),)
 
 
-def guard_for(headset: Headset, track: PoseTrack, times: Timetable, options: RunOptions) -> Guard:
+def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> Guard:
     """The factor that holds the middles of all four sides of both eyes' pictures at 95 of 100 refreshes, for scenery from 1 m to infinity.
 
     The server draws for the pose it is asked for, predicted or not, as in the run; the display shows the pose of the trace. The
     latency is that of the run, for a link with jitter the typical one.
     """
-    age_ns = expected_age_ns(options, times.age_ns)
-    stride = -(-times.count // MOST_INSTANTS)
+    age_ns = expected_age_ns(options, schedule.age_ns)
+    stride = -(-schedule.count // MOST_INSTANTS)
     shown_ns = np.array(
-        [times.first_ns + round(k * 1e9 / times.rate_hz) for k in range(0, times.count, stride)], dtype=np.int64
+        [schedule.first_ns + round(k * 1e9 / schedule.rate_hz) for k in range(0, schedule.count, stride)],
+        dtype=np.int64,
     )
     shown = track.sample_many(shown_ns)
     drawn = [_drawn_for(track, t - age_ns, age_ns, options) for t in shown_ns.tolist()]
@@ -86,7 +88,8 @@ def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
     """(n,) how many times as large, in tangents, each picture must be drawn: 1 for a head that has not moved, infinite where the middle of
-    a side lies beside or behind the drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4)."""
+    a side lies beside or behind the drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
+    """
     needed = np.ones(len(drawn[0]))
     for eye, view in enumerate(headset.views(Pose())):
         fov, head_from_eye = headset.fov(eye), view.pose.position_m

@@ -13,10 +13,11 @@ from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
-from .rig import Rig
+from .read_back import coverage, shown_picture
+from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
 
-# The two things measured at a refresh: the asked-for warp and the one it is compared with.
+# The two things measured at a refresh: the run's warp and the one it is compared with.
 MAIN, AGAINST = 0, 1
 Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 
@@ -24,38 +25,39 @@ Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 class Probe:
     """Draws the truth at the shown views, reads pictures back and hands them to the measuring processes.
 
-    Measured is what the eye sees before the lens. A warp that is fused with the lens does not make that, so the same warp without the
-    lens is run for it; what it takes is not counted. The truth of a display that lights up row by row is drawn in bands. Flicker needs
-    the refresh before a measured one too, so that one is drawn and read as well, but not measured.
+    Measured is what the eye sees before the lens. A warp that is fused with the lens does not make
+    that, so the same warp without the lens runs for it; its time is not counted. The truth of a
+    display that lights up row by row is drawn in bands. Flicker needs the refresh before a measured
+    one too, so that one is drawn and read as well, but not measured.
     """
 
-    def __init__(self, rig: Rig, pool: QualityPool, keep_every: int | None) -> None:
-        self._rig, self._pool, self._keep_every = rig, pool, keep_every
-        self._every = rig.options.metrics_every
+    def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
+        self._setup, self._pool, self._keep_every = setup, pool, keep_every
+        self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
         self._against = self._baseline()
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
         self.against_ms: dict[tuple[int, int], tuple[tuple[str, float], ...]] = {}
 
-        if rig.options.scanout_ms:
-            rig.notes.append(_about_scanout(rig))
+        if setup.options.scanout_ms:
+            setup.notes.append(_about_scanout(setup))
 
     def _without_lens(self) -> Compensator | None:
-        rig = self._rig
-        if not rig.plan.fused:
+        setup = self._setup
+        if not setup.plan.fused:
             return None
-        rig.notes.append(
+        setup.notes.append(
             "Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not counted."
         )
-        alone = attrs.evolve(rig.options, fused=False, lens="none", fill="none")
-        return rig.compensator(build_plan_for(alone, rig.headset, rig.scene))
+        alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
+        return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
 
     def _baseline(self) -> Compensator | None:
-        options = self._rig.options
+        options = self._setup.options
         if options.against in ("", options.warp):
             return None
-        return self._rig.compensator(plan_against(options.against))
+        return self._setup.compensator(plan_against(options.against))
 
     def wants(self, number: int) -> bool:
         """Whether refresh `number` is measured, or is the neighbour of a measured one."""
@@ -66,43 +68,53 @@ class Probe:
         for eye in range(len(refresh.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The neighbour of a measured refresh is read for flicker alone.
-            truth = draw_truth(self._rig.server, refresh.inputs[eye], self._rig.size, depth=number % self._every == 0)
+            truth = draw_truth(
+                self._setup.server, refresh.inputs[eye], self._setup.size, depth=number % self._every == 0
+            )
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
             result = self._before_lens(refresh, eye)
             self._take(number, eye, MAIN, rendered, result, picture, depth)
             if depth is not None:
                 self._count_filled(result)
             if self._against is not None:
-                self._look_against(number, eye, refresh, picture, depth)
+                self._look_against(self._against, (number, eye), refresh, picture, depth)
 
     def _look_against(
-        self, number: int, eye: int, refresh: Refresh, truth: NDArray[np.uint8], depth: NDArray[np.float32] | None
+        self,
+        against: Compensator,
+        where: tuple[int, int],
+        refresh: Refresh,
+        truth: NDArray[np.uint8],
+        depth: NDArray[np.float32] | None,
     ) -> None:
-        """The compared warp knows no effects: its late picture has everything drawn in, nothing as a layer."""
-        inputs, server = self._rig.loop.inputs(refresh, self._against.plan.needs)[eye], self._rig.server
+        """Measure the compared warp, which knows no effects: its rendered picture has everything drawn in."""
+        (number, eye), server = where, self._setup.server
+        inputs = self._setup.loop.inputs(refresh, against.plan.needs)[eye]
         whole = None
-        if self._rig.plan.effects:
+        if self._setup.plan.effects:
             whole = server.draw(inputs.rendered.view, inputs.rendered.size, time_ns=inputs.rendered.drawn_ns)
             inputs = attrs.evolve(
                 inputs, rendered=attrs.evolve(inputs.rendered, colour=whole.colour, inverse_depth=whole.inverse_depth)
             )
-            self._rig.gpu.timer.collect()
-        other = self._against.run(inputs)
-        self.against_ms[number, eye] = tuple(self._rig.gpu.timer.collect())
+            self._setup.gpu.timer.collect()
+        other = against.run(inputs)
+        self.against_ms[where] = tuple(self._setup.gpu.timer.collect())
         self._take(number, eye, AGAINST, inputs.rendered, other, truth, depth)
         if whole is not None:
             server.pool(whole.size).release(whole.colour)
 
     def _count_filled(self, result: EyeResult) -> None:
-        for name, canvas in (("warp", result.warped), *result.filled):
-            self._empty.setdefault(name, []).append(float((download(canvas.texture)[..., 3] == 0).mean()))
+        covered = [("warp", coverage(result))]
+        covered += [(name, download(canvas.texture)[..., 3]) for name, canvas in result.filled]
+        for name, alpha in covered:
+            self._empty.setdefault(name, []).append(float((alpha == 0).mean()))
 
     def filled_shares(self) -> dict[str, float]:
-        """What share of all pixels of the measured pictures each fill of the chain filled, and what was left ("empty").
+        """Return the share of all measured pixels that each fill of the chain filled, and the rest ("empty").
 
-        Without warp "auto": its chain changes, so a share of the whole would mean nothing.
+        Nothing for warp "auto": its chain changes, so a share of the whole would mean nothing.
         """
-        if self._rig.auto is not None or not self._empty:
+        if self._setup.auto is not None or not self._empty:
             return {}
         left = {name: sum(shares) / len(shares) for name, shares in self._empty.items()}
         names = list(left)
@@ -113,7 +125,7 @@ class Probe:
         if self._unfused is None:
             return refresh.eyes[eye]
         made = self._unfused.run(refresh.inputs[eye])
-        self._rig.gpu.timer.collect()
+        self._setup.gpu.timer.collect()
         return made
 
     def _take(
@@ -126,7 +138,7 @@ class Probe:
         truth: NDArray[np.uint8],
         truth_inverse_depth: NDArray[np.float32] | None,
     ) -> None:
-        now = Compared(picture_from_linear(download(result.shown.texture)), truth, result.view)
+        now = Compared(shown_picture(result), truth, result.view)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
@@ -134,7 +146,7 @@ class Probe:
         job = QualityJob(
             now,
             before if before_number == number - 1 else None,
-            download(result.warped.texture)[..., 3],
+            coverage(result),
             truth_inverse_depth,
             rendered.view,
             rendered.size,
@@ -145,10 +157,10 @@ class Probe:
         self._pool.submit((number, eye, which), job, keep=keep)
 
 
-def _about_scanout(rig: Rig) -> str:
-    how = "follows it row by row" if rig.plan.scanout else "shows all rows as in its middle"
+def _about_scanout(setup: ReplaySetup) -> str:
+    how = "follows it row by row" if setup.plan.scanout else "shows all rows as in its middle"
     told = [
-        f"The display scans out for {rig.options.scanout_ms:g} ms; warp '{rig.options.warp}' {how}.",
+        f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}.",
         f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in the middle of it.",
     ]
     return " ".join(told)

@@ -10,12 +10,10 @@ from ._mirrors import SceneMirror
 from ._reduce import reduced, unlit
 from ._scene import Background, Scene, SceneSource, is_cutout, scenes
 from .deformations import Joint, Skinned, Waving
-from .effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
 from .motions import Spinning, Thrown, Track
 from .shapes import Ball, Quad, checker
 
 __all__ = [
-    "EVERY_EFFECT",
     "Background",
     "Ball",
     "Body",
@@ -26,7 +24,6 @@ __all__ = [
     "Motion",
     "Quad",
     "Scene",
-    "SceneEffect",
     "SceneMirror",
     "SceneSource",
     "Skinned",
@@ -35,9 +32,7 @@ __all__ = [
     "Thrown",
     "Track",
     "Waving",
-    "asked_effects",
     "checker",
-    "effect_names",
     "is_cutout",
     "load_scene",
     "reduced",

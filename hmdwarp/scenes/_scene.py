@@ -15,7 +15,6 @@ from ..registry import Registry
 from ._content import Body
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Mesh, Texture
 from ._mirrors import SceneMirror, mirrors_of
-from .effects import SceneEffect
 
 Rgb = tuple[float, float, float]
 
@@ -105,14 +104,6 @@ class Scene:
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
 
     @cached_property
-    def effects(self) -> SceneEffect:
-        """Effects that its content calls for."""
-        found = SceneEffect.NONE
-        for mesh in self.meshes:
-            found |= _effects_of(self, mesh)
-        return found
-
-    @cached_property
     def mirrors(self) -> tuple[SceneMirror, ...]:
         """Mirrors, plane ones first; see mirrors_of for its errors."""
         return mirrors_of(self.name, self.meshes, self.origin_m)
@@ -135,23 +126,6 @@ def is_cutout(scene: Scene, mesh: Mesh) -> bool:
     return alpha.size > 0 and float(between.mean()) < MOST_EDGES
 
 
-def _effects_of(scene: Scene, mesh: Mesh) -> SceneEffect:
-    material, found = mesh.material, SceneEffect.NONE
-    calls = {
-        SceneEffect.PLANAR_REFLECTIONS: material.reflectivity > 0 and not material.curved,
-        SceneEffect.GLOSSY_REFLECTIONS: material.normal_map >= 0,
-        SceneEffect.CURVED_REFLECTIONS: material.curved,
-        SceneEffect.RIGID_MOTION: mesh.body > 0,
-        SceneEffect.SOFT_MOTION: mesh.deformation is not None,
-        SceneEffect.TRANSPARENCY: material.see_through and not is_cutout(scene, mesh),
-        SceneEffect.OVERLAY: material.head_locked,
-    }
-    for effect, called_for in calls.items():
-        if called_for:
-            found |= effect
-    return found
-
-
 @attrs.frozen(eq=False)
 class SceneSource:
     """A registered scene before it is built; listing scenes builds nothing."""
@@ -160,8 +134,8 @@ class SceneSource:
     summary: str
     # Makes the scene, the same arrays every time.
     build: Callable[[], Scene]
-    # What the built scene's content will call for.
-    effects: SceneEffect = SceneEffect.NONE
+    # Names of the effects that the built scene's content calls for.
+    effects: tuple[str, ...] = ()
 
 
 scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes")

@@ -1,24 +1,8 @@
-"""The server: draws a scene for the eyes into a Frame.
+"""The server: draws a scene for the eyes into a Frame; knows nothing of lateness, warps or lenses.
 
-It knows nothing of lateness, warps or lenses.
+Names are in __init__.pyi; each loads its module at first use.
 """
 
-from .draw import MIRRORS, Server
-from .moving import moving_parts, stands_still
-from .passes import ScenePasses, clear_depth
-from .targets import Framebuffers, Target, TargetPool
-from .upload import SceneBuffers, SceneTextures
+import lazy_loader
 
-__all__ = [
-    "MIRRORS",
-    "Framebuffers",
-    "SceneBuffers",
-    "ScenePasses",
-    "SceneTextures",
-    "Server",
-    "Target",
-    "TargetPool",
-    "clear_depth",
-    "moving_parts",
-    "stands_still",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

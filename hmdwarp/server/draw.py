@@ -108,7 +108,7 @@ class Server:
         for part in self._parts_for(needs):
             shared |= part.of_frame(guarded, drawings[0])
         eyes = [self._draw(view, grown, drawing) for view, drawing in zip(guarded, drawings, strict=True)]
-        return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns, self.scene.effects)
+        return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; they show a later frame from now on."""
@@ -157,8 +157,8 @@ def _is_marched(mirrors: str) -> bool:
     return mirrors == SCREEN
 
 
-def _check_same_size(found: Size, wanted: Size) -> None:
-    if tuple(found) != tuple(wanted):
+def _check_same_size(target: Size, picture: Size) -> None:
+    if tuple(target) != tuple(picture):
         raise InputError(
-            f"target is {found[0]}x{found[1]} pixels, the picture {wanted[0]}x{wanted[1]}: they must be the same"
+            f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: they must be the same"
         )

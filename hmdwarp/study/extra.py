@@ -1,4 +1,4 @@
-"""The packages that only a study needs."""
+"""Packages that only the study commands need."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from types import ModuleType
 
 from ..errors import MachineError
 
+INSTALL = "pip install 'hmdwarp[study]'"
 
-def needed(module: str, package: str) -> ModuleType:
-    """The module of that name, imported. Errors: MachineError saying how to get the package where it is not installed."""
+
+def import_extra(module: str, package: str) -> ModuleType:
+    """Import a module of an optional package.
+
+    Errors: MachineError with the line that installs the package, where it is missing.
+    """
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MachineError(f"this needs {package}, which is not installed: pip install 'hmdwarp[study]'") from error
+        raise MachineError(f"this needs {package}, which is not installed: {INSTALL}") from error

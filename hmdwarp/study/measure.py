@@ -1,8 +1,9 @@
-"""Measures afterwards what was shown: each trial's head trace goes through the replay again, against a renderer without latency.
+"""Measures the pictures of each trial: replays its head trace against a renderer without latency.
 
-What a trial showed cannot be measured while it is shown: the truth is a second picture, and FLIP takes a second. The replay is the same
-pipeline with the trial's settings, on the head as it was recorded and at the instants it was recorded at. It is even in time where the
-display was not, and its first pictures come when the first frame has arrived, so the first moments of a trial (its latency) are left out.
+A trial cannot be measured while it runs: the truth is a second picture, and FLIP takes a second.
+The replay is the same pipeline with the trial's settings, on the recorded head and instants. It is
+even in time where the display was not, and its first picture comes with the first frame, so the
+first moments of a trial (its latency) are left out.
 """
 
 from __future__ import annotations
@@ -16,10 +17,11 @@ import attrs
 from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..pipeline.options import AUTO, PipelineOptions, RunOptions, number, parse_size
-from ..run.replay import figures
+from ..options import Number
+from ..pipeline.options import PipelineOptions, parse_size
+from ..run import RunOptions, figures
 from ..version import __version__
-from .design.settings import live_options
+from .design import live_options
 from .store import Session, Showing, Store
 
 _SHARED = tuple(field.name for field in attrs.fields(PipelineOptions))
@@ -29,27 +31,26 @@ Say = Callable[[str], None]
 
 @attrs.frozen(kw_only=True)
 class MeasureOptions:
-    """every: pictures are measured at every n-th refresh. size: (w, h) of one eye, None for as it was shown. again: also what was measured
-    before in the same way. pilot: rehearsals instead of sessions. workers: as RunOptions."""
+    """Which trials to measure, and how finely."""
 
-    every: int = attrs.field(default=10, validator=number("every", least=1))
-    size: tuple[int, int] | None = None
-    again: bool = False
-    pilot: bool = False
-    workers: int | None = None
+    every: int = attrs.field(default=10, validator=Number(least=1))  # measure every n-th refresh
+    size: tuple[int, int] | None = None  # (w, h) of one eye; None for the size shown
+    again: bool = False  # also trials already measured with these options
+    pilot: bool = False  # pilot sessions instead of those of participants
+    workers: int | None = None  # as RunOptions
 
 
 @attrs.frozen
 class Measurements:
-    """Showings: measured now, known from before, and those that could not be, each with its reason. refreshes: measured now."""
+    """Outcome of measuring a study."""
 
-    measured: int
-    known: int
-    left_out: tuple[str, ...]
-    refreshes: int
+    measured: int  # showings measured now
+    known: int  # showings measured before
+    left_out: tuple[str, ...]  # showings that could not be measured, each with its reason
+    refreshes: int  # measured now
 
-    def told(self) -> list[str]:
-        """In sentences."""
+    def describe(self) -> list[str]:
+        """Describe the outcome in sentences."""
         before = f", {self.known} were measured before" if self.known else ""
         refreshes = f" at {self.refreshes} refreshes, both eyes of each" if self.refreshes else ""
         return [f"{self.measured} showings measured{refreshes}{before}", *(f"left out: {why}" for why in self.left_out)]
@@ -58,16 +59,18 @@ class Measurements:
 def measure_study(
     store: Store, options: MeasureOptions, progress: Progress = lambda done, total: None, say: Say = lambda text: None
 ) -> Measurements:
-    """Every trial that was shown to its end, one after the other; each is in the store when the next begins, so that going on is starting
-    again. progress(done, total): in refreshes, about. say: gets a sentence for each.
+    """Measure every complete trial, one after the other.
 
-    Errors: InputError where there is nothing to measure; MachineError for what the machine lacks, and where a session is running. What one
-    trace or setting does not allow is told, and the others go on.
+    Each is in the store when the next begins: running it again resumes. A trial whose trace or
+    settings do not allow it is left out. progress(done, total): in refreshes, roughly. say:
+    receives a sentence for each trial.
+    Errors: InputError where there is nothing to measure; MachineError for what the machine lacks,
+    and while a session runs.
     """
     contents = store.contents(pilot=options.pilot)
     showings = [one for one in contents.showings if one.complete and one.trial]
     if not showings:
-        raise InputError(f"{store.folder}: no trial that was shown to its end, so there is nothing to measure")
+        raise InputError(f"{store.folder}: no trial was shown to its end: there is nothing to measure")
     sessions = {one.id: one for one in contents.sessions}
     bar = _Bar(progress, [one.actual.get("pictures") or 1 for one in showings])
     known, refreshes = 0, []
@@ -87,44 +90,46 @@ def measure_study(
             bar.next()
         store.measured(showing.id, data)
         refreshes.append(data["refreshes"])
-        say(f"{_name(showing, session)}: {_told(data)}")
+        say(f"{_name(showing, session)}: {_figures_text(data)}")
     return Measurements(len(refreshes), known, tuple(left_out), sum(refreshes))
 
 
 class _Bar:
-    """One bar over replays of different lengths. lengths: of each, in about its refreshes."""
+    """One progress bar over replays of different lengths."""
 
     def __init__(self, progress: Progress, lengths: list[int]) -> None:
         self._progress, self._lengths, self._at = progress, lengths, 0
         progress(0, sum(lengths))
 
     def within(self, done: int, total: int) -> None:
-        """Of the present one."""
+        """Advance within the present replay."""
         before, length = sum(self._lengths[: self._at]), self._lengths[self._at]
         self._progress(before + length * done // max(total, 1), sum(self._lengths))
 
     def next(self) -> None:
-        """It is over, whichever way."""
+        """Advance to the next replay."""
         self._at += 1
         self._progress(sum(self._lengths[: self._at]), sum(self._lengths))
 
 
 def run_options(showing: Showing, session: Session, traces: Path, options: MeasureOptions) -> RunOptions:
-    """The replay of a showing. Size and rate are those of the display it was shown on, unless asked for otherwise; a headset whose optics
-    are not known here is measured through the study's own. The lens plays no part: quality is of what comes before it. Over a link that
-    only delays, frames are as old as they really were: a display that shows a picture two refreshes later adds them.
+    """Return the options to replay a showing.
 
-    Errors: InputError where there is no trace, or the warp was chosen by how fast the machine was.
+    Size and rate are by default those of the display; a headset with unknown optics is replaced by
+    the study's. The lens plays no part: quality is measured before it. Over a link that only
+    delays, frames are as old as they really were: a display that shows a picture two refreshes
+    later adds them.
+    Errors: InputError where there is no trace, or warp auto chose by the machine's speed.
     """
     if not showing.trace or not (traces / showing.trace).is_file():
-        raise InputError("its head was not recorded, or the recording is gone")
+        raise InputError("its head motion was not recorded, or the recording is gone")
     live = live_options(showing.settings)
-    if live.warp == AUTO:
-        raise InputError("warp auto took what the machine had time for, which cannot be repeated")
+    if live.chooses_warp:
+        raise InputError("warp auto chose by the machine's speed, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
     size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px
     aged_ms = showing.actual.get("latency_ms_median") if live.network.is_plain else None
-    asked = {
+    replayed = {
         "latency_ms": live.latency_ms if aged_ms is None else max(live.latency_ms, round(aged_ms, 3)),
         "lens": "none",
         "fused": False,
@@ -137,7 +142,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         "workers": options.workers,
         "images": 0,
     }
-    return RunOptions(**{**shared, **asked})
+    return RunOptions(**{**shared, **replayed})
 
 
 def _size(actual: Mapping[str, Any]) -> tuple[int, int] | None:
@@ -145,7 +150,7 @@ def _size(actual: Mapping[str, Any]) -> tuple[int, int] | None:
 
 
 def is_known(showing: Showing, run: RunOptions) -> bool:
-    """Whether it was measured before as `run` would: figures of other sizes or steps are not put beside one another."""
+    """Return whether it was measured as `run` would: other sizes or steps are not comparable."""
     return {key: showing.measured.get(key) for key in ("every", "size")} == _how(run)
 
 
@@ -162,12 +167,10 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
 
 
 def _name(showing: Showing, session: Session) -> str:
-    """By the random word, and by the trial: who measures may be blind too."""
+    """Name a showing, not its condition: the experimenter may be blind too."""
     return f"{session.sub} session {session.number} trial {showing.trial}"
 
 
-def _told(data: Mapping[str, Any]) -> str:
-    figures_ = ", ".join(
-        f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None
-    )
-    return f"{data['refreshes']} refreshes, {figures_}"
+def _figures_text(data: Mapping[str, Any]) -> str:
+    named = ", ".join(f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None)
+    return f"{data['refreshes']} refreshes, {named}"

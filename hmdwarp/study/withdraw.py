@@ -1,9 +1,10 @@
-"""Withdrawal: whoever took part may have everything erased, at any time and without a reason.
+"""Withdrawal: erases all data of a participant, at any time and without a reason.
 
-What goes: answers, showings with what was measured, events with remarks, sessions, the random id, head traces (they tell who somebody is).
-What stays: the code, so that nobody gets it again and nobody withdraws twice. The order is free for another participant.
-What this program cannot erase: earlier exports, reports and copies of the folder; snapshots and journals of a file system; blocks that a
-flash disk took out of use. An encrypted disk answers for the last two.
+Erased: answers, showings with their figures, events with remarks, sessions, the random word, and
+head traces, which identify a person. Kept: the code, so that it is never reused. The order becomes
+free for another participant. Beyond reach of this program: earlier exports, reports and copies of
+the folder; snapshots and journals of a file system; blocks that a flash disk retired. Disk
+encryption covers the last two.
 """
 
 from __future__ import annotations
@@ -12,53 +13,56 @@ import attrs
 
 from .store import Store
 
-BEYOND = "Exports, reports, copies and backups made before still hold these data: delete them by hand."
+BEYOND = "Earlier exports, reports, copies and backups still hold these data: delete them by hand."
 
 
 @attrs.frozen
 class Holdings:
-    """How much there is of a participant. code: as it was first written. answers: of every revision, to questionnaires too. bytes: of
-    the traces."""
+    """Amount of a participant's data."""
 
-    code: str
+    code: str  # as first written
     sessions: int
-    answers: int
+    answers: int  # every revision, to questionnaires too
     showings: int
     events: int
     traces: int
-    bytes: int
+    bytes: int  # of the traces
 
-    def words(self) -> str:
-        """As "1 session, 12 answers (those given again counted), 6 showings, 40 events, 6 head traces (1.2 MB)"."""
+    def describe(self) -> str:
+        """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
         counts = (
-            (self.sessions, "session", ""), (self.answers, "answer", " (those given again counted)"), (self.showings, "showing", ""),
-            (self.events, "event", ""), (self.traces, "head trace", ""),
-        )  # fmt: skip
-        told = ", ".join(
-            f"{count} {what}{'' if count == 1 else 's'}{more if count else ''}" for count, what, more in counts
+            (self.sessions, "session", ""),
+            (self.answers, "answer", " (revisions included)"),
+            (self.showings, "showing", ""),
+            (self.events, "event", ""),
+            (self.traces, "head trace", ""),
         )
-        return f"{told} ({self.bytes / 1e6:.1f} MB)" if self.traces else told
+        text = ", ".join(
+            f"{count} {name}{'' if count == 1 else 's'}{more if count else ''}" for count, name, more in counts
+        )
+        return f"{text} ({self.bytes / 1e6:.1f} MB)" if self.traces else text
 
 
 def holdings(store: Store, code: str) -> Holdings:
-    """What would be erased. Errors: InputError for a code that is not known or has withdrawn."""
+    """Return the amount of data to erase. Errors: InputError for an unknown or withdrawn code."""
     code, sub, counts = store.holdings(code)
     files = [path for path in store.traces.glob(f"*{sub}*") if path.is_file()]
     return Holdings(code, **counts, traces=len(files), bytes=sum(path.stat().st_size for path in files))
 
 
-def was_cut_off(store: Store, code: str) -> bool:
-    """Whether this participant's withdrawal had been begun before and was cut off; it is over when this returns."""
+def finish_interrupted(store: Store, code: str) -> bool:
+    """Return whether an interrupted withdrawal of this participant ended just now."""
     return code.lower() in [one.lower() for one in store.lock()]
 
 
 def withdraw(store: Store, code: str) -> Holdings | None:
-    """Erase a participant; what was erased. None where was_cut_off.
+    """Erase a participant; return what was erased, or None for an interrupted withdrawal.
 
-    Errors: InputError for a code that is not known or has withdrawn before; MachineError while a session runs, or while a program that
-    reads the study keeps the old bytes from going: what is left then is erased at the next try, or when the next session begins.
+    Errors: InputError for an unknown or withdrawn code; MachineError while a session runs, or while
+    a program that reads the study keeps the old bytes alive. The next withdrawal or session then
+    erases the rest.
     """
-    if was_cut_off(store, code):
+    if finish_interrupted(store, code):
         return None
     erased = holdings(store, code)
     store.withdraw(code)

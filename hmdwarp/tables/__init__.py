@@ -1,7 +1,7 @@
-"""TOML files that people write: each key is asked for by its type, and what is wrong is told with its full name and its line."""
+"""TOML files that people write: typed access to keys, errors with key and line."""
 
 from ._files import parsed, text_of
 from ._lines import LineFinder
-from ._table import KeyFault, Table, told
+from ._table import KeyFault, Table, quoted
 
-__all__ = ["KeyFault", "LineFinder", "Table", "parsed", "text_of", "told"]
+__all__ = ["KeyFault", "LineFinder", "Table", "parsed", "quoted", "text_of"]

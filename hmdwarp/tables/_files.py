@@ -1,4 +1,4 @@
-"""Whole files: read, parsed, and what is wrong in them told with its line, as compilers do: `study.toml:14: trial.order is ..`."""
+"""Reads and parses whole files; errors name the line: `study.toml:14: trial.order is ..`."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from ._lines import LineFinder
 from ._table import KeyFault, Table
 
 T = TypeVar("T")
-_MOST_BYTES = 1_000_000  # these files are written by hand; what is longer is another file taken for one
+_MOST_BYTES = 1_000_000  # these files are written by hand; a longer one is another kind of file
 
 
 def text_of(path: Path, wanted: str) -> str:
-    """A text file, line ends as \\n, without a byte order mark. wanted: for messages, such as "a .toml file". Errors: InputError."""
+    """Read a text file, with LF line ends and without a byte order mark.
+
+    wanted: for messages, such as "a .toml file". Errors: InputError.
+    """
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
@@ -32,7 +35,10 @@ def text_of(path: Path, wanted: str) -> str:
 
 
 def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:
-    """What made_of makes of the TOML in `text`; every key must have been asked for then. path: for messages. Errors: InputError."""
+    """Parse TOML and return what made_of makes of it; refuse keys that it does not request.
+
+    path: for messages. Errors: InputError naming file, line and value.
+    """
     try:
         table = Table(tomllib.loads(text), example=example)
     except (ValueError, RecursionError) as error:
@@ -47,7 +53,7 @@ def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: 
 
 
 def _not_toml(path: Path | str, says: str) -> str:
-    """With the line, where tomllib says it."""
+    """Put tomllib's line in front, where it has one."""
     says = " ".join(says.split())
     found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)
     if found is None:
@@ -56,7 +62,7 @@ def _not_toml(path: Path | str, says: str) -> str:
 
 
 def _several(says: str) -> str:
-    """What to write instead of [key] twice, where there may be several."""
+    """Suggest [[key]] for [key] written twice."""
     found = re.fullmatch(r"Cannot declare \((.*)\) twice", says)
     if found is None:
         return ""

@@ -1,4 +1,7 @@
-"""Where in a TOML file a key stands. tomllib says what the values are, and forgets their lines."""
+"""Finds the lines of keys in a TOML file, which tomllib does not keep.
+
+cattrs, pydantic and msgspec check values as well, but have neither the lines nor these hints.
+"""
 
 from __future__ import annotations
 
@@ -18,18 +21,19 @@ _SCALAR = re.compile(r"[^,\]}\n#]*")
 
 
 class LineFinder:
-    """text: TOML that tomllib has read without an error."""
+    """Lines of the keys of a TOML text."""
 
     def __init__(self, text: str) -> None:
+        """Scan a text that tomllib parses without an error."""
         self._text, self._at = text, 0
         self._ends = [match.start() for match in re.finditer("\n", text)]
         self._lines: dict[Path, int] = {}
-        self._counts: dict[Path, int] = {}  # of the arrays of tables, how many there have been
+        self._counts: dict[Path, int] = {}  # tables so far in each array of tables
         self._table: Path = ()
         self._scan()
 
     def line(self, path: Path) -> int:
-        """Of a key, counted from 1; of what is not there, that of the table it would be in; 1 for the top."""
+        """Return the line of a key, from 1 on; for a missing key that of its table, or 1."""
         for length in range(len(path), 0, -1):
             found = self._lines.get(path[:length])
             if found is not None:
@@ -41,12 +45,13 @@ class LineFinder:
             while self._skip(_BLANK) < len(self._text):
                 self._header() if self._text[self._at] == "[" else self._pair(self._table)
         except (IndexError, RecursionError, ValueError):
-            return  # what was found so far is better than nothing
+            return  # the lines found so far are better than none
 
     def _header(self) -> None:
         start, is_array = self._at, self._text.startswith("[[", self._at)
         self._at += 2 if is_array else 1
-        keys, path = self._keys(), ()
+        keys = self._keys()
+        path: Path = ()
         for number, key in enumerate(keys, 1):
             path = (*path, key)
             last = number == len(keys)
@@ -92,7 +97,7 @@ class LineFinder:
             self._skip(_SCALAR)
 
     def _within(self, path: Path, end: str) -> None:
-        """Of an array or an inline table."""
+        """Scan an array or an inline table."""
         self._at += 1
         number = 0
         while self._skip(_BLANK) < len(self._text) and self._text[self._at] != end:
@@ -118,5 +123,5 @@ class LineFinder:
 
 
 def _plain(key: str) -> str:
-    """As tomllib has it; escapes in keys are seldom, and their lines are told by the table then."""
+    """Strip quotes. A key with escapes, which is rare, gets the line of its table."""
     return key[1:-1] if key[0] in "\"'" else key

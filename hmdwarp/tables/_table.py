@@ -1,11 +1,12 @@
-"""A TOML table that is asked for each key by its type, and says by its full name which one is wrong."""
+"""A TOML table with a getter per type; errors name the key in full."""
 
 from __future__ import annotations
 
 import difflib
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from ..errors import InputError
 
@@ -13,16 +14,19 @@ Path = tuple[str | int, ...]
 _NEEDED = object()  # no default: the key must be there
 
 
-def told(value: object) -> str:
-    """A value of a file as messages show it, on one line and not too long."""
+def quoted(value: object) -> str:
+    """Format a value of a file for messages: one line of limited length."""
     try:
         return _shortened(repr(value))
-    except ValueError:  # Python prints no whole number of more than 4300 digits
+    except ValueError:  # Python does not print integers of more than 4300 digits
         return "a number beyond all bounds"
 
 
 class KeyFault(InputError):
-    """path: which key is wrong, from the top of the file: keys, and numbers from 0 within arrays."""
+    """A wrong key of a file.
+
+    path: of the key from the top of the file: keys, and indices from 0 within arrays.
+    """
 
     def __init__(self, text: str, path: Path) -> None:
         super().__init__(text)
@@ -30,18 +34,22 @@ class KeyFault(InputError):
 
 
 class Table:
-    """`data` as tomllib gives it. path: where it lies in the file. example: a file that has all the keys, for whoever left one out.
+    """A table of a TOML file.
 
-    Each getter takes a default for a key that may be left out. Errors: KeyFault naming the key.
+    Each getter takes a default for an optional key. Errors: KeyFault naming the key.
     """
 
     def __init__(self, data: object, path: Path = (), example: str = "") -> None:
+        """Wrap `data` of tomllib.
+
+        path: in the file. example: a file with all keys, for messages.
+        """
         self._path, self._example = path, example
         if not isinstance(data, dict):
-            raise KeyFault(f"{_named(path)} is {told(data)}: wanted a table of keys", path)
+            raise KeyFault(f"{_named(path)} is {quoted(data)}: wanted a table of keys", path)
         self._data = data
         self._read: dict[str, list[Table]] = {}
-        self._known: dict[str, None] = {}  # every key that was asked for, in that order
+        self._known: dict[str, None] = {}  # every key that was requested, in that order
 
     def __contains__(self, key: str) -> bool:
         self._known[key] = None
@@ -49,29 +57,29 @@ class Table:
 
     @property
     def path(self) -> Path:
-        """Where it lies in the file."""
+        """Path of the table in the file."""
         return self._path
 
     def keys(self) -> tuple[str, ...]:
-        """As the file has them."""
+        """Return the keys in the order of the file."""
         return tuple(self._data)
 
     def table(self, key: str) -> Table:
-        """The table inside this one, the same object each time."""
+        """Return a table inside this one, the same object each time."""
         value = self._get(key)
         if not self._read[key]:
             self._read[key] = [Table(value, (*self._path, key), self._example)]
         return self._read[key][0]
 
     def tables(self, key: str) -> tuple[Table, ...]:
-        """The tables of an array, written as [[key]]; none where the key is left out."""
+        """Return the tables of an array, written as [[key]]; none for a missing key."""
         value = self._get(key, ())
         if value == ():
             return ()
         if not isinstance(value, list):
             raise self.fault(
                 key,
-                f"is {told(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]",
+                f"is {quoted(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]",
             )
         if not self._read[key]:
             self._read[key] = [
@@ -79,90 +87,74 @@ class Table:
             ]
         return tuple(self._read[key])
 
-    def raw(self, key: str) -> object:
-        """Whatever stands there."""
+    def raw(self, key: str) -> Any:
+        """Return a value of any type."""
         return self._get(key)
 
-    def text(self, key: str, default: object = _NEEDED) -> str:
-        """A text that is not empty."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not isinstance(value, str) or not value.strip():
-            raise self.fault(key, f"is {told(value)}: wanted a text")
-        return value
+    def text(self, key: str, default: Any = _NEEDED) -> str:
+        """Return a text that is not empty."""
+        return self._checked(key, default, lambda value: isinstance(value, str) and value.strip(), "a text")
 
-    def line(self, key: str, default: object = _NEEDED) -> str:
-        """A text of one line, without control characters."""
-        value = self.text(key, default)
-        if value is not default and not value.isprintable():
-            raise self.fault(key, f"is {told(value)}: wanted a text of one line, without control characters")
-        return value
+    def line(self, key: str, default: Any = _NEEDED) -> str:
+        """Return a text of one line, without control characters."""
+        self.text(key, default)
+        return self._checked(key, default, str.isprintable, "a text of one line, without control characters")
 
-    def word(self, key: str, known: Sequence[str], default: object = _NEEDED) -> str:
-        """One of these."""
-        value = self._get(key, default)
-        if value is not default and value not in known:
-            raise self.fault(key, f"is {told(value)}: wanted {_listed(known)}")
-        return value  # type: ignore[return-value]
+    def word(self, key: str, known: Sequence[str], default: Any = _NEEDED) -> str:
+        """Return one of the known words."""
+        return self._checked(key, default, lambda value: value in known, _listed(known))
 
-    def flag(self, key: str, default: object = _NEEDED) -> bool:
-        """true or false."""
-        value = self._get(key, default)
-        if value is not default and not isinstance(value, bool):
-            raise self.fault(key, f"is {told(value)}: wanted true or false")
-        return value  # type: ignore[return-value]
+    def flag(self, key: str, default: Any = _NEEDED) -> bool:
+        """Return a boolean."""
+        return self._checked(key, default, lambda value: isinstance(value, bool), "true or false")
 
-    def number(self, key: str, default: object = _NEEDED) -> float:
-        """A finite number."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not _is_number(value):
-            raise self.fault(key, f"is {told(value)}: wanted a finite number")
-        return float(value)  # type: ignore[arg-type]
+    def number(self, key: str, default: Any = _NEEDED) -> float:
+        """Return a finite number."""
+        value = self._checked(key, default, _is_number, "a finite number")
+        return value if value is default else float(value)
 
-    def within(self, key: str, least: float, most: float, default: object = _NEEDED, *, above: bool = False) -> float:
-        """A number from least to most; above: least itself is too small."""
+    def within(self, key: str, least: float, most: float, default: Any = _NEEDED, *, above: bool = False) -> float:
+        """Return a number from least to most; above: greater than least."""
         value = self.number(key, default)
         if value is not default and not (least <= value <= most and (value > least or not above)):
             raise self.fault(key, f"is {value:g}: wanted a number {_range(least, most, above)}")
         return value
 
-    def whole(self, key: str, least: int, most: int, default: object = _NEEDED) -> int:
-        """A whole number from least to most."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-            raise self.fault(key, f"is {told(value)}: wanted a whole number {_range(least, most)}")
-        return value
+    def whole(self, key: str, least: int, most: int, default: Any = _NEEDED) -> int:
+        """Return a whole number from least to most."""
+
+        def is_within(value: Any) -> bool:
+            return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+        return self._checked(key, default, is_within, f"a whole number {_range(least, most)}")
 
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
-        """Finite numbers, `count` of them (or any)."""
-        value = self._get(key)
-        if not isinstance(value, list) or not all(map(_is_number, value)) or count not in (None, len(value)):
-            raise self.fault(
-                key, f"is {told(value)}: wanted a list of {'' if count is None else f'{count} '}finite numbers"
-            )
-        return tuple(map(float, value))
+        """Return finite numbers, `count` of them (None: any number)."""
 
-    def texts(self, key: str, default: object = _NEEDED) -> tuple[str, ...]:
-        """Texts that are not empty."""
-        value = self._get(key, default)
-        if value is default:
-            return value  # type: ignore[return-value]
-        if not isinstance(value, list) or not all(isinstance(one, str) and one.strip() for one in value):
-            raise self.fault(key, f'is {told(value)}: wanted a list of texts, like ["one", "another"]')
-        return tuple(value)
+        def are_right(value: Any) -> bool:
+            return isinstance(value, list) and all(map(_is_number, value)) and count in (None, len(value))
+
+        what = f"a list of {'' if count is None else f'{count} '}finite numbers"
+        return tuple(map(float, self._checked(key, _NEEDED, are_right, what)))
+
+    def texts(self, key: str, default: Any = _NEEDED) -> tuple[str, ...]:
+        """Return texts that are not empty."""
+
+        def are_texts(value: Any) -> bool:
+            return isinstance(value, list) and all(isinstance(one, str) and one.strip() for one in value)
+
+        return tuple(self._checked(key, default, are_texts, 'a list of texts, like ["one", "another"]'))
 
     def fault(self, key: str | None, says: str, *within: str | int) -> KeyFault:
-        """The error that says something of a key, or of this table itself where key is None. within: the path inside of its value."""
+        """Return an error about a key, or about this table where key is None.
+
+        within: path inside the key's value.
+        """
         path = self._path if key is None else (*self._path, key)
         return KeyFault(f"{_named(path)} {says}".lstrip(), (*path, *within))
 
     def refuse_unread(self) -> None:
-        """Refuse keys nobody asked for: a misspelt one would otherwise be taken for left out."""
+        """Raise KeyFault for keys that were not requested: a misspelt key would go unnoticed."""
         for key in self._data:
             if key not in self._read:
                 raise self._unknown(key)
@@ -173,7 +165,13 @@ class Table:
         known = [_named((*self._path, one)) for one in self._known]
         return KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
 
-    def _get(self, key: str, default: object = _NEEDED) -> object:
+    def _checked(self, key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> Any:
+        value = self._get(key, default)
+        if value is not default and not is_right(value):
+            raise self.fault(key, f"is {quoted(value)}: wanted {wanted}")
+        return value
+
+    def _get(self, key: str, default: Any = _NEEDED) -> Any:
         self._read.setdefault(key, [])
         self._known[key] = None
         if key in self._data:
@@ -183,7 +181,7 @@ class Table:
         raise self.missing(key)
 
     def missing(self, key: str) -> KeyFault:
-        """The error for a key that is not there; where one is there that it may have been meant to be, at that one."""
+        """Return the error for a missing key, at a similar key if there is one."""
         named = _named((*self._path, key))
         for near in difflib.get_close_matches(key, set(self._data) - set(self._known), n=1, cutoff=0.7):
             return KeyFault(f"the key {named} is missing: is {_named((near,))} meant to be {key}?", (*self._path, near))
@@ -192,7 +190,7 @@ class Table:
 
 
 def _named(path: Path) -> str:
-    """'part.condition.name': the line says which of several."""
+    """Join the keys, like 'part.condition.name'; the line shows which of several tables."""
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
 
 
@@ -217,5 +215,5 @@ def _range(least: float, most: float, above: bool = False) -> str:
 
 def _is_number(value: object) -> bool:
     if isinstance(value, int) and not isinstance(value, bool):
-        return abs(value) < 2**63  # as TOML has it; a longer one would overflow as a float
+        return abs(value) < 2**63  # the range of TOML; a longer one would overflow as a float
     return isinstance(value, float) and math.isfinite(value)

@@ -1,6 +1,9 @@
-// The depth of the shown picture as a runtime takes it: reversed, 1 at the near plane, 0 infinitely far.
-// In: inverse depth in 1/m, -1 where it is not known. Out: depth 0..1; what is not known is infinitely far.
-// Source: Reed 2015, Depth Precision Visualized (reversed z with an infinite far plane: d = near / z).
+// The depth of the shown picture as a runtime takes it: reversed, 1 at the near plane, 0 infinitely
+// far.
+// In: inverse depth in 1/m, -1 where it is not known. Out: depth 0..1; what is not known is
+// infinitely far.
+// Source: Reed 2015, Depth Precision Visualized (reversed z with an infinite far plane: d = near /
+// z).
 uniform sampler2D inverse_depth;
 uniform vec2 texel_from_pixel; // texels a pixel of the framebuffer
 uniform float near_m;

@@ -1,5 +1,7 @@
-// What goes to the screen: the picture, scaled bilinearly into its place, and over it a notice on a dark plate.
-// In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
+// The picture on the screen, scaled bilinearly into its place, and over it a notice on a dark
+// ground.
+// In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where
+// GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
 // Source: IEC 61966-2-1:1999, with the constants of its amendment 1.
 uniform sampler2D picture;
 uniform ivec2 picture_size;
@@ -7,15 +9,17 @@ uniform ivec4 place; // x, y, width, height in pixels of the framebuffer
 // Defines instead of uniforms: llvmpipe runs both sides of a condition.
 #if NOTICED
 uniform sampler2D ink; // 1 where a letter is
-uniform mat3 plate_from_place; // (x, y, 1) in pixels of the place to the uv of the plate, homogeneous; positive before the eye
+// (x, y, 1) in pixels of the place to the uv of the notice, homogeneous; positive before the eye
+uniform mat3 uv_from_pixel;
 #endif
 
 out vec4 colour;
 
-const float PLATE = 0.8; // how much of the light the plate takes away
-const vec3 PLATE_LIGHT = vec3(0.01);
+const float GROUND = 0.8; // how much of the light the ground takes away
+const vec3 GROUND_LIGHT = vec3(0.01);
 
-// By isnan alone: Mesa makes a min and a max of `light > 0 ? min(light, 1) : 0`, and those make 1 of NaN.
+// By isnan alone: Mesa makes a min and a max of `light > 0 ? min(light, 1) : 0`, and those make 1
+// of NaN.
 vec3 light_at(ivec2 texel) {
     vec4 light = texelFetch(picture, clamp(texel, ivec2(0), picture_size - 1), 0);
     return light.a > 0.0 ? mix(clamp(light.rgb, 0.0, 1.0), vec3(0.0), isnan(light.rgb)) : vec3(0.0);
@@ -36,11 +40,11 @@ vec3 picture_at(vec2 p) {
 
 #if NOTICED
 vec3 with_notice(vec3 light, vec2 p) {
-    vec3 on_plate = plate_from_place * vec3(p, 1.0);
-    vec2 uv = on_plate.xy / on_plate.z;
+    vec3 on_notice = uv_from_pixel * vec3(p, 1.0);
+    vec2 uv = on_notice.xy / on_notice.z;
     float letter = texture(ink, uv).r; // outside every condition, for its derivatives
-    bool inside = on_plate.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
-    return inside ? mix(mix(light, PLATE_LIGHT, PLATE), vec3(1.0), letter) : light;
+    bool inside = on_notice.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
+    return inside ? mix(mix(light, GROUND_LIGHT, GROUND), vec3(1.0), letter) : light;
 }
 #endif
 

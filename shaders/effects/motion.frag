@@ -1,5 +1,7 @@
-// The colour of a moved surface: bilinear among rendered pixels of the same surface alone, so that nothing else shows at its rim.
-// In: rendered pixel and inverse depth, interpolated; the pixel the square belongs to. Out: linear colour with coverage 1; inverse depth, 1/m.
+// The colour of a moved surface: bilinear among rendered pixels of the same surface alone, so that
+// nothing else shows at its rim.
+// In: rendered pixel and inverse depth, interpolated; the pixel the square belongs to. Out: linear
+// colour with coverage 1; inverse depth, 1/m.
 // Source: as motion.vert.
 #include "effects/motion.glsl"
 uniform sampler2D rendered_colour;

@@ -1,6 +1,8 @@
-// Which rendered pixels move by themselves until they are shown, and where to: p_moved ~ H p + e * inverse_depth, p in rendered pixels (centres
-// at i + 0.5), as lib/warp_map.glsl has it. RIGID: one map for each body; a number beyond the table is taken for what stands still.
-// SOFT: H is the unit matrix, e the way in pixels times metres, of each pixel. IMAGES: read by imageLoad, which costs llvmpipe a fifth.
+// Which rendered pixels move by themselves until they are shown, and where to: p_moved ~ H p + e *
+// inverse_depth, p in rendered pixels (centres at i + 0.5), as lib/warp_map.glsl has it. RIGID: one
+// map for each body; a number beyond the table is taken for what stands still. SOFT: H is the unit
+// matrix, e the way in pixels times metres, of each pixel. IMAGES: read by imageLoad, which costs
+// llvmpipe a fifth.
 #if IMAGES
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
 #define AT(picture, pixel) imageLoad(picture, pixel)
@@ -9,15 +11,19 @@ uniform sampler2D rendered_inverse_depth;
 #define AT(picture, pixel) texelFetch(picture, pixel, 0)
 #endif
 uniform ivec2 rendered_size;
-uniform vec2 steepest; // part of itself by which the inverse depth of one surface may change from one pixel to the next on each axis
+// Part of itself by which the inverse depth of one surface may change from one pixel to the next on
+// each axis
+uniform vec2 steepest;
 #if RIGID
 #if IMAGES
-layout(r16ui, binding = 2) readonly uniform uimage2D rendered_ids; // moderngl 5.13 knows no uniforms of this type, so it is bound here
+// Moderngl 5.13 lacks uniforms of this type, so it is bound here
+layout(r16ui, binding = 2) readonly uniform uimage2D rendered_ids;
 #else
 uniform usampler2D rendered_ids;
 #endif
 uniform int body_count;
-layout(std430, binding = 0) readonly buffer Bodies { vec4 body_maps[]; }; // columns of H, and e; w of the first: 1 if it moves at all
+// Columns of H, and e; w of the first: 1 if it moves at all
+layout(std430, binding = 0) readonly buffer Bodies { vec4 body_maps[]; };
 #endif
 #if SOFT
 #if IMAGES
@@ -81,7 +87,8 @@ struct Seen { ivec2 pixel; uint key; float r; };
 
 Seen seen(ivec2 pixel) { return Seen(pixel, moves_with(pixel), known_inverse_depth(pixel)); }
 
-// Whether two neighbours show one surface of one thing that moves: of one depth, and not torn apart by moving each its own way.
+// Whether two neighbours show one surface of one thing that moves: of one depth, and not torn apart
+// by moving each its own way.
 bool joined(Seen a, Seen b) {
     vec2 apart = vec2(b.pixel - a.pixel);
     bool whole = a.key != 0u && a.key == b.key && abs(a.r - b.r) <= dot(steepest, abs(apart)) * min(a.r, b.r);

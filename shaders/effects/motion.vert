@@ -1,6 +1,9 @@
-// A moving pixel as the square it covers, moved. Its corners are shared with the neighbours of the same surface, so no crack opens.
-// In: the list of moving pixels. Out: clip space of the rendered view; rendered pixel and inverse depth there, for perspective-correct interpolation.
-// Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (a surface from pixels, cut where depths do not join); McMillan 1995 (the map).
+// A moving pixel as the square it covers, moved. Its corners are shared with the neighbours of the
+// same surface, so no crack opens.
+// In: the list of moving pixels. Out: clip space of the rendered view; rendered pixel and inverse
+// depth there, for perspective-correct interpolation.
+// Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (a surface from pixels, cut where depths
+// do not join); McMillan 1995 (the map).
 #include "effects/motion.glsl"
 layout(std430, binding = 4) readonly buffer Pixels { uint pixels[]; };
 uniform float nearest; // 1/m: nearer than this nothing is drawn
@@ -10,7 +13,8 @@ flat out ivec3 owner; // the pixel, and what it moves with
 void main() {
     uint listed = pixels[gl_VertexID >> 2];
     ivec2 pixel = ivec2(listed & 0xFFFFu, listed >> 16u), corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
-    // The four pixels around the corner; `own` is this one among them. `in` are those of its surface, found alike from each of them.
+    // The four pixels around the corner; `own` is this one among them. `in` are those of its
+    // surface, found alike from each of them.
     ivec2 low = pixel + corner - 1;
     int own = 3 - (corner.x + 2 * corner.y);
     Seen around[4];
@@ -49,7 +53,8 @@ void main() {
 #endif
     surface_point = vec3(place.xy, r);
     owner = ivec3(pixel, int(around[own].key));
-    // The depth that is tested is linear in the inverse depth, 1 for infinitely far and -1 for `nearest`.
+    // The depth that is tested is linear in the inverse depth, 1 for infinitely far and -1 for
+    // `nearest`.
     float w = q.z == 0.0 ? -1e-30 : q.z; // (0, 0, 0) would be inside the clip volume and have no place
     gl_Position = vec4(2.0 * q.xy / vec2(rendered_size) - w, w - 2.0 * r / nearest, w);
 }

@@ -1,6 +1,8 @@
 // Where in the list each word's moving pixels begin, and the draws of them all. One work group.
-// In: a bit for each pixel that moves. Out: the number of moving pixels before each word; indirect draws of draw_quads quads each.
-// Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs equal to the last bit.
+// In: a bit for each pixel that moves. Out: the number of moving pixels before each word; indirect
+// draws of draw_quads quads each.
+// Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs
+// equal to the last bit.
 #define THREADS 256
 layout(local_size_x = THREADS) in;
 uniform int words;

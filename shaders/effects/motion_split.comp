@@ -1,7 +1,9 @@
-// Takes out of the rendered picture what moves by itself, and leaves holes there; all else stays bit for bit. Says which pixels those are.
-// In: rendered colour and inverse depth, ids, velocities. Out: colour and inverse depth of what stands still; a bit for each pixel that moves,
-// ROWS rows of one column to a word.
-// Source: the object ids and motion vectors of a frame as XR_FB_space_warp and XR_EXT_frame_synthesis have them.
+// Takes out of the rendered picture what moves by itself, and leaves holes there; all else stays
+// bit for bit. Says which pixels those are.
+// In: rendered colour and inverse depth, ids, velocities. Out: colour and inverse depth of what
+// stands still; a bit for each pixel that moves, ROWS rows of one column to a word.
+// Source: the object ids and motion vectors of a frame as XR_FB_space_warp and
+// XR_EXT_frame_synthesis have them.
 #define ROWS 32
 #include "lib/rows.glsl"
 #include "effects/motion.glsl"

@@ -1,5 +1,6 @@
 // Puts what is fixed to the head over the shown picture, pixel by pixel: it is never warped.
-// In: shown colour with coverage 0 or 1; the overlay, premultiplied. Out: shown colour; a hole stays one unless the overlay fills it.
+// In: shown colour with coverage 0 or 1; the overlay, premultiplied. Out: shown colour; a hole
+// stays one unless the overlay fills it.
 // Source: Porter and Duff 1984, Compositing Digital Images (over).
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D picture;

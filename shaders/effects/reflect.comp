@@ -1,5 +1,7 @@
-// Draws the warped world of the mirrors into the shown picture, where the warped surfaces say that they mirror.
-// In: the shown picture, its surfaces, what the mirrors show now. Out: the shown picture with reflections.
+// Draws the warped world of the mirrors into the shown picture, where the warped surfaces say that
+// they mirror.
+// In: the shown picture, its surfaces, what the mirrors show now. Out: the shown picture with
+// reflections.
 // Source: lib/reflect.glsl.
 #include "lib/rows.glsl"
 #include "lib/reflect.glsl"

@@ -1,5 +1,7 @@
-// Closes the holes of a picture: PASS 0 halves it, weighted by coverage, PASS 1 puts what is missing in from the next coarser level.
-// In: premultiplied colour, coverage in alpha. Out: PASS 0 the level of half the size; PASS 1 the same level, in place, without holes.
+// Closes the holes of a picture: PASS 0 halves it, weighted by coverage, PASS 1 puts what is
+// missing in from the next coarser level.
+// In: premultiplied colour, coverage in alpha. Out: PASS 0 the level of half the size; PASS 1 the
+// same level, in place, without holes.
 // Source: Gortler et al. 1996, The Lumigraph, 3.4 (pull-push).
 #include "lib/rows.glsl"
 #if PASS == 0

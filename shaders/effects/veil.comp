@@ -1,6 +1,9 @@
-// Lays what one sees through over the shown picture: each pixel asks where its ray meets the rendered veil, as the warp `iterative` does.
-// In: shown colour and inverse depth; rendered veil, premultiplied, with its inverse depth, and what passes it. Out: shown colour.
-// Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Porter and Duff 1984, Compositing Digital Images (over).
+// Lays transparent sheets over the shown picture: each pixel finds where its ray meets the rendered
+// veil, as the warp `iterative` does.
+// In: shown colour and inverse depth; rendered veil, premultiplied, with its inverse depth, and
+// what passes it. Out: shown colour.
+// Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Porter and Duff 1984,
+// Compositing Digital Images (over).
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
 #include "lib/rendered_surface.glsl"
@@ -18,7 +21,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 start = base.xy / base.z;
     vec2 along = parallax.xy - start * parallax.z;
     float r = seed_at(shown);
-    for (int look = 0; look < PLAIN; ++look) {
+    for (int k = 0; k < PLAIN; ++k) {
         float seen = imageLoad(rendered_inverse_depth, texel_at(start + r * along)).r;
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
@@ -33,8 +36,9 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float here = r * base.z / ratio;
     bool in_front = here * nearer >= imageLoad(shown_inverse_depth, pixel).r;
     vec2 at = colour_place(surface, p);
-    vec4 sum = look(at);
-    float share = 1.0 / max(sum.a, 0.5); // of what is covered, as the warps have it; where nothing is, all passes
+    vec4 sum = sampled(at);
+    // Of what is covered, as in the warps; where nothing is covered, all light passes
+    float share = 1.0 / max(sum.a, 0.5);
     vec3 passing = 1.0 - (1.0 - textureLod(rendered_passing, at * rendered_pixel, 0.0).rgb) * share;
     bool shows = met && ahead && in_front && in_rendered(p) && sum.a >= 0.5 && behind.a > 0.0;
     return shows ? vec4(passing * behind.rgb + sum.rgb * share, behind.a) : behind;

@@ -1,4 +1,5 @@
-// PASS 0 copies the picture and sums its covered pixels by columns of ROWS, PASS 1 takes their mean, PASS 2 gives it to every empty pixel.
+// PASS 0 copies the picture and sums its covered pixels by columns of ROWS, PASS 1 takes their
+// mean, PASS 2 gives it to every empty pixel.
 // In: shown colour. Out: the same, covered everywhere; black where nothing at all was covered.
 // Source: none.
 #define ROWS 8
@@ -6,7 +7,8 @@
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
 uniform ivec2 shown_size;
-// groups: of PASS 2; the last of them is 0 while nothing is empty. mean: PASS 1's. sums: rgb and how many, of each column.
+// groups: of PASS 2; the last of them is 0 while nothing is empty. mean: PASS 1's. sums: rgb and
+// how many, of each column.
 layout(std430, binding = 0) buffer Sums { uint groups[4]; vec4 mean; vec4 sums[]; };
 
 #if PASS == 0

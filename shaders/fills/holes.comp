@@ -1,10 +1,12 @@
 // Copies the shown picture to where the guesses go, and lists the pieces of it that have holes.
-// In: shown colour (and inverse depth). Out: the same; the list of lib/holes.glsl; of each piece when it last had a covered pixel.
+// In: shown colour (and inverse depth). Out: the same; the list of lib/holes.glsl; of each piece
+// when it last had a covered pixel.
 // Source: none; stream compaction by atomics, as in lib/composite.glsl.
 #define ROWS 4 // PIECE_HIGH
 #include "lib/rows.glsl"
 #include "lib/holes.glsl"
-layout(std430, binding = 1) buffer Stamps { uvec2 stamp_of[]; }; // of each piece: when it last had a hole (x), and a covered pixel (y)
+// Of each piece: when it last had a hole (x), and a covered pixel (y)
+layout(std430, binding = 1) buffer Stamps { uvec2 stamp_of[]; };
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
 #if WITH_DEPTH

@@ -1,5 +1,7 @@
-// One 3x3 pass: an empty pixel with at least `minimum_count` covered neighbours takes their median, channel by channel.
-// In: shown colour after the warp. Out: shown colour; what has too few covered neighbours stays empty (coverage 0).
+// One 3x3 pass: an empty pixel with at least `minimum_count` covered neighbours takes their median,
+// channel by channel.
+// In: shown colour after the warp. Out: shown colour; what has too few covered neighbours stays
+// empty (coverage 0).
 // Source: the interpolation step of the 2014 thesis this project starts from.
 #define ROWS 4 // eight would spill registers
 #include "lib/rows.glsl"

@@ -1,9 +1,11 @@
-// One step of many: an empty pixel with at least `minimum_count` covered neighbours takes their median, in the pieces still at work.
-// In: shown colour after the step before. Out: shown colour; the pieces that the next step is to look at, and whether it is to run at all.
+// One step of many: an empty pixel with at least `minimum_count` covered neighbours takes their
+// median, in the pieces still at work.
+// In: shown colour after the step before. Out: shown colour; the pieces that the next step visits,
+// and whether it runs at all.
 // Source: the interpolation step of the 2014 thesis this project starts from, repeated.
 //
-// Two pictures take turns. A pixel that a step fills is stored into the other picture by the next one, so a piece stays at work until
-// nothing in it changed; then both pictures are the same there.
+// Two pictures take turns. A pixel that a step fills is stored into the other picture by the next
+// one, so a piece stays at work until nothing in it changed; then both pictures are the same there.
 #define ROWS 4 // of a piece; eight would spill registers
 #include "lib/holes.glsl"
 #include "lib/neighbour_median.glsl"
@@ -13,7 +15,8 @@ struct Step { uint groups, always_one, anything_changed, count; }; // the first 
 layout(std430, binding = 1) buffer Steps { Step steps[]; };
 layout(std430, binding = 2) readonly buffer From { uint at_work[]; };
 layout(std430, binding = 3) buffer Next { uint at_work_next[]; };
-layout(std430, binding = 4) buffer Listed { uint listed_in[]; }; // of each piece: the stamp of the step it was last listed for
+// Of each piece: the stamp of the step it was last listed for
+layout(std430, binding = 4) buffer Listed { uint listed_in[]; };
 uniform int step_number;
 uniform uint stamp; // another at each step of each run
 

@@ -1,7 +1,9 @@
-// What the newest picture holds around each place, in cells of 2 x 2 pixels and one more all around: between which depths and colours.
-// In: rendered colour and inverse depth. Out: (nearest, farthest) inverse depth, lowest and highest colour; nearest is infinite where any
-// of the 16 is unknown, so that nothing is concluded from it.
-// Source: min-max mipmaps as in Tevs et al. 2008, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering.
+// What the newest picture holds around each place, in cells of 2 x 2 pixels and one more all
+// around: between which depths and colours.
+// In: rendered colour and inverse depth. Out: (nearest, farthest) inverse depth, lowest and highest
+// colour; nearest is infinite where any of the 16 is unknown, so that nothing is concluded from it.
+// Source: min-max mipmaps as in Tevs et al. 2008, Maximum Mipmaps for Fast, Accurate, and Scalable
+// Dynamic Height Field Rendering.
 #define ROWS 4
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D rendered_colour;

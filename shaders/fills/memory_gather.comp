@@ -1,6 +1,9 @@
-// Fills holes from one picture with depth: where the ray of an empty pixel meets the surface that the picture holds.
-// In: the shown picture's coverage; the picture, and guesses of what lands where. Out: colour and inverse depth of what is met in holes.
-// Source: Bowles et al. 2012, Iterative Image Warping (the gather); Mark et al. 1997 (of several pictures, nearer and better sampled wins).
+// Fills holes from one picture with depth: where the ray of an empty pixel meets the surface that
+// the picture holds.
+// In: the shown picture's coverage; the picture, and guesses of what lands where. Out: colour and
+// inverse depth of what is met in holes.
+// Source: Bowles et al. 2012, Iterative Image Warping (the gather); Mark et al. 1997 (of several
+// pictures, nearer and better sampled wins).
 #define ROWS 4
 #include "lib/hole_pieces.glsl"
 #include "lib/warp_map.glsl"
@@ -8,12 +11,15 @@
 #include "lib/seed_keys.glsl"
 layout(rgba16f) readonly uniform image2D shown_colour;
 layout(rgba16f) writeonly uniform image2D filled_colour;
-layout(r32f) writeonly uniform image2D filled_depth; // 1 x 1 where nobody asks for depth
-layout(rg32f) uniform image2D best; // r: inverse depth of what fills the pixel, -1 for nothing; g: how densely it was sampled
+layout(r32f) writeonly uniform image2D filled_depth; // 1 x 1 where no pass reads depth
+// R: inverse depth of what fills the pixel, -1 for nothing; g: how densely it was sampled
+layout(rg32f) uniform image2D best;
 uniform ivec2 cells;                // of the guesses; the picture itself may be coarser than the shown one
 uniform vec2 cells_per_pixel;
 uniform int guesses; // 3; a constant would be unrolled
-uniform int once;    // 1: llvmpipe leaves a loop out where none of eight neighbours enters it, but runs both sides of every `if`
+// 1: llvmpipe leaves a loop out where none of eight neighbours enters it, but runs both sides of
+// every `if`
+uniform int once;
 uniform bool is_first;
 uniform bool is_newest; // what the newest picture holds, no older one overrules
 
@@ -30,7 +36,8 @@ bool is_better(float depth, float density, vec2 before) {
     return before.r < 0.0 || (alike ? density > GAIN * before.g : depth > before.r);
 }
 
-// What landed in the pixel's cell and the eight around it: the nearest, what lies in the cell itself, and the farthest less 1.
+// What landed in the pixel's cell and the eight around it: the nearest, what lies in the cell
+// itself, and the farthest less 1.
 uvec3 keys_around(ivec2 pixel) {
     ivec2 cell = ivec2((vec2(pixel) + 0.5) * cells_per_pixel);
     uvec3 found = uvec3(0u, 0u, 0xFFFFFFFFu);
@@ -54,7 +61,7 @@ void fill(ivec2 pixel, vec3 base, vec2 before) {
         guess = seed_depth(tried == 0 ? keys.y : keys.z + 1u);
         pending = found.depth < 0.0;
     }
-    vec4 sum = textureLod(rendered_colour, found.look * rendered_pixel, 0.0);
+    vec4 sum = textureLod(rendered_colour, found.colour_at * rendered_pixel, 0.0);
     float density = density_of(ray, found.depth);
     bool shows = found.depth >= 0.0 && found.depth <= LARGEST && sum.a >= 0.5 && is_better(found.depth, density, before);
     if (shows) {

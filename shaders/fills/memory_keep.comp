@@ -1,5 +1,7 @@
-// Keeps a rendered picture, but for what moves by itself and what has no depth: those places stay unknown.
-// In: rendered colour and inverse depth; ids and velocity, 1 x 1 textures of zeros where frames have none. Out: the kept picture.
+// Keeps a rendered picture, but for what moves by itself and what has no depth: those places stay
+// unknown.
+// In: rendered colour and inverse depth; ids and velocity, 1 x 1 textures of zeros where frames
+// have none. Out: the kept picture.
 // Source: docs/results.md, the memory fill; this project's.
 #define ROWS 4
 #include "lib/rows.glsl"

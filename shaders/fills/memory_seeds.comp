@@ -1,6 +1,8 @@
-// The nearest inverse depth of each 2 x 2 pixels: a quarter of the points to scatter where first guesses are all that is wanted.
+// The nearest inverse depth of each 2 x 2 pixels: a quarter of the points to scatter for first
+// guesses.
 // In: inverse depth. Out: the same in half the size, -1 where all four are unknown.
-// Source: Lee et al. 2018, Iterative Depth Warping (guesses at a lower resolution); as warps/iterative_seed.comp, of each block its nearest.
+// Source: Lee et al. 2018, Iterative Depth Warping (guesses at a lower resolution); as
+// warps/iterative_seed.comp, of each block its nearest.
 #define ROWS 4
 #include "lib/rows.glsl"
 layout(r32f) readonly uniform image2D depth;

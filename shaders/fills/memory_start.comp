@@ -1,11 +1,14 @@
-// Begins a fill from pictures with depth: copies the shown picture, and lists the pieces of it that have holes.
-// In: shown colour and inverse depth. Out: the same in the filled picture; the list of lib/hole_pieces.glsl.
+// Begins a fill from pictures with depth: copies the shown picture, and lists the pieces of it that
+// have holes.
+// In: shown colour and inverse depth. Out: the same in the filled picture; the list of
+// lib/hole_pieces.glsl.
 // Source: lib/composite.glsl, which lists pieces in the same way for warps.
 #define ROWS 4
 #include "lib/hole_pieces.glsl"
 layout(rgba16f) readonly uniform image2D shown_colour;
 layout(rgba16f) writeonly uniform image2D filled_colour;
-layout(r32f) readonly uniform image2D shown_depth; // 1 x 1 where nobody asks for depth: what lies beyond reads 0 and is not stored
+// 1 x 1 where no pass reads depth: beyond it loads give 0 and stores do nothing
+layout(r32f) readonly uniform image2D shown_depth;
 layout(r32f) writeonly uniform image2D filled_depth;
 uniform uint stamp; // another at each run
 

@@ -1,6 +1,9 @@
-// Puts what is covered in front of everything that is drawn after it, so that a model is drawn into the holes alone.
-// In: the shown picture with holes, and its inverse depth. Out: both unchanged where covered, at depth 0; nothing in holes.
-// Source: the same trick as a cockpit mask: Vlachos 2015, Advanced VR Rendering (GDC), the hidden area mesh.
+// Puts what is covered in front of everything that is drawn after it, so that a model is drawn into
+// the holes alone.
+// In: the shown picture with holes, and its inverse depth. Out: both unchanged where covered, at
+// depth 0; nothing in holes.
+// Source: the same trick as a cockpit mask: Vlachos 2015, Advanced VR Rendering (GDC), the hidden
+// area mesh.
 uniform sampler2D warped;
 uniform sampler2D warped_inverse_depth;
 

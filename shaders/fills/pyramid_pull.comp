@@ -1,6 +1,9 @@
-// Makes one level of the pyramid from the one below, or (FROM_PICTURE 1) the first one from the shown picture.
-// In: colour and weight, inverse depth in 1/m and share of empty pixels of the level below. Out: the same, of half the size.
-// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); that only the farthest counts is this project's.
+// Makes one level of the pyramid from the one below, or (FROM_PICTURE 1) the first one from the
+// shown picture.
+// In: colour and weight, inverse depth in 1/m and share of empty pixels of the level below. Out:
+// the same, of half the size.
+// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); that only the farthest
+// counts is this project's.
 #if FROM_PICTURE
 #define ROWS 4 // of a piece
 #include "lib/holes.glsl"
@@ -39,7 +42,8 @@ Texel below(ivec2 p) {
 Texel found[16]; // the 4 x 4 below, row by row
 bool is_inside[16];
 
-// Half of them. The upper half of one texel is the lower half of the next one in the column, so it is read once.
+// Half of them. The upper half of one texel is the lower half of the next one in the column, so it
+// is read once.
 void read_two_rows(int first, ivec2 from) {
     for (int k = 0; k < 8; ++k) {
         ivec2 p = from + ivec2(k % 4, k / 4);
@@ -49,7 +53,8 @@ void read_two_rows(int first, ivec2 from) {
 }
 
 #if !FROM_PICTURE
-uniform float crack_border; // how much the border of a crack counts: next to nothing, told where the second level is made
+// How much the border of a crack counts: next to nothing; set where the second level is made
+uniform float crack_border;
 const float DEEP = 1.0 / 128.0;
 
 // The farthest of the sixteen that is not alone.
@@ -93,7 +98,7 @@ void pull(ivec2 texel) {
     float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
     imageStore(level_colour, texel, vec4(sum.colour * over, weight));
 #if FROM_PICTURE
-    // Cracks are no holes that anything could hide in: of those only that they are there is told on.
+    // Nothing hides in cracks: the next level learns only that they are there.
     holes = holes > 0.0 && weight > 0.0 ? CRACKS : holes;
 #else
     sum.border *= holes >= DEEP * inside ? 1.0 : crack_border;
@@ -102,7 +107,8 @@ void pull(ivec2 texel) {
 }
 
 #if FROM_PICTURE
-// The texels that reach over a piece: 6 x 4. Neighbouring pieces share some, and make the same of them.
+// The texels that reach over a piece: 6 x 4. Neighbouring pieces share some, and make the same of
+// them.
 ivec2 first_texel() {
     uint index = gl_GlobalInvocationID.x / uint(PIECE_WIDE), lane = gl_GlobalInvocationID.x % uint(PIECE_WIDE);
     return index < piece_count && lane < 6u ? first_of_piece(int(pieces[index])) / 2 + ivec2(lane, 0) - 1 : level_size;

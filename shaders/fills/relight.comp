@@ -1,7 +1,9 @@
-// Holes take the model's albedo times the light of blocks near them in space that lie in their plane and face their way; where there are
-// none, the model's own light. In: where the holes are; the model's albedo, inverse depth and, in the holes, lit colour; a Light of each
-// block. Out: colour in the holes.
-// Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by nearness and likeness).
+// Holes take the model's albedo times the light of blocks near them in space that lie in their
+// plane and face their way; where there are none, the model's own light. In: where the holes are;
+// the model's albedo, inverse depth and, in the holes, lit colour; a Light of each block. Out:
+// colour in the holes.
+// Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by nearness
+// and likeness).
 layout(local_size_x = 64) in;
 #include "lib/relight.glsl"
 layout(rgba16f) readonly uniform image2D albedo;
@@ -18,7 +20,8 @@ uniform float model_weight;   // what the model's own light counts, against as m
 
 const float LARGEST = 65504.0; // of a half float
 
-// Of the slopes towards both neighbours the smaller one, which does not lead over an edge. At the border there is one neighbour.
+// Of the slopes towards both neighbours the smaller one, which does not lead over an edge. At the
+// border there is one neighbour.
 vec2 slope_at(ivec2 p, float depth) {
     ivec2 low = max(p - 1, ivec2(0)), high = min(p + 1, shown_size - 1);
     vec2 back = depth - vec2(imageLoad(model_inverse_depth, ivec2(low.x, p.y)).r, imageLoad(model_inverse_depth, ivec2(p.x, low.y)).r);
@@ -27,7 +30,8 @@ vec2 slope_at(ivec2 p, float depth) {
     return mix(back, ahead, bvec2(first.x || (gentler.x && !last.x), first.y || (gentler.y && !last.y)));
 }
 
-// Colour of a hole's pixel. The quotient of sums, not the sum of quotients: an albedo next to black says next to nothing about the light.
+// Colour of a hole's pixel. The quotient of sums, not the sum of quotients: an albedo next to black
+// says next to nothing about the light.
 vec3 relit(ivec2 p, vec3 lit) {
     float depth = imageLoad(model_inverse_depth, p).r;
     vec2 here = vec2(p) + 0.5;

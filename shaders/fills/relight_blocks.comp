@@ -1,6 +1,9 @@
-// What light falls on each block of pixels: shown colour and the model's albedo added up over pixels where both show the same surface.
-// In: the shown picture with holes and its inverse depth; the model's albedo and inverse depth. Out: one Light a block.
-// Source: this project's; dividing albedo out: Barrow and Tenenbaum 1978, Recovering Intrinsic Scene Characteristics from Images.
+// What light falls on each block of pixels: shown colour and the model's albedo added up over
+// pixels where both show the same surface.
+// In: the shown picture with holes and its inverse depth; the model's albedo and inverse depth.
+// Out: one Light a block.
+// Source: this project's; dividing albedo out: Barrow and Tenenbaum 1978, Recovering Intrinsic
+// Scene Characteristics from Images.
 layout(local_size_x = 16, local_size_y = 4) in;
 #include "lib/relight.glsl"
 layout(rgba16f) readonly uniform image2D warped;

@@ -1,6 +1,8 @@
-// Lists the holes of a picture: where they are cracks, every eight neighbours have one, and a loop over samples would run for all of them.
+// Lists the holes of a picture: where they are cracks, every eight neighbours have one, and a loop
+// over samples would run for all of them.
 // In: the shown picture with holes. Out: their number and places, in any order.
-// Source: this project's; six times as fast as going over all pixels after warp `forward` (15 % holes) on llvmpipe.
+// Source: this project's; six times as fast as going over all pixels after warp `forward` (15 %
+// holes) on llvmpipe.
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D warped;
 layout(std430, binding = 2) buffer Holes { uint hole_count, none_a, none_b, none_c; uint hole_at[]; };

@@ -1,6 +1,9 @@
-// PASS 0 draws what lies behind into each empty pixel along the line on which things move as the head does. PASS 1 smooths these streaks.
-// In: shown colour, its inverse depth in 1/m, -1 unknown; H, e rendered -> shown. Out: the same with guesses; what finds nothing stays empty.
-// Source: Mark 1999 (Post-Rendering 3D Image Warping, UNC TR99-022): filled from the background along epipolar lines, then blurred.
+// PASS 0 draws what lies behind into each empty pixel along the line on which things move as the
+// head does. PASS 1 smooths these streaks.
+// In: shown colour, its inverse depth in 1/m, -1 unknown; H, e rendered -> shown. Out: the same
+// with guesses; what finds nothing stays empty.
+// Source: Mark 1999 (Post-Rendering 3D Image Warping, UNC TR99-022): filled from the background
+// along epipolar lines, then blurred.
 #define ROWS 4 // of a piece
 #include "lib/hole_columns.glsl"
 #include "lib/warp_map.glsl"
@@ -8,8 +11,9 @@
 layout(rgba16f) readonly uniform image2D warped;
 uniform float least_parallax; // pixels at 1 m: below it the head is taken to have turned alone
 
-// Where what is nearer goes as the head moves, as long as a pixel on its longer axis: the derivative of the place of a point of inverse
-// depth r, (q + e r) / (q.z + e.z r), by r, but for its length. 0 where things do not move.
+// Where what is nearer goes as the head moves, as long as a pixel on its longer axis: the
+// derivative of the place of a point of inverse depth r, (q + e r) / (q.z + e.z r), by r, but for
+// its length. 0 where things do not move.
 vec2 nearer_goes(vec2 centre) {
     vec2 towards = e.xy - centre * e.z;
     float longer = max(abs(towards.x), abs(towards.y));
@@ -27,7 +31,8 @@ uniform vec2 rendered_size;
 uniform uint stamp;     // that pieces with a covered pixel have
 const float MOST_TAPS = 4.0;
 
-// What was found on a line: how many steps away, 0 for nothing, its colour and its inverse depth, UNKNOWN if it has none.
+// What was found on a line: how many steps away, 0 for nothing, its colour and its inverse depth,
+// UNKNOWN if it has none.
 struct Found {
     float away, depth;
     vec3 colour;
@@ -68,8 +73,8 @@ float depth_at(ivec2 pixel) {
     return or_nearest(imageLoad(warped_depth, pixel).r);
 }
 
-// The mean of a few pixels from a covered one on (no more than lie before it), as long as they are of one surface, each with half the weight
-// of the one before.
+// The mean of a few pixels from a covered one on (no more than lie before it), as long as they are
+// of one surface, each with half the weight of the one before.
 Found gathered(vec2 centre, vec2 line, float away) {
     Found found = Found(away, depth_at(pixel_at(centre, line, away)), vec3(0.0));
     float weight = 1.0, total = 0.0, taps = min(away, MOST_TAPS);
@@ -87,7 +92,8 @@ Found gathered(vec2 centre, vec2 line, float away) {
     return away > 0.0 ? found : NOTHING;
 }
 
-// The farther one; of one surface both, the closer one weighing more. Where nobody knows, the first one.
+// The farther one; of one surface both, the closer one weighing more. Where neither is known, the
+// first one.
 Found behind(Found a, Found b) {
     bool has_a = a.away > 0.0, has_b = b.away > 0.0;
     bool take_a = has_a && (!has_b || a.depth <= nearest_beside(b.depth)), take_b = has_b && (!has_a || b.depth <= nearest_beside(a.depth));
@@ -101,7 +107,8 @@ Found behind(Found a, Found b) {
     return NOTHING;
 }
 
-// Whether the rendered picture looked there at all. What it did not look at was not hidden, and no line tells what it is.
+// Whether the place lies in the rendered picture. Outside of it nothing was hidden, and no line
+// leads to it.
 bool was_in_view(vec2 centre, float depth) {
     vec3 rendered = back_H * vec3(centre, 1.0) + back_e * (depth < MOST_KNOWN ? depth : 0.0);
     vec2 place = rendered.xy / rendered.z;
@@ -112,7 +119,8 @@ void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
     float hidden_side = first_covered(centre, -line), near_side = first_covered(centre, hidden_side > 0.0 ? line : vec2(0.0));
     Found found = behind(gathered(centre, -line, hidden_side), gathered(centre, line, near_side));
-    // Of the near side alone nobody knows what it hid; and what ends at the picture's border may have come from beside the rendered picture.
+    // The near side alone does not show what it hid; and what ends at the picture's border may have
+    // come from beside the rendered picture.
     bool known = hidden_side > 0.0 && was_in_view(centre, found.depth) && (near_side > 0.0 || was_in_view(centre, UNKNOWN));
     if (!known) found = NOTHING;
     imageStore(streaks, pixel, vec4(found.colour, found.away));
@@ -122,10 +130,13 @@ void visit(ivec2 pixel) {
 layout(r32f) readonly uniform image2D filled_depth;
 layout(rgba16f) readonly uniform image2D streaks;
 layout(rgba16f) writeonly uniform image2D filled;
-uniform float spread; // pixels between two looks across the streaks, for each pixel from their source; with less than one there is none
+// Pixels between two samples across the streaks, for each pixel from their source; with less than
+// one there is none
+uniform float spread;
 const int REACH = 3;
 
-// Looks across the streak, farther apart the longer it is, at streaks of the same surface; they weigh less the farther away they are.
+// Samples across the streak, farther apart the longer it is, from streaks of the same surface; they
+// weigh less the farther away they are.
 void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
     vec2 across = line == vec2(0.0) ? vec2(1.0, 0.0) : vec2(-line.y, line.x);
@@ -148,7 +159,8 @@ void visit(ivec2 pixel) {
 void main() {
     ivec2 p = first_of_column();
     if (p.x >= shown_size.x) return;
-    // llvmpipe runs what is inside an if wherever anything is; so a loop goes from one empty pixel of the column to the next.
+    // llvmpipe runs what is inside an if wherever anything is; so a loop goes from one empty pixel
+    // of the column to the next.
     uint left = 0u;
     for (int row = 0; row < ROWS; ++row) left |= p.y + row < shown_size.y && imageLoad(warped, p + ivec2(0, row)).a == 0.0 ? 1u << row : 0u;
     for (; left != 0u; left &= left - 1u) visit(p + ivec2(0, findLSB(left)));

@@ -1,17 +1,20 @@
-// Applies the lens: each panel pixel looks up, for each colour of its own, the tangent the lens shows there.
-// In: shown picture, here in the place of the rendered one. Out: panel; black where the lens shows more than was rendered.
-// Source: radial polynomial in r^2 (Brown 1966), one per colour; the coefficients come from hmdwarp/headsets.
+// Applies the lens: each panel pixel samples, for each colour, the tangent that the lens shows
+// there.
+// In: shown picture, here in the place of the rendered one. Out: panel; black where the lens shows
+// more than was rendered.
+// Source: radial polynomial in r^2 (Brown 1966), one per colour; the coefficients come from
+// hmdwarp/headsets.
 #include "lib/rows.glsl"
 #include "lib/gather.glsl"
 #include "lens/radial.glsl"
 #include "lib/panel.glsl"
 
 void prepare_pixels() {
-    prepare_looks();
+    prepare_sampling();
 }
 
 vec4 seen(vec2 shown) {
-    vec4 colour = look(shown);
+    vec4 colour = sampled(shown);
     return in_view(shown) ? colour : vec4(0.0);
 }
 

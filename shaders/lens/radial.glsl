@@ -1,5 +1,6 @@
 // The radial lens: where a panel pixel lies on it, and by how much each colour is magnified there.
-// The tangent the lens shows of one colour is on_lens * its scale. Needs LENS_TERMS, how many terms the polynomials have.
+// The tangent the lens shows of one colour is on_lens * its scale. Needs LENS_TERMS, how many terms
+// the polynomials have.
 uniform vec4 lens_from_panel;        // scale xy, offset zw: panel pixel -> lens plane, in units of the lens
 uniform vec4 shown_from_tangent;     // scale xy, offset zw: tangent -> 0..1 of the shown picture
 uniform vec3 lens_terms[LENS_TERMS]; // of red, green and blue: what r^0, r^2, .. count for

@@ -1,7 +1,8 @@
-// Which of two depths lies behind, for fills: what was hidden is guessed from what is behind. Inverse depths in 1/m; -1 is not known, and
-// counts as nearer than all that is known.
+// Which of two depths lies behind, for fills: what was hidden is guessed from what is behind.
+// Inverse depths in 1/m; -1 is not known, and counts as nearer than all that is known.
 const float UNKNOWN = 1e30, MOST_KNOWN = 1e29; // means of what is not known may round to less than that
-uniform float depth_tolerance; // inverse depths that differ by less than this times (the smaller one + floor) are of one surface
+// Inverse depths that differ by less than this times (the smaller one + floor) are of one surface
+uniform float depth_tolerance;
 uniform float depth_floor;     // 1/m
 
 float or_nearest(float inverse_depth) {
@@ -13,7 +14,8 @@ float nearest_beside(float farthest) {
     return farthest + depth_tolerance * (farthest + depth_floor);
 }
 
-// 1 for what is as far as `farthest` or farther, falling smoothly to 0 for what is nearer: half at the tolerance, 1e-4 at ten times that.
+// 1 for what is as far as `farthest` or farther, falling smoothly to 0 for what is nearer: half at
+// the tolerance, 1e-4 at ten times that.
 float is_beside(float inverse_depth, float farthest) {
     float nearer = max(inverse_depth - farthest, 0.0) / (depth_tolerance * (farthest + depth_floor) + 1e-12), squared = nearer * nearer;
     return nearer < 100.0 ? 1.0 / (1.0 + squared * squared) : 0.0;

@@ -1,6 +1,8 @@
-// Adds one more picture to the shown one: for every pixel of a column, the nearest meeting of its ray with that picture's surface,
-// where `belongs` lets it stand before what was there. Three guesses are tried: of what landed in the pixel and its eight neighbours the
-// nearest and the farthest, and what landed in the pixel itself. So a surface that comes closer has no cracks up to three times its size.
+// Adds one more picture to the shown one: for every pixel of a column, the nearest meeting of its
+// ray with that picture's surface, where `belongs` lets it stand before what was there. Three
+// guesses are tried: of what landed in the pixel and its eight neighbours the nearest and the
+// farthest, and what landed in the pixel itself. So a surface that comes closer has no cracks up to
+// three times its size.
 #include "lib/rows.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/meeting.glsl"
@@ -9,7 +11,8 @@ layout(rgba16f) writeonly uniform image2D shown_colour;
 layout(BEST) uniform image2D best; // r: inverse depth of what the pixel shows, -1 for nothing
 uniform ivec2 shown_size;
 const int PIECE = 8; // as many invocations as llvmpipe runs at a time
-layout(std430, binding = 1) buffer Pieces { uint piece_groups[3]; uint piece_count; uvec2 pieces[]; }; // x: which; y: stamp when it was listed
+// X: which; y: stamp when it was listed
+layout(std430, binding = 1) buffer Pieces { uint piece_groups[3]; uint piece_count; uvec2 pieces[]; };
 #if PASS == 1
 const bool is_first = true;
 #else
@@ -17,13 +20,14 @@ const bool is_first = false;
 #endif
 uniform int guesses; // 3; a constant would be unrolled, and then llvmpipe makes all three steps everywhere
 
-// Whether a meeting may at all, by the nearest guess: most pixels need no second look.
+// Whether a meeting may at all, by the nearest guess: most pixels need no second test.
 bool may_belong(Ray ray, float nearest, vec4 before);
-// Whether the meeting may stand before what the pixel shows (-1 for nothing); what to remember of it.
+// Whether the meeting may stand before what the pixel shows (-1 for nothing); what to remember of
+// it.
 bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after);
 
-// What landed in three pixels in a row: the key of the nearest, that of the farthest less 1 (so that nothing, 0, is the largest uint), and
-// that of the middle one.
+// What landed in three pixels in a row: the key of the nearest, that of the farthest less 1 (so
+// that nothing, 0, is the largest uint), and that of the middle one.
 uvec3 three_keys(ivec2 middle) {
     int y = clamp(middle.y, 0, shown_size.y - 1) * shown_size.x;
     uint a = seed_of[y + max(middle.x - 1, 0)], b = seed_of[y + middle.x], c = seed_of[y + min(middle.x + 1, shown_size.x - 1)];
@@ -79,7 +83,7 @@ void composite(ivec2 pixel, vec3 base, uvec3 below, uvec3 here, uvec3 above) {
         guess = seed_depth(tried == 0 ? here.z : farthest);
         pending = found.depth < 0.0;
     }
-    vec4 sum = textureLod(rendered_colour, found.look * rendered_pixel, 0.0);
+    vec4 sum = textureLod(rendered_colour, found.colour_at * rendered_pixel, 0.0);
     bool shows = found.depth >= 0.0 && sum.a >= 0.5 && belongs(shown, ray, found, before, after);
     if (shows || is_first) {
         imageStore(shown_colour, pixel, shows ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0));

@@ -1,4 +1,4 @@
-// A look into the six faces of hmdwarp/geometry/cube.py, laid side by side in one picture.
+// Sampling of the six faces of hmdwarp/geometry/cube.py, laid side by side in one picture.
 // Source: Greene 1986, Environment Mapping and Other Applications of World Projections.
 // The face's column and row in the picture, and the ray's coordinates to its right, up and ahead.
 void face_of(vec3 d, out vec2 cell, out vec3 along) {
@@ -11,7 +11,8 @@ void face_of(vec3 d, out vec2 cell, out vec3 along) {
     along = upright ? vec3(d.x, y * d.z, reach.y) : along;
 }
 
-// Where direction `d`, in the cube's own axes, falls in the picture, in pixels; face_size: of one face, with its border.
+// Where direction `d`, in the cube's own axes, falls in the picture, in pixels; face_size: of one
+// face, with its border.
 vec2 cube_place(vec3 d, float face_size) {
     vec2 cell;
     vec3 along;

@@ -1,24 +1,26 @@
-// One bilinear look into the rendered picture. Its colour is premultiplied by coverage there (a hole is 0, 0, 0, 0), so holes
-// never bleed: what is covered is averaged, and the result is covered where the weight of covered pixels is at least a half.
+// One bilinear sample of the rendered picture. Its colour is premultiplied by coverage there (a
+// hole is 0, 0, 0, 0), so holes never bleed: what is covered is averaged, and the result is covered
+// where the weight of covered pixels is at least a half.
 uniform sampler2D rendered_colour;
 uniform ivec2 rendered_size;
 uniform vec2 rendered_pixel; // 1 / rendered_size
 
-// llvmpipe checks the bounds of every load of a uniform, with a branch, and moves none out of the loop over rows: copies made
-// before the loop took a third off the fused warps. prepare_looks() makes them.
+// llvmpipe checks the bounds of every load of a uniform, with a branch, and moves none out of the
+// loop over rows: copies made before the loop took a third off the fused warps. prepare_sampling()
+// makes them.
 vec2 rendered_extent;
 #ifdef TEXELS
-// One channel of four texels, which is what the fused warps want of each look, costs llvmpipe two thirds of a look of its sampler, as
-// that makes all four channels. GPUs are given the sampler.
+// The fused warps need one channel of each sample. Four loads of it cost llvmpipe two thirds of a
+// sample, as its sampler makes all four channels. GPUs use the sampler.
 layout(rgba16f) readonly uniform image2D rendered_texels;
 vec2 texels_end;
 
-void prepare_looks() {
+void prepare_sampling() {
     rendered_extent = vec2(rendered_size);
     texels_end = vec2(imageSize(rendered_texels)) - 0.5;
 }
 
-vec4 look(vec2 p) {
+vec4 sampled(vec2 p) {
     vec2 at = clamp(p, vec2(0.5), texels_end) - 0.5;
     vec2 low = floor(at), part = at - low;
     ivec2 texel = ivec2(low);
@@ -29,12 +31,12 @@ vec4 look(vec2 p) {
 #else
 vec2 per_pixel;
 
-void prepare_looks() {
+void prepare_sampling() {
     rendered_extent = vec2(rendered_size);
     per_pixel = rendered_pixel;
 }
 
-vec4 look(vec2 p) {
+vec4 sampled(vec2 p) {
     return textureLod(rendered_colour, p * per_pixel, 0.0);
 }
 #endif
@@ -44,6 +46,6 @@ bool in_rendered(vec2 p) {
 }
 
 vec4 covered_average(vec2 p) {
-    vec4 sum = look(p);
+    vec4 sum = sampled(p);
     return sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

@@ -1,14 +1,18 @@
-// Where the ray of a shown pixel meets the surface that a picture holds, and what colour it has there. H, e: shown -> rendered.
+// Where the ray of a shown pixel meets the surface that a picture holds, and what colour it has
+// there. H, e: shown -> rendered.
 //
-// Each texel is a plane over its own square, slanted towards those of its neighbours that belong to the same surface. In the rendered
-// picture the ray is a line, on which the place of a point at rendered inverse depth r is linear in r: p = start + r * along. From a guess of
-// r, one step to the plane of the texel there (Newton's) is exact as long as it stays on that plane.
-// Source: Bowles et al. 2012, Iterative Image Warping, section 3; the slanted texels are this project's.
+// Each texel is a plane over its own square, slanted towards those of its neighbours that belong to
+// the same surface. In the rendered picture the ray is a line, on which the place of a point at
+// rendered inverse depth r is linear in r: p = start + r * along. From a guess of r, one step to
+// the plane of the texel there (Newton's) is exact as long as it stays on that plane.
+// Source: Bowles et al. 2012, Iterative Image Warping, section 3; the slanted texels are this
+// project's.
 uniform sampler2D rendered_colour;
 layout(r32f) readonly uniform image2D rendered_depth;
 uniform ivec2 rendered_size;
 uniform vec2 rendered_pixel;       // 1 / rendered_size
-uniform float depth_tolerance; // neighbours that differ by less than this times (their inverse depth + floor) are one surface
+// Neighbours that differ by less than this times (their inverse depth + floor) are one surface
+uniform float depth_tolerance;
 uniform float depth_floor;     // 1/m
 const float MOST_STEP = 0.5;   // pixels that the step may lead away from the place it started from
 
@@ -21,7 +25,7 @@ struct Ray {
 struct Meeting {
     float depth;     // inverse depth in the shown view, -1 if the ray meets nothing
     vec2 place;      // rendered pixel
-    vec2 look;       // where to look for its colour
+    vec2 colour_at;  // where to sample its colour
     bvec2 connected; // whether neighbouring texels along x and y are of the same surface
 };
 
@@ -58,13 +62,14 @@ Meeting meet(Ray ray, float seed) {
     Meeting found;
     found.connected = bvec2(of_one_surface(own, beside.x), of_one_surface(own, beside.y));
     vec2 slope = mix(vec2(0.0), (vec2(own) - beside) * 2.0 * side, found.connected);
-    // r + (own + slope . (p - centre) - r) / (1 + bend), without the difference of two r that may be millions of times the result.
+    // r + (own + slope . (p - centre) - r) / (1 + bend), without the difference of two r that may
+    // be millions of times the result.
     float bend = max(-dot(slope, ray.along), -0.75);
     float step_to = max((own + dot(slope, p - centre) + r * bend) / (1.0 + bend), 0.0);
     float change = step_to - r;
     r = step_to;
     found.place = ray.start + r * ray.along;
-    found.look = mix(centre, found.place, found.connected);
+    found.colour_at = mix(centre, found.place, found.connected);
     float nearer = 1.0 - r * ray.parallax_z;
     bool met = ray.ahead && seed >= 0.0 && is_depth(own) && nearer > 0.0 && abs(change) * length(ray.along) <= MOST_STEP;
     bool inside_rendered = all(greaterThanEqual(found.place, vec2(0.0))) && all(lessThan(found.place, vec2(rendered_size)));
@@ -72,8 +77,8 @@ Meeting meet(Ray ray, float seed) {
     return found;
 }
 
-// Whether `depth` is nearer than another by more than rounding may make it: guesses often lead to the same point. Beyond 1000 km
-// all is equally far.
+// Whether `depth` is nearer than another by more than rounding may make it: guesses often lead to
+// the same point. Beyond 1000 km all is equally far.
 bool is_nearer(float depth, float other) {
     return depth * (1.0 - 1.0 / 65536.0) > other + 1.0 / 1048576.0;
 }

@@ -1,4 +1,5 @@
-// The mirrors of a picture in the axes of an eye, and which of them a ray meets. Rays have z = -1, so that `way` is a depth.
+// The mirrors of a picture in the axes of an eye, and the one that a ray meets. Rays have z = -1,
+// so that `way` is a depth.
 // Rows of the uniforms: hmdwarp/geometry/mirror.py.
 #define MOST_MIRRORS 8
 uniform int mirror_count;
@@ -8,7 +9,8 @@ uniform vec4 mirror_up[MOST_MIRRORS];
 uniform float mirror_reflectivity[MOST_MIRRORS]; // straight on
 uniform vec2 tangent_start, tangent_step; // of the rays of pixels
 
-// A plane mirror counts this far beyond its edges where no other is: what it shows moves against its frame when the head moves.
+// A plane mirror counts this far beyond its edges where no other is: what it shows moves against
+// its frame when the head moves.
 const float APRON_M = 0.4;
 const float FAR = 1e30;
 

@@ -1,5 +1,6 @@
-// What an eye sees of a mirroring surface: its own light and, by Schlick's share, that of the world behind the mirror.
-// A disturbed normal turns the mirrored ray; what it meets is taken to be as far along it as what the undisturbed one meets.
+// The light of a mirroring surface: its own light and, by Schlick's share, that of the world behind
+// the mirror. A disturbed normal turns the mirrored ray; what it meets is taken to be as far along
+// it as what the undisturbed one meets.
 // Source: Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, eq. 15.
 #include "lib/mirrors.glsl"
 uniform sampler2D seen; // coverage in alpha
@@ -10,7 +11,8 @@ float fresnel(float reflectivity, float cosine) {
     return reflectivity + (1.0 - reflectivity) * square * square * grazing;
 }
 
-// The pixel where the disturbed ray sees its mirror image. inverse_depth: of what the undisturbed one sees, in 1/m.
+// The pixel where the disturbed ray sees its mirror image. inverse_depth: of what the undisturbed
+// one sees, in 1/m.
 vec2 disturbed_place(vec2 pixel, vec3 ray, Met met, vec3 normal, float inverse_depth) {
     vec3 turned = reflect(normalize(ray), normal);
     turned -= 2.0 * min(dot(turned, met.normal), 0.0) * met.normal; // none goes into the mirror
@@ -20,8 +22,8 @@ vec2 disturbed_place(vec2 pixel, vec3 ray, Met met, vec3 normal, float inverse_d
     return image.z < 0.0 ? place : pixel;
 }
 
-// base: the surface's own light, covered. surface: as in frame.Reflection. own: what is seen at the pixel itself, inverse_depth its depth
-// (below 0: not known).
+// base: the surface's own light, covered. surface: as in frame.Reflection. own: what is seen at the
+// pixel itself, inverse_depth its depth (below 0: not known).
 vec4 with_reflection(vec2 pixel, vec4 base, vec4 surface, vec4 own, float inverse_depth) {
     vec3 ray = ray_of(pixel);
     Met met = meet_mirror(ray);

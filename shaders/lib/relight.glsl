@@ -1,12 +1,15 @@
-// What the passes of fill `relight` share: light, as far as it can be read off the shown picture, in blocks of BLOCK x BLOCK pixels.
-// Of each block only the farthest surface counts, so that none is lit by what stands before it. A surface is a plane of inverse depth.
+// Shared by the passes of fill `relight`: the light of the shown picture in blocks of BLOCK x BLOCK
+// pixels. Of each block only the farthest surface counts, so that none is lit by what stands before
+// it. A surface is a plane of inverse depth.
 const int BLOCK = 8;
 const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a place
 
-// Three texels a block, side by side. rgb of the first: shown colour, the mean over all pixels of the block, 0 for those that do not count;
-// of the second: the model's colour, the same (its albedo, or that times the light baked into it); of the third: where the surface is, in
-// metres along the eye's axes. The three alphas together: its normal, of length 1.
-// An image, because llvmpipe loads its texels whole and a buffer's numbers one by one: half the time.
+// Three texels a block, side by side. rgb of the first: shown colour, the mean over all pixels of
+// the block, 0 for those that do not count; of the second: the model's colour, the same (its
+// albedo, or that times the light baked into it); of the third: where the surface is, in metres
+// along the eye's axes. The three alphas together: its normal, of length 1.
+// An image, because llvmpipe loads its texels whole and a buffer's numbers one by one: half the
+// time.
 const int PARTS = 3;
 uniform vec2 first_tangent, pixel_tangent; // of the picture's corner, of one pixel
 
@@ -14,7 +17,8 @@ vec3 point_at(vec2 p, float depth) {
     return vec3(first_tangent + p * pixel_tangent, -1.0) / (depth + FLOOR);
 }
 
-// The normal of a plane of inverse depth, away from the eye, in eye axes: of n.p = d, inverse depth is (n.x x + n.y y - n.z) / d.
+// The normal of a plane of inverse depth, away from the eye, in eye axes: of n.p = d, inverse depth
+// is (n.x x + n.y y - n.z) / d.
 vec3 normal_at(vec2 p, float depth, vec2 slope) {
     vec2 across = slope / pixel_tangent;
     vec3 away = vec3(across, dot(across, first_tangent + p * pixel_tangent) - depth);

@@ -1,5 +1,6 @@
-// The surface that the rendered picture holds: every texel is a plane over its own square, slanted towards those of its neighbours that are
-// connected with it. Where neighbours are not connected the surface ends half way between them, so that no rubber sheet joins them.
+// The surface that the rendered picture holds: every texel is a plane over its own square, slanted
+// towards those of its neighbours that are connected with it. Where neighbours are not connected
+// the surface ends half way between them, so that no rubber sheet joins them.
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
 uniform vec2 last_centre; // of the texels of the rendered picture
 uniform float depth_tolerance;
@@ -7,7 +8,7 @@ uniform float depth_floor; // 1/m, the part of the tolerance that does not shrin
 
 struct Surface {
     bool known;
-    float depth;     // inverse depth at the place asked for
+    float depth;     // inverse depth at the place
     vec2 slope;      // 1/m per pixel, 0 towards a neighbour that is not connected
     vec2 centre;     // of the texel that the place lies in
     bvec2 connected; // with the neighbour nearest to the place, along x and along y
@@ -25,10 +26,12 @@ ivec2 texel_at(vec2 p) {
     return ivec2(clamp(p, vec2(0.0), last_centre));
 }
 
-// The surface at p; beside the picture that of the nearest texel, prolonged. Three looks, which cost llvmpipe less than a gather of
-// four and its selections. The texel across the corner is not asked (a fourth look costs `iterative` a third of its time): where it
-// alone is of another surface, at the inner corners of silhouettes, up to a quarter of the colour is its. Beyond the border an image
-// reads 0: a sky there is connected with that, without a slope, and the sampler clamps its colour.
+// The surface at p; beside the picture that of the nearest texel, prolonged. Three loads, which
+// cost llvmpipe less than a gather of four and its selections. The texel across the corner is not
+// loaded (a fourth load costs `iterative` a third of its time): where it alone is of another
+// surface, at the inner corners of silhouettes, up to a quarter of the colour is its. Beyond the
+// border an image reads 0: a sky there is connected with that, without a slope, and the sampler
+// clamps its colour.
 Surface surface_at(vec2 p) {
     ivec2 texel = texel_at(p);
     Surface found;
@@ -45,13 +48,14 @@ Surface surface_at(vec2 p) {
     return found;
 }
 
-// Where to look for the colour of p: between texels only where they belong to one surface.
+// Where to sample the colour of p: between texels only where they belong to one surface.
 vec2 colour_place(Surface surface, vec2 p) {
     return mix(surface.centre, p, surface.connected);
 }
 
-// The inverse depth at which a ray whose place is start + r * along meets the plane of a surface found at `place`. Steeper than a slope of
-// 0.75 the ray all but runs along the plane; such a step is cut to four times the plain one.
+// The inverse depth at which a ray whose place is start + r * along meets the plane of a surface
+// found at `place`. Steeper than a slope of 0.75 the ray all but runs along the plane; such a step
+// is cut to four times the plain one.
 float meets(Surface surface, vec2 place, vec2 start, vec2 along) {
     float own = surface.depth + dot(surface.slope, start - place);
     return own / max(1.0 - dot(surface.slope, along), 0.25);

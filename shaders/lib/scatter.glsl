@@ -1,5 +1,5 @@
-// Where one drawn pixel lands in the shown picture. Runs `visit` for every drawn pixel.
-// A drawn pixel whose inverse depth is negative, NaN or infinite has no depth and lands nowhere.
+// Where one rendered pixel lands in the shown picture. Runs `visit` for every rendered pixel.
+// A rendered pixel whose inverse depth is negative, NaN or infinite has no depth and lands nowhere.
 #include "lib/scatter_sizes.glsl"
 #include "lib/warp_map.glsl"
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
@@ -13,9 +13,9 @@ struct Landing {
     float shown_inverse_depth;
 };
 
-// base: H times the drawn pixel's centre.
-Landing landing(ivec2 drawn, vec3 base) {
-    float inverse_depth = imageLoad(rendered_inverse_depth, drawn).r;
+// base: H times the rendered pixel's centre.
+Landing landing(ivec2 rendered, vec3 base) {
+    float inverse_depth = imageLoad(rendered_inverse_depth, rendered).r;
     // precise: two passes must compute the same bits, whatever the compiler would contract.
     precise vec3 q = base + e * inverse_depth;
     precise vec2 p = q.xy / q.z;
@@ -28,7 +28,7 @@ Landing landing(ivec2 drawn, vec3 base) {
     return to;
 }
 
-void visit(ivec2 drawn, vec3 base);
+void visit(ivec2 rendered, vec3 base);
 
 // first: the lowest pixel of this invocation, inside the picture on x.
 void visit_all(ivec2 first) {

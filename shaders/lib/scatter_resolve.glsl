@@ -1,17 +1,18 @@
-// After a scatter of keys: copies to each shown pixel the colour of the drawn pixel that its key names; nothing landed: (0, 0, 0, 0).
-// The shader's own `winner` reads the key, and empties it for the next picture, so that no pass has to clear.
+// After a scatter of keys: copies to each shown pixel the colour of the rendered pixel that its key
+// names; nothing landed: (0, 0, 0, 0). The shader's own `winner` reads the key, and empties it for
+// the next picture, so that no pass has to clear.
 #include "lib/scatter_sizes.glsl"
 layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
-ivec2 winner(uint slot); // the drawn pixel, (-1, -1) for none
+ivec2 winner(uint slot); // the rendered pixel, (-1, -1) for none
 
 // first: the lowest pixel of this invocation, inside the picture on x.
 void resolve_all(ivec2 first) {
     for (int row = 0; row < ROWS; ++row) {
         ivec2 shown = first + ivec2(0, row);
         if (shown.y >= shown_size.y) break;
-        ivec2 drawn = winner(uint(shown.y) * uint(shown_size.x) + uint(shown.x));
-        vec4 colour = imageLoad(rendered_colour, max(drawn, ivec2(0)));
-        imageStore(shown_colour, shown, drawn.x >= 0 ? colour : vec4(0.0));
+        ivec2 rendered = winner(uint(shown.y) * uint(shown_size.x) + uint(shown.x));
+        vec4 colour = imageLoad(rendered_colour, max(rendered, ivec2(0)));
+        imageStore(shown_colour, shown, rendered.x >= 0 ? colour : vec4(0.0));
     }
 }

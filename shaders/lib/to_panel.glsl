@@ -1,6 +1,7 @@
-// Runs a gather warp's `gathered` for every pixel of the panel, once per colour, where the lens shows that colour: one resample from
-// the rendered picture to the panel instead of two. Black where the lens shows more than the shown field of view.
-// A colour looks at axis + s radius, s its scale, so its map is H axis + s H radius: one product for three colours.
+// Runs a gather warp's `gathered` for every pixel of the panel, once per colour, where the lens
+// shows that colour: one resample from the rendered picture to the panel instead of two. Black
+// where the lens shows more than the shown field of view. A colour samples axis + s radius, s its
+// scale, so its map is H axis + s H radius: one product for three colours.
 #include "lib/rows.glsl"
 #include "lib/gather.glsl"
 #include LENS
@@ -16,7 +17,7 @@ float row_share;
 #endif
 
 void prepare_pixels() {
-    prepare_looks();
+    prepare_sampling();
 #ifdef PREPARE
     PREPARE();
 #endif

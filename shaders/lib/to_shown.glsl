@@ -1,13 +1,16 @@
 // Runs a gather warp's `gathered` for every pixel of the shown view.
-// A warp that defines PREPARE, the name of a function, has that called once before the loop over rows.
-// shown: the pixel's centre. base + parallax * inverse_depth: the rendered pixel (homogeneous) of a point at that depth from here.
+// It calls the function named by PREPARE, where a warp defines that, once before the loop over
+// rows.
+// shown: the pixel's centre. base + parallax * inverse_depth: the rendered pixel (homogeneous) of a
+// point at that depth from here.
 #include "lib/rows.glsl"
 #include "lib/gather.glsl"
 layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 shown_size;
-#ifdef TELLS_DEPTH
-layout(r32f) writeonly uniform image2D shown_inverse_depth; // what `gathered` leaves in told_inverse_depth, -1 in holes
-float told_inverse_depth;
+#ifdef WRITES_DEPTH
+// What `gathered` leaves in found_inverse_depth, -1 in holes
+layout(r32f) writeonly uniform image2D shown_inverse_depth;
+float found_inverse_depth;
 #endif
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax);
 
@@ -19,7 +22,7 @@ vec3 base_at_centre(vec2 shown, vec3 base) {
 void main() {
     ivec2 first = first_pixel(), size = shown_size;
     if (first.x >= size.x) return;
-    prepare_looks();
+    prepare_sampling();
 #ifdef PREPARE
     PREPARE();
 #endif
@@ -41,8 +44,8 @@ void main() {
 #endif
         vec4 found = gathered(shown, here, parallax);
         imageStore(written, first + ivec2(0, row), found);
-#ifdef TELLS_DEPTH
-        imageStore(shown_inverse_depth, first + ivec2(0, row), vec4(found.a > 0.0 ? told_inverse_depth : -1.0));
+#ifdef WRITES_DEPTH
+        imageStore(shown_inverse_depth, first + ivec2(0, row), vec4(found.a > 0.0 ? found_inverse_depth : -1.0));
 #endif
     }
 }

@@ -1,6 +1,7 @@
 // Counts the pixels of a picture that nothing covers.
 // In: colours with coverage in alpha. Out: added to counts[slot].
-// Source: none; one atomic addition of a work group to memory that all share, after one of each invocation to memory of its own.
+// Source: none; one atomic addition of a work group to memory that all share, after one of each
+// invocation to memory of its own.
 #include "lib/rows.glsl"
 layout(std430, binding = 0) buffer Counts { uint counts[]; };
 layout(rgba16f) readonly uniform image2D picture;

@@ -1,5 +1,7 @@
-// One triangle over the whole picture at the far end of the depth range; gives each pixel its direction in the world.
-// In: nothing. Out: clip space; `direction` in world axes, of length 1 along -z of the eye (linear across the picture).
+// One triangle over the whole picture at the far end of the depth range; gives each pixel its
+// direction in the world.
+// In: nothing. Out: clip space; `direction` in world axes, of length 1 along -z of the eye (linear
+// across the picture).
 // Source: Bilodeau 2014, Vertex Shader Tricks (GDC): one oversized triangle from gl_VertexID alone.
 uniform mat3 world_from_ndc;
 

@@ -1,4 +1,5 @@
-// How far away the laths of a fence of alpha are: what lets less than half of the light pass is as far as the sheet, the rest is not there.
+// How far away the laths of a fence of alpha are: what lets less than half of the light pass is as
+// far as the sheet, the rest is not there.
 // In: uv of the sheet. Out: inverse depth in 1/m.
 // Source: alpha test, OpenGL 1.5 specification, 4.1.4.
 in vec2 uv;

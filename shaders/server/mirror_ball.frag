@@ -1,8 +1,8 @@
-// What a curved mirror shows: where its mirrored ray meets the surroundings, drawn once around its centre with their depths, and how far
-// behind the surface that seems to be.
+// What a curved mirror shows: where its mirrored ray meets the surroundings, drawn once around its
+// centre with their depths, and how far behind the surface that seems to be.
 // In: place and normal in the axes of the eye. Out: linear RGBA; inverse depth of the image in 1/m.
-// Source: Popescu et al. 2006, Real-Time Reflection Mapping with Parallax (rays against depth); Coddington 1829 (the image), see
-// hmdwarp/geometry/mirror.py.
+// Source: Popescu et al. 2006, Real-Time Reflection Mapping with Parallax (rays against depth);
+// Coddington 1829 (the image), see hmdwarp/geometry/mirror.py.
 #include "lib/cube.glsl"
 #include "lib/mirrors.glsl"
 uniform sampler2D around;               // the cube, axes of the world
@@ -23,7 +23,8 @@ void main() {
     vec3 ray = place / -place.z, towards = normalize(ray), n = normalize(normal);
     vec3 mirrored = reflect(towards, n), from_centre = place - mirror_centre[taken].xyz;
     vec2 pixel = 1.0 / vec2(textureSize(around, 0));
-    // The cube is around the centre, the ray starts on the surface: go on until the place looked at is as far as what is drawn there.
+    // The cube is around the centre, the ray starts on the surface: go on until the sampled place
+    // is as far as the surface there.
     float away = 1e6;
     vec3 d = world_from_eye * mirrored;
     for (int step = 0; step < STEPS; ++step) {

@@ -1,6 +1,9 @@
-// The cheaper mirror: marches each mirrored ray through the rendered picture itself. What that does not show stays a hole.
-// In: the picture and its inverse depth. Out: what one plane mirror shows, rgba16f; the inverse depth of the whole path, -1 for none.
-// Source: McGuire and Mara 2014, Efficient GPU Screen-Space Ray Tracing (JCGT 3:4): steps of equal length on the screen.
+// The cheaper mirror: marches each mirrored ray through the rendered picture itself. What that does
+// not show stays a hole.
+// In: the picture and its inverse depth. Out: what one plane mirror shows, rgba16f; the inverse
+// depth of the whole path, -1 for none.
+// Source: McGuire and Mara 2014, Efficient GPU Screen-Space Ray Tracing (JCGT 3:4): steps of equal
+// length on the screen.
 #define ROWS 4
 #include "lib/rows.glsl"
 #include "lib/mirrors.glsl"
@@ -8,12 +11,13 @@ layout(rgba16f) writeonly uniform image2D seen_colour;
 layout(r32f) writeonly uniform image2D seen_inverse_depth;
 layout(rgba16f) readonly uniform image2D behind_colour; // the picture
 layout(r32f) readonly uniform image2D behind_inverse_depth;
-uniform ivec2 from, to; // the pixels to look at, `to` left out
+uniform ivec2 from, to; // the pixels to visit, `to` excluded
 uniform int taken;      // the mirror
 
 const int STEPS = 64, HALVINGS = 6;
 const float NEAREST_M = 0.05, FARTHEST_M = 1e4;
-const float THICK = 0.06; // a surface is met within this share of its inverse depth; what passes farther behind it goes on
+// A surface is met within this share of its inverse depth; what passes farther behind it goes on
+const float THICK = 0.06;
 
 float drawn_at(vec2 pixel) {
     return imageLoad(behind_inverse_depth, ivec2(pixel)).r;

@@ -1,5 +1,7 @@
-// What a mirror is where the picture shows it: reflectivity, and the normal that a normal map gives it.
-// In: uv. Out: reflectivity straight on (r), the normal's x and y along the mirror's right and up (g, b), coverage 1.
+// What a mirror is where the picture shows it: reflectivity, and the normal that a normal map gives
+// it.
+// In: uv. Out: reflectivity straight on (r), the normal's x and y along the mirror's right and up
+// (g, b), coverage 1.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 6.7.2 (normal maps).
 uniform sampler2D shown_inverse_depth; // of the picture
 uniform float keep;                    // a little below 1: a surface does not hide itself

@@ -1,6 +1,8 @@
 // A mirror's own surface: places in the eye's axes, and for a curved one its normals.
-// In: metres relative to the scene's origin, uv, normals. Out: clip space; the place and the normal in the axes of the eye.
-// Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far plane).
+// In: metres relative to the scene's origin, uv, normals. Out: clip space; the place and the normal
+// in the axes of the eye.
+// Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far
+// plane).
 uniform mat4 clip_from_scene;
 
 invariant gl_Position; // the picture's own surface must have the same depth

@@ -1,5 +1,7 @@
-// Takes over what one mirror shows, where a ray meets that mirror before all others; others stay as they are.
-// In: the world behind the mirror, in the eye's own pixels. Out: what all mirrors show, rgba16f; its inverse depth, -1 for none.
+// Takes over what one mirror shows, where a ray meets that mirror before all others; others stay as
+// they are.
+// In: the world behind the mirror, in the eye's own pixels. Out: what all mirrors show, rgba16f;
+// its inverse depth, -1 for none.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (planar reflections).
 #include "lib/rows.glsl"
 #include "lib/mirrors.glsl"
@@ -7,7 +9,7 @@ layout(rgba16f) writeonly uniform image2D seen_colour;
 layout(r32f) writeonly uniform image2D seen_inverse_depth;
 layout(rgba16f) readonly uniform image2D behind_colour;
 layout(r32f) readonly uniform image2D behind_inverse_depth;
-uniform ivec2 from, to; // the pixels to look at, `to` left out
+uniform ivec2 from, to; // the pixels to visit, `to` excluded
 uniform int taken;            // the mirror
 
 void main() {

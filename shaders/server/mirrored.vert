@@ -1,5 +1,6 @@
 // As scene.vert, for a world seen behind a mirror: what stands behind the mirror itself is cut off.
-// In: metres relative to the scene's origin. Out: clip space, w = metres along -z; clip distance in metres before the mirror.
+// In: metres relative to the scene's origin. Out: clip space, w = metres along -z; clip distance in
+// metres before the mirror.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (planar reflections).
 uniform mat4 clip_from_scene;
 uniform vec4 before_mirror; // distance before the mirror of a place in the scene

@@ -1,6 +1,9 @@
-// What a pixel tells about its motion, where the picture shows what moves: the number of its body, or (VELOCITY) how fast it moves.
-// In: m/s along the eye's axes; the picture's inverse depth. Out: number of the body; or m/s with coverage 1.
-// Source: a G-buffer's object ids and velocities (Saito and Takahashi 1990); the picture's own depth says what it shows, whatever drew it.
+// A pixel's motion, where the picture shows what moves: the number of its body, or (VELOCITY) how
+// fast it moves.
+// In: m/s along the eye's axes; the picture's inverse depth. Out: number of the body; or m/s with
+// coverage 1.
+// Source: a G-buffer's object ids and velocities (Saito and Takahashi 1990); the picture's own
+// depth says what it shows, whatever drew it.
 #if VELOCITY
 in vec3 velocity;
 layout(location = 0) out vec4 moves;

@@ -1,5 +1,6 @@
-// Puts what moves where the eye sees it, exactly as scene.vert does, for what the picture tells about its motion.
-// In: metres relative to a body or to the scene's origin; with VELOCITY m/s in world axes. Out: clip space; m/s along the eye's axes.
+// Puts what moves where the eye sees it, exactly as scene.vert does, for the picture of its motion.
+// In: metres relative to a body or to the scene's origin; with VELOCITY m/s in world axes. Out:
+// clip space; m/s along the eye's axes.
 // Source: as scene.vert.
 uniform mat4 clip_from_scene;
 

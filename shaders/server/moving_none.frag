@@ -1,6 +1,7 @@
 // No body anywhere: an integer picture that only drawing can empty.
 // In: nothing. Out: 0, the number of what stands still.
-// Source: OpenGL 4.3 core specification, 17.4.3: clearing integer pictures by a colour is undefined.
+// Source: OpenGL 4.3 core specification, 17.4.3: clearing integer pictures by a colour is
+// undefined.
 layout(location = 0) out uint moves;
 
 void main() {

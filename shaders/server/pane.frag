@@ -1,10 +1,13 @@
-// One sheet of what one sees through, for blending over what lies behind it; or, with COLOUR 0, how far away the nearest one is.
-// In: uv and linear light of the sheet; inverse depth of the picture. Out: the sheet's own light, premultiplied,
-// and beside it the share of the light behind that passes, by colour (the second source of the blending); or inverse depth in 1/m.
-// Source: Porter and Duff 1984, Compositing Digital Images (over); OpenGL 4.3 specification, 17.3.8 (dual-source blending).
+// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, how far away the
+// nearest one is.
+// In: uv and linear light of the sheet; inverse depth of the picture. Out: the sheet's own light,
+// premultiplied, and beside it the share of the light behind that passes, by colour (the second
+// source of the blending); or inverse depth in 1/m.
+// Source: Porter and Duff 1984, Compositing Digital Images (over); OpenGL 4.3 specification, 17.3.8
+// (dual-source blending).
 //
-// TESTS 0: whatever is there. 1: what the picture does not hide. 2: that, and where it hides all there is, what it hides: so that it is
-// known when a head that moves looks past what stood before it.
+// TESTS 0: whatever is there. 1: what the picture does not hide. 2: that, and where it hides all
+// there is, what it hides: so that it is known when a moving head sees past the thing before it.
 in vec2 uv;
 in vec3 light;
 
@@ -30,7 +33,8 @@ layout(location = 0) out float inverse_depth;
 const float LEAST = 1.0 / 256.0; // less than that is not there: mipmaps spread a little of everything everywhere
 
 void main() {
-    vec4 texel = texture(surface, uv); // before a discard: after it the neighbours' uv, and so the mip level, would be undefined
+    // Before a discard: after it the neighbours' uv, and so the mip level, would be undefined
+    vec4 texel = texture(surface, uv);
     float share = opacity * texel.a;
     if (share < LEAST && min(min(tint.r, tint.g), tint.b) > 1.0 - LEAST) discard;
 #if TESTS

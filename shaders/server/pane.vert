@@ -1,5 +1,7 @@
-// Puts the sheets one sees through, or the overlay, where the eye sees them, exactly as scene.vert does, and hands uv and light on.
-// In: metres relative to the scene's origin, to a body or to the head. Out: clip space, w = metres along -z; uv; linear light.
+// Puts the transparent sheets, or the overlay, where the eye sees them, exactly as scene.vert does,
+// and hands uv and light on.
+// In: metres relative to the scene's origin, to a body or to the head. Out: clip space, w = metres
+// along -z; uv; linear light.
 // Source: as scene.vert.
 uniform mat4 clip_from_scene;
 

@@ -1,7 +1,9 @@
-// Linear colour (texture times baked light) with coverage 1, and inverse depth; with PEEL only of what lies behind the layer before.
+// Linear colour (texture times baked light) with coverage 1, and inverse depth; with PEEL only of
+// what lies behind the layer before.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
-// Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth itself, linear across a triangle;
-// Everitt 2001, Interactive Order-Independent Transparency (peeling).
+// Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
+// itself, linear across a triangle; Everitt 2001, Interactive Order-Independent Transparency
+// (peeling).
 #ifdef PEEL
 #include "lib/peel.glsl"
 #endif
@@ -19,7 +21,8 @@ layout(location = 0) out float inverse_depth;
 
 void main() {
 #ifdef COLOUR
-    vec3 texel = texture(surface, uv).rgb; // before a discard: after it the neighbours' uv, and so the mip level, would be undefined
+    // Before a discard: after it the neighbours' uv, and so the mip level, would be undefined
+    vec3 texel = texture(surface, uv).rgb;
 #endif
 #ifdef PEEL
     if (!behind(gl_FragCoord.w)) discard;

@@ -1,6 +1,9 @@
-// Gathers each shown pixel from the rendered picture through the client's own depth; a depth test keeps what was hidden empty.
-// In: shown pixel and the client's inverse depth there. Out: rendered pixel by H, e (here shown -> rendered) and what it held.
-// Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams 1978), per texel of the footprint.
+// Gathers each shown pixel from the rendered picture through the client's own depth; a depth test
+// keeps what was hidden empty.
+// In: shown pixel and the client's inverse depth there. Out: rendered pixel by H, e (here shown ->
+// rendered) and what it held.
+// Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams
+// 1978), per texel of the footprint.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
@@ -20,10 +23,12 @@ bool holds(float held, float expected) {
     return abs(held - expected) <= allowed * expected + allowed_floor;
 }
 
-// The client knows its depth at the centres of its pixels, so what is seen there decides. Two texels do: the one the centre lies in, and
-// the one across from it in the bilinear footprint, which an edge through the footprint almost always parts from it. Both hold the
-// expected depth: bilinear. One does: that one alone, so that no surface bleeds into another. (Asking all four would cost llvmpipe
-// half as much time again; asking around the place itself tore silhouettes behind the lens, where places are no centres.)
+// The client has depth at the centres of its pixels, so the surface there decides. Two texels are
+// tested: the one the centre lies in, and the one across from it in the bilinear footprint, which
+// an edge through the footprint almost always parts from it. Both hold the expected depth:
+// bilinear. One does: that one alone, so that no surface bleeds into another. (Testing all four
+// would cost llvmpipe half as much time again; testing around the place itself tore silhouettes
+// behind the lens, where places are no centres.)
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
     vec3 q = base + parallax * own;
@@ -38,7 +43,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     near_holds = near_holds && in_rendered(nearest); // beyond the border an image reads 0, which would pass for sky
     across_holds = across_holds && in_rendered(across);
     vec2 at = near_holds ? (across_holds ? p : nearest + 0.5) : across + 0.5;
-    vec4 sum = look(at);
+    vec4 sum = sampled(at);
     bool ahead = own >= 0.0 && q.z > 0.0 && at_centre.z > 0.0;
     return ahead && (near_holds || across_holds) && in_rendered(p) ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

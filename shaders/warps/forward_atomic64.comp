@@ -1,9 +1,11 @@
-// The depth-tested scatter in one pass over the drawn pixels: depth and source in one 64-bit key. Same winners as forward.comp.
+// The depth-tested scatter in one pass over the rendered pixels: depth and source in one 64-bit
+// key. Same winners as forward.comp.
 // In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where nothing landed.
 // Source: Schuetz et al. 2021 (arXiv 2104.07526), section 3; GL_NV_shader_atomic_int64.
 //
-// PASS 0 keeps the largest key of each shown pixel: above depth_key, below the complement of the index, so that of equal depth keys
-// the lowest index wins. PASS 1 copies the colours, and needs no 64-bit arithmetic.
+// PASS 0 keeps the largest key of each shown pixel: above depth_key, below the complement of the
+// index, so that of equal depth keys the lowest index wins. PASS 1 copies the colours, and needs no
+// 64-bit arithmetic.
 #if PASS == 0
 #extension GL_ARB_gpu_shader_int64 : require
 #extension GL_NV_shader_atomic_int64 : require
@@ -14,11 +16,11 @@
 #include "lib/scatter_depth.glsl"
 layout(std430, binding = 0) buffer Keys { uint64_t key_of[]; };
 
-void visit(ivec2 drawn, vec3 base) {
-    Landing to = landing(drawn, base);
+void visit(ivec2 rendered, vec3 base) {
+    Landing to = landing(rendered, base);
     if (!to.lands) return;
-    uint source = source_of(drawn);
-    uint key = depth_key(to.shown_inverse_depth, drawn, source);
+    uint source = source_of(rendered);
+    uint key = depth_key(to.shown_inverse_depth, rendered, source);
     atomicMax(key_of[to.slot], (uint64_t(key) << 32) | uint64_t(~source));
 }
 

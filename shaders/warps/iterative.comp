@@ -1,9 +1,12 @@
-// Gathers each shown pixel along its ray: guesses a depth, looks at the rendered depth where the ray has it, and guesses again.
-// In: shown pixel, rendered inverse depth, a first guess. Out: rendered pixel where the ray meets the rendered surface, and its colour there.
-// Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Lee et al. 2018, Iterative Depth Warping (first guess, convergence).
+// Gathers each shown pixel along its ray: guesses a depth, samples the rendered depth where the ray
+// has it, and guesses again.
+// In: shown pixel, rendered inverse depth, a first guess. Out: rendered pixel where the ray meets
+// the rendered surface, and its colour there.
+// Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Lee et al. 2018, Iterative
+// Depth Warping (first guess, convergence).
 //
-// In the rendered picture the ray is a line, and its place is linear in the inverse depth r there: q = base + parallax s with r = s / q.z gives
-// q / q.z = start + r * along.
+// In the rendered picture the ray is a line, and its place is linear in the inverse depth r there:
+// q = base + parallax s with r = s / q.z gives q / q.z = start + r * along.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
 #include "lib/rendered_surface.glsl"
@@ -21,24 +24,25 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
 #else
     float r = 0.0;
 #endif
-    // A plain look costs a third of a slanted one. A guess that is on the surface already is kept: the seed knows its slope.
-    for (int look = 0; look < PLAIN; ++look) {
+    // A plain sample costs a third of a slanted one. A guess that is on the surface already is
+    // kept: the seed has its slope.
+    for (int k = 0; k < PLAIN; ++k) {
         float seen = imageLoad(rendered_inverse_depth, texel_at(start + r * along)).r;
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
     // Newton steps: exact on planes, however far the guess was off.
     Surface surface;
     float change;
-    for (int look = 0; look < SLANTED; ++look) {
+    for (int k = 0; k < SLANTED; ++k) {
         vec2 place = start + r * along;
         surface = surface_at(place);
         change = (surface.depth - r) / max(1.0 - dot(surface.slope, along), 0.25);
         r = surface.known ? max(r + change, 0.0) : r;
     }
     vec2 p = start + r * along;
-    vec4 sum = look(colour_place(surface, p));
-#ifdef TELLS_DEPTH
-    told_inverse_depth = r * base.z / (1.0 - r * parallax.z); // s of above: in the shown view
+    vec4 sum = sampled(colour_place(surface, p));
+#ifdef WRITES_DEPTH
+    found_inverse_depth = r * base.z / (1.0 - r * parallax.z); // s of above: in the shown view
 #endif
     bool met = surface.known && abs(change) * length(along) <= most_pixels;
     bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // of both eyes

@@ -1,6 +1,8 @@
-// The (lower) median inverse depth over a grid of GRID x GRID samples of the rendered picture, one work group, no read-back.
+// Computes the (lower) median inverse depth over a grid of GRID x GRID samples of the rendered
+// picture, one work group, no read-back.
 // In: rendered inverse depth, -1 where there is none. Out: 1/m; 0 if nothing has depth.
-// Source: selection by bisection on the bits of non-negative floats, which sort as unsigned integers (abs: -0.0 sorts as 0).
+// Source: selection by bisection on the bits of non-negative floats, which sort as unsigned
+// integers (abs: -0.0 sorts as 0).
 #define GRID 64
 #define THREADS 256
 #define FLOAT_MAX 3.4028234e38

@@ -1,6 +1,9 @@
-// Finds in each block of 4x4 cells which edges are joined, which cells are whole, and how flat they are together.
-// In: rendered inverse depth. Out: a Block each; errors of flatness in 1/m, as the largest step between two levels, summed over levels.
-// Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (surfaces found in a depth picture); Schollmeyer et al. 2017 (the levels).
+// Finds in each block of 4x4 cells which edges are joined, which cells are whole, and how flat they
+// are together.
+// In: rendered inverse depth. Out: a Block each; errors of flatness in 1/m, as the largest step
+// between two levels, summed over levels.
+// Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (surfaces found in a depth picture);
+// Schollmeyer et al. 2017 (the levels).
 #include "warps/mesh_surface.glsl"
 #include "warps/mesh_flatness.glsl"
 #include "warps/mesh_clip.glsl"
@@ -10,7 +13,8 @@ layout(std430, binding = 0) writeonly buffer Blocks { Block blocks[]; };
 uniform vec2 steepest; // what inverse depth may change by between neighbours in x and in y, relative to the farther one
 
 const int SIDE = 7;            // pixels around a block, one more on each side than its corners
-const float STRAIGHT = 0.25;   // a step that differs by less than this part from the one before or after it is a plane's
+// A step that differs by less than this part from the one before or after it is a plane's
+const float STRAIGHT = 0.25;
 
 bool joined(float before, float a, float b, float after, float limit) {
     if (a < 0.0 || b < 0.0) return false;
@@ -26,7 +30,8 @@ bool joined(float before, float a, float b, float after, float limit) {
 }
 
 #if ADAPTIVE
-// The box around each cell in the shown picture; everything where a corner lies beside or behind the eye.
+// The box around each cell in the shown picture; everything where a corner lies beside or behind
+// the eye.
 void bounds_of_cells(float r[SIDE * SIDE], ivec2 corner, out vec2 least[16], out vec2 most[16]) {
     vec2 place[25];
     bool before[25];
@@ -98,8 +103,9 @@ void main() {
     float bend = unevenness(r[a], r[a + 2], r[a + 4], r[b], r[b + 2], r[b + 4], r[c], r[c + 2], r[c + 4]);
     if (inner && whole == 0xFFFFu) error = quarters + bend;
 
-    // Two cells make one if inverse depth goes on straight across what they share and each is planar. Second differences below an
-    // eighth of what is allowed keep 4x4 cells within it: n * n / 8 of those along x and y, and twice of the mixed one, for n = 4.
+    // Two cells make one if inverse depth goes on straight across what they share and each is
+    // planar. Second differences below an eighth of what is allowed keep 4x4 cells within it: n * n
+    // / 8 of those along x and y, and twice of the mixed one, for n = 4.
     float allowed = coarsest >= 2 ? allowed_error(corner, BLOCK, r[a], r[a + 4], r[c], r[c + 4]) / 8.0 : -1.0;
     uint seen = whole & on_screen, planar = 0u, on_x = 0u, on_y = 0u;
     for (int y = 0; y < 4; ++y)
@@ -118,7 +124,8 @@ void main() {
     on_x &= planar & planar >> 1u;
     on_y &= planar & planar >> 4u;
 
-    // Each cell in turn that is left: as far to the right as cells join, then as far up as whole rows of it do.
+    // Each cell in turn that is left: as far to the right as cells join, then as far up as whole
+    // rows of it do.
     uint left = seen, begins = 0u;
     for (int k = 0; k < 16; ++k) {
         uint bit = 1u << uint(k), row = bit;

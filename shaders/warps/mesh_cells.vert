@@ -1,10 +1,15 @@
-// A whole cell of the rendered surface: two triangles with the rendered inverse depth at its corners.
-// In: the list of cells. Out: clip space; rendered pixel and inverse depth there, for perspective-correct interpolation.
-// Source: Mark et al. 1997, Post-Rendering 3D Warping, section 3 (the picture as a mesh of triangles).
+// A whole cell of the rendered surface: two triangles with the rendered inverse depth at its
+// corners.
+// In: the list of cells. Out: clip space; rendered pixel and inverse depth there, for
+// perspective-correct interpolation.
+// Source: Mark et al. 1997, Post-Rendering 3D Warping, section 3 (the picture as a mesh of
+// triangles).
 #include "warps/mesh_surface.glsl"
 #include "warps/mesh_clip.glsl"
 layout(std430, binding = 4) readonly buffer Cells { uvec2 cells[]; };
-out vec4 surface_point; // rendered pixel, inverse depth, and what the shown one counts for in the depth test: one vector costs llvmpipe less
+// Rendered pixel, inverse depth, and what the shown one counts for in the depth test: one vector
+// costs llvmpipe less
+out vec4 surface_point;
 #if ADAPTIVE
 uniform float overlap; // rendered pixels by which cells of several pixels reach over their neighbours
 #endif
@@ -14,20 +19,21 @@ void main() {
     ivec2 origin = ivec2(cell.x & 0xFFFFu, cell.x >> 16u), side = ivec2(cell.y & 0xFFFFu, cell.y >> 16u);
     ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
     ivec2 pixel = origin - 1 + corner * side;
-    vec2 drawn = clamp(vec2(pixel) + 0.5, vec2(0.0), vec2(rendered_size));
+    vec2 rendered = clamp(vec2(pixel) + 0.5, vec2(0.0), vec2(rendered_size));
     float r = known_inverse_depth(pixel), held_back = 1.0;
 #if ADAPTIVE
-    // Beside a large cell lie vertices that it does not have: what it is off there would show as a crack. Its own plane goes on a
-    // little way, and is held back in the depth test alone, so that finer cells win. The edge of a surface never belongs to a large cell.
+    // Beside a large cell lie vertices that it does not have: what it is off there would show as a
+    // crack. Its own plane goes on a little way, and is held back in the depth test alone, so that
+    // finer cells win. The edge of a surface never belongs to a large cell.
     int larger = max(side.x, side.y);
     held_back = 1.0 - float(larger - 1) / 2048.0;
     float out_by = larger > 1 ? overlap : 0.0;
     float along_x = known_inverse_depth(origin - 1 + ivec2(1 - corner.x, corner.y) * side);
     float along_y = known_inverse_depth(origin - 1 + ivec2(corner.x, 1 - corner.y) * side);
     vec2 slopes = (r - vec2(along_x, along_y)) / vec2(side);
-    drawn += out_by * vec2(2 * corner - 1);
+    rendered += out_by * vec2(2 * corner - 1);
     r = max(r + out_by * (slopes.x + slopes.y), 0.0);
 #endif
-    surface_point = vec4(drawn, r, held_back);
-    gl_Position = clip_position(drawn, r);
+    surface_point = vec4(rendered, r, held_back);
+    gl_Position = clip_position(rendered, r);
 }

@@ -1,14 +1,17 @@
 // Decides for each group of 4x4 blocks which become one cell, and counts what the group draws.
-// In: Blocks. Out: their level and their order in the group; the group's numbers of cells and of cells in pieces.
-// Source: Schollmeyer et al. 2017, Efficient Hybrid Image Warping for High Frame-Rate Stereoscopic Rendering (a quadtree over depth).
+// In: Blocks. Out: their level and their order in the group; the group's numbers of cells and of
+// cells in pieces.
+// Source: Schollmeyer et al. 2017, Efficient Hybrid Image Warping for High Frame-Rate Stereoscopic
+// Rendering (a quadtree over depth).
 #include "warps/mesh_surface.glsl"
 #include "warps/mesh_flatness.glsl"
 #define GROUP_X 64
 layout(local_size_x = GROUP_X) in;
 layout(std430, binding = 0) buffer Blocks { Block blocks[]; };
-layout(std430, binding = 1) writeonly buffer Groups { uvec2 drawn[]; };
+layout(std430, binding = 1) writeonly buffer Groups { uvec2 totals[]; };
 
-const uint OWN = 0u, FOUR = 1u, EIGHT = 2u, SIXTEEN = 3u, COVERED = 4u; // levels; covered: by another block's cell, or off the screen
+// Levels; covered: by another block's cell, or off the screen
+const uint OWN = 0u, FOUR = 1u, EIGHT = 2u, SIXTEEN = 3u, COVERED = 4u;
 
 void main() {
     ivec2 group = ivec2(gl_GlobalInvocationID.xy), count = groups();
@@ -56,5 +59,5 @@ void main() {
         cells += level[k] == OWN ? uint(bitCount(blocks[index].cells & 0xFFFFu)) : uint(level[k] != COVERED);
         pieces += uint(bitCount(blocks[index].cells >> 16u));
     }
-    drawn[group_index(group)] = uvec2(cells, pieces);
+    totals[group_index(group)] = uvec2(cells, pieces);
 }

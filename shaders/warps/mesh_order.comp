@@ -1,6 +1,9 @@
-// Turns numbers of things to draw into where each begins in a list, and writes the draw calls. One work group.
-// In: numbers of each group or chunk. Out: their sums over all before; indirect draws of draw_quads quads each, or of all triangles.
-// Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs equal to the last bit.
+// Turns numbers of things to draw into where each begins in a list, and writes the draw calls. One
+// work group.
+// In: numbers of each group or chunk. Out: their sums over all before; indirect draws of draw_quads
+// quads each, or of all triangles.
+// Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs
+// equal to the last bit.
 #define THREADS 256
 #include "warps/mesh_draws.glsl"
 layout(local_size_x = THREADS) in;
@@ -9,9 +12,9 @@ uniform int draw_quads;  // quads in one draw
 shared uvec2 sums[THREADS];
 
 #if CHUNKS
-layout(std430, binding = 8) buffer Chunks { uint drawn[]; };
+layout(std430, binding = 8) buffer Chunks { uint totals[]; };
 #else
-layout(std430, binding = 1) buffer Groups { uvec2 drawn[]; };
+layout(std430, binding = 1) buffer Groups { uvec2 totals[]; };
 uniform int group_count;
 #endif
 
@@ -30,7 +33,7 @@ void main() {
     int each = (count + THREADS - 1) / THREADS;
     int begin = min(me * each, count), end = min(begin + each, count);
     uvec2 sum = uvec2(0u);
-    for (int k = begin; k < end; ++k) sum += uvec2(drawn[k]);
+    for (int k = begin; k < end; ++k) sum += uvec2(totals[k]);
     sums[me] = sum;
     barrier();
     for (int reach = 1; reach < THREADS; reach *= 2) {
@@ -41,19 +44,21 @@ void main() {
     }
     uvec2 start = sums[me] - sum, total = sums[THREADS - 1];
     for (int k = begin; k < end; ++k) {
-        uvec2 own = uvec2(drawn[k]);
+        uvec2 own = uvec2(totals[k]);
 #if CHUNKS
-        drawn[k] = start.x;
+        totals[k] = start.x;
 #else
-        drawn[k] = start;
+        totals[k] = start;
 #endif
         start += own;
     }
 #if CHUNKS
-    if (me == 0) piece_draws[0] = Draw(3u * total.x, 1u, 0u, 0u, 0u); // without an index buffer: the rest is no part of it
+    // Without an index buffer: the rest is no part of it
+    if (me == 0) piece_draws[0] = Draw(3u * total.x, 1u, 0u, 0u, 0u);
 #else
     for (int k = me; k < draws.x; k += THREADS) cell_draws[k] = draw_of(k, total.x);
-    for (int k = me; k < draws.y; k += THREADS) piece_draws[k] = draw_of(k, total.y * 4u); // unless only some are chosen
+    // Unless only some are chosen
+    for (int k = me; k < draws.y; k += THREADS) piece_draws[k] = draw_of(k, total.y * 4u);
     if (me == 0) {
         cut_cells = total.y;
         chunk_groups[0] = (chunks_in(total.y) + CHUNK_GROUP - 1u) / CHUNK_GROUP;

@@ -1,4 +1,5 @@
 // Cut cells of the rendered surface, as mesh_pieces.vert places them.
-// In: rendered pixel and inverse depth, interpolated over a triangle. Out: linear colour with coverage 1; depth, larger is nearer.
+// In: rendered pixel and inverse depth, interpolated over a triangle. Out: linear colour with
+// coverage 1; depth, larger is nearer.
 // Source: Mark et al. 1997, Post-Rendering 3D Warping, section 3.
-#include "warps/mesh_look.glsl"
+#include "warps/mesh_colour.glsl"

@@ -1,6 +1,9 @@
-// A cell that is no surface as a whole: a quarter for each corner that has depth, at that corner's own depth where the cell is cut.
-// In: the list of cut cells with their joined edges, or of their triangles. Out: as mesh_cells.vert; which pixel a quarter belongs to.
-// Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3: a cut surface ends half a pixel from its last centre.
+// A cell that is no surface as a whole: a quarter for each corner that has depth, at that corner's
+// own depth where the cell is cut.
+// In: the list of cut cells with their joined edges, or of their triangles. Out: as
+// mesh_cells.vert; which pixel a quarter belongs to.
+// Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3: a cut surface ends half a pixel from its
+// last centre.
 #include "warps/mesh_surface.glsl"
 #include "warps/mesh_quarters.glsl"
 #include "warps/mesh_clip.glsl"
@@ -9,7 +12,9 @@ layout(std430, binding = 5) readonly buffer Pieces { uint pieces[]; };
 layout(std430, binding = 7) readonly buffer Triangles { uint triangles[]; };
 #endif
 out vec4 surface_point;
-flat out vec4 owner; // centre of the pixel it belongs to; which way from there its colour may change along x, along y, 0 for not
+// Centre of the pixel it belongs to; which way from there its colour may change along x, along y, 0
+// for not
+flat out vec4 owner;
 
 void main() {
 #if ADAPTIVE

@@ -1,10 +1,12 @@
-// The quarters of a cut cell: each corner that has depth keeps its quarter, at its own depth where the cell is cut.
+// The quarters of a cut cell: each corner that has depth keeps its quarter, at its own depth where
+// the cell is cut.
 // Needs mesh_surface.glsl.
 const float OVERLAP = 1.0 / 64.0; // rendered pixels; the rasteriser moves corners by 1/512
 
 struct Quarter {
     ivec2 cell, corner;
-    float own, half_way, half_up, middle; // inverse depth at its pixel, half way along x, along y, and at the middle of the cell
+    // Inverse depth at its pixel, half way along x, along y, and at the middle of the cell
+    float own, half_way, half_up, middle;
     vec2 towards;                         // which way from its pixel its colour may change along x, along y, 0 for not
 };
 
@@ -18,7 +20,8 @@ Quarter quarter(uint piece, int c) {
     bool to_beside = (edges >> uint(corner.y) & 1u) != 0u, to_above = (edges >> uint(2 + corner.x) & 1u) != 0u;
     bool beside_up = (edges >> uint(3 - corner.x) & 1u) != 0u, above_on = (edges >> uint(1 - corner.y) & 1u) != 0u;
 
-    // The middle of the cell, the same for all that are joined: opposite corners' mean, or all four's.
+    // The middle of the cell, the same for all that are joined: opposite corners' mean, or all
+    // four's.
     bool has_across = (to_beside && beside_up) || (to_above && above_on);
     bool has_beside = to_beside || (to_above && above_on && beside_up);
     bool has_above = to_above || (to_beside && beside_up && above_on);
@@ -30,9 +33,9 @@ Quarter quarter(uint piece, int c) {
     return Quarter(cell, corner, own, half_way, half_up, middle, vec2(to_beside, to_above) * vec2(1 - 2 * corner));
 }
 
-// Its corner `vertex` (0 or 1 on each axis): rendered pixel and inverse depth. Half way lies a vertex that a whole cell beside has
-// not, and the rasteriser may leave a gap there. So a quarter reaches a little over the border of its cell, where its own pixel
-// goes on in any case.
+// Its corner `vertex` (0 or 1 on each axis): rendered pixel and inverse depth. Half way lies a
+// vertex that a whole cell beside has not, and the rasteriser may leave a gap there. So a quarter
+// reaches a little over the border of its cell, where its own pixel goes on in any case.
 vec3 point_of(Quarter q, ivec2 vertex) {
     bvec2 inner = notEqual(vertex, q.corner);
     float r = all(inner) ? q.middle : inner.x ? q.half_way : inner.y ? q.half_up : q.own;

@@ -1,6 +1,8 @@
-// The rendered picture as a surface: one vertex at each pixel centre, cells between four of them, numbered 0..w by 0..h from the bottom
-// left. Cell (i, j) lies between the centres of pixels (i-1, j-1) and (i, j); those along the border have pixels on one side only
-// and repeat them. Corners of a cell: 0 and 1 below, 2 and 3 above. Its joined edges, a bit each: 1 below, 2 above, 4 left, 8 right.
+// The rendered picture as a surface: one vertex at each pixel centre, cells between four of them,
+// numbered 0..w by 0..h from the bottom left. Cell (i, j) lies between the centres of pixels (i-1,
+// j-1) and (i, j); those along the border have pixels on one side only and repeat them. Corners of
+// a cell: 0 and 1 below, 2 and 3 above. Its joined edges, a bit each: 1 below, 2 above, 4 left, 8
+// right.
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
 uniform ivec2 rendered_size;
 
@@ -14,14 +16,24 @@ float known_inverse_depth(ivec2 pixel) {
 }
 
 struct Block {
-    uint cells;        // a bit for each cell that begins a rectangle to draw, 16 above it for each that is drawn in pieces
-    uint rows;         // a bit for each joined edge along x, 4 in each of 5 rows; bit 31: something of the block is on the screen
+    // A bit for each cell that begins a rectangle to draw, 16 above it for each that is drawn in
+    // pieces
+    uint cells;
+    // A bit for each joined edge along x, 4 in each of 5 rows; bit 31: something of the block is on
+    // the screen
+    uint rows;
     uint columns;      // and along y, 5 in each of 4 rows
-    uint error_order;  // bits of the error as one cell; after mesh_merge: level << 20, pieces before << 10, rectangles before in its group
-    uint sizes_low;    // of the rectangles, less one: 2 bits of width and 2 of height for each cell that begins one; of the lower 8 cells
+    // Bits of the error as one cell; after mesh_merge: level << 20, pieces before << 10, rectangles
+    // before in its group
+    uint error_order;
+    // Of the rectangles, less one: 2 bits of width and 2 of height for each cell that begins one;
+    // of the lower 8 cells
+    uint sizes_low;
     uint sizes_high;   // and of the upper 8
 };
-const int BLOCK = 4;  // cells on a side of a block; its first cell is this times its place, less SHIFT, so that cells 1 to 16 are a group
+// Cells on a side of a block; its first cell is this times its place, less SHIFT, so that cells 1
+// to 16 are a group
+const int BLOCK = 4;
 const int GROUP = 16; // cells on a side of a group of 16 blocks
 const int SHIFT = 15;
 

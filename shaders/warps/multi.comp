@@ -1,7 +1,10 @@
-// Adds one rendered picture to the shown one: the nearest surface stays, of those equally near the one known better, and of a picture other
-// than the newest only what the newest does not contradict.
-// In: shown pixel, the picture's inverse depth, a first guess per shown pixel. Out: the picture's colour where it stays.
-// Source: Mark et al. 1997, Post-Rendering 3D Warping (two reference frames, depth and connectedness); Mark 1999, chapter 3.
+// Adds one rendered picture to the shown one: the nearest surface stays, of those equally near the
+// one known better, and of a picture other than the newest only what the newest does not
+// contradict.
+// In: shown pixel, the picture's inverse depth, a first guess per shown pixel. Out: the picture's
+// colour where it stays.
+// Source: Mark et al. 1997, Post-Rendering 3D Warping (two reference frames, depth and
+// connectedness); Mark 1999, chapter 3.
 #define BEST rg32f // r: inverse depth, -1 for nothing; g: confidence
 #include "lib/composite.glsl"
 layout(r32f) readonly uniform image2D newest_inverse_depth;
@@ -10,7 +13,8 @@ uniform vec3 newest_e;
 uniform ivec2 newest_size;
 const float GAIN = 1.25; // by which an older picture must have been nearer to the place: else the newest stays
 
-// Whether the newest picture looked through the place to something farther: then what an older one saw there is gone, or misjudged.
+// Whether the newest picture looked through the place to something farther: then what an older one
+// saw there is gone, or misjudged.
 bool is_contradicted(vec2 shown, float depth) {
     vec3 q = newest_H * vec3(shown, 1.0) + newest_e * depth;
     vec2 p = q.xy / q.z;
@@ -18,8 +22,8 @@ bool is_contradicted(vec2 shown, float depth) {
     return q.z > 0.0 && inside(p, newest_size) && is_depth(held) && expected - held > depth_tolerance * (expected + depth_floor);
 }
 
-// How densely the picture sampled the place, on each axis and against the shown one. Edges need no doubt of their own: a meeting
-// spans connected texels alone.
+// How densely the picture sampled the place, on each axis and against the shown one. Edges need no
+// doubt of their own: a meeting spans connected texels alone.
 float confidence_of(Ray ray, float depth) {
     return 1.0 / (ray.base_z + depth * ray.parallax_z);
 }

@@ -1,7 +1,10 @@
-// Gathers each shown pixel through the plane z = -1/r of the rendered eye, r the median inverse depth of the rendered picture.
-// In: shown pixel. Out: rendered pixel: a point of that plane has s = r b_z / (1 - r e_z) in the shown view, so q = b + e s, and
-// q_xy / q_z = (1 - r e_z) b_xy / b_z + r e_xy; r never leaves the GPU.
-// Source: docs/conventions.md; the mode "planar from depth" of XR_MSFT_composition_layer_reprojection.
+// Gathers each shown pixel through the plane z = -1/r of the rendered eye, r the median inverse
+// depth of the rendered picture.
+// In: shown pixel. Out: rendered pixel: a point of that plane has s = r b_z / (1 - r e_z) in the
+// shown view, so q = b + e s, and q_xy / q_z = (1 - r e_z) b_xy / b_z + r e_xy; r never leaves the
+// GPU.
+// Source: docs/conventions.md; the mode "planar from depth" of
+// XR_MSFT_composition_layer_reprojection.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
 layout(std430, binding = 0) readonly buffer Plane { float plane_inverse_depth; };

@@ -1,5 +1,7 @@
-// Gathers each shown pixel through a homography: the rendered picture as if everything were infinitely far.
-// In: shown pixel. Out: rendered pixel by H (here shown -> rendered). A ray that left the rendered view is coverage 0.
+// Gathers each shown pixel through a homography: the rendered picture as if everything were
+// infinitely far.
+// In: shown pixel. Out: rendered pixel by H (here shown -> rendered). A ray that left the rendered
+// view is coverage 0.
 // Source: van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"

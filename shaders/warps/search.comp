@@ -1,10 +1,14 @@
-// Gathers each shown pixel by following its ray through the rendered depth, from near to far, to the first surface that it meets.
-// In: shown pixel, rendered inverse depth and its pyramid of bounds. Out: rendered pixel where the ray meets the rendered surface, and its colour.
-// Source: McMillan 1997, thesis, section 7.4 (search along the epipolar line); Tevs et al. 2008 (skipping by maximum mipmaps).
+// Gathers each shown pixel by following its ray through the rendered depth, from near to far, to
+// the first surface that it meets.
+// In: shown pixel, rendered inverse depth and its pyramid of bounds. Out: rendered pixel where the
+// ray meets the rendered surface, and its colour.
+// Source: McMillan 1997, thesis, section 7.4 (search along the epipolar line); Tevs et al. 2008
+// (skipping by maximum mipmaps).
 //
-// In the rendered picture the ray is a line, and its place is linear in the inverse depth r there: start + r * along. It is followed from
-// large r to r = 0, its place at infinity, cell by cell: blocks it passes in front of or behind are skipped whole. In the smallest cells,
-// quarters of texels, the surface is a plane. A ray that passes behind an edge meets nothing there and goes on.
+// In the rendered picture the ray is a line, and its place is linear in the inverse depth r there:
+// start + r * along. It is followed from large r to r = 0, its place at infinity, cell by cell:
+// blocks it passes in front of or behind are skipped whole. In the smallest cells, quarters of
+// texels, the surface is a plane. A ray that passes behind an edge meets nothing there and goes on.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
 #include "lib/rendered_surface.glsl"
@@ -19,7 +23,8 @@ const float STRIDE = 1e-3; // pixels beyond a border, so that rounding cannot ho
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 start = base.xy / base.z;
     vec2 along = parallax.xy - start * parallax.z;
-    // Per inverse depth a pixel at least every 1e9 1/m, so that a ray that stays in place needs no case.
+    // Per inverse depth a pixel at least every 1e9 1/m, so that a ray that stays in place needs no
+    // case.
     vec2 run = mix(along, vec2(1e-9), lessThan(abs(along), vec2(1e-9)));
     float slack = gap / length(run), stride = STRIDE / max(abs(run.x), abs(run.y));
     vec2 at_low = -start / run, at_high = (vec2(rendered_size) - start) / run;
@@ -33,9 +38,11 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         float side = level == 0 ? 0.5 : float(1 << (2 * level));
         vec2 here = clamp(start + r * along, vec2(0.0), vec2(rendered_size) - 1e-3);
         vec2 cell = floor(here / side);
-        vec2 border = (cell + vec2(lessThan(run, vec2(0.0)))) * side; // where the ray, going towards r = 0, leaves the cell
+        // Where the ray, going towards r = 0, leaves the cell
+        vec2 border = (cell + vec2(lessThan(run, vec2(0.0)))) * side;
         vec2 out_at = (border - start) / run;
-        // A border that it has passed already is one that rounding put it on, where it all but runs along: the next one counts.
+        // A border that it has passed already is one that rounding put it on, where it all but runs
+        // along: the next one counts.
         out_at -= mix(vec2(0.0), side / abs(run), greaterThanEqual(out_at, vec2(r)));
         float until = max(min(max(out_at.x, out_at.y), r), last);
         vec2 bounds = bounds_of[block_index(max(level, 1), ivec2(here / max(side, 4.0)))];

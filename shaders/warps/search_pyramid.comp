@@ -1,6 +1,7 @@
 // Builds one level of the pyramid of bounds, from rendered depth (LEVEL 1) or from the level below.
 // In: rendered inverse depth. Out: bounds_of the blocks of a level, in 1/m.
-// Source: Tevs, Ihrke and Seidel 2008, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering, section 3.
+// Source: Tevs, Ihrke and Seidel 2008, Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic
+// Height Field Rendering, section 3.
 #include "lib/pyramid.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(r32f) readonly uniform image2D rendered_inverse_depth;

@@ -1,16 +1,21 @@
-// Every drawn pixel covers the parallelogram that its square becomes; the nearest depth stays, colours are fetched back through it.
-// In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where no footprint of a drawn pixel reaches.
-// Source: Westover 1990 (footprints); Zwicker et al. 2001, EWA Splatting (the footprint is the derivative of the map); Mori et al. 2009
-// (depth warped forward, colour fetched backward).
+// Every rendered pixel covers the parallelogram that its square becomes; the nearest depth stays,
+// colours are fetched back through it.
+// In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where no footprint of a
+// rendered pixel reaches.
+// Source: Westover 1990 (footprints); Zwicker et al. 2001, EWA Splatting (the footprint is the
+// derivative of the map); Mori et al. 2009 (depth warped forward, colour fetched backward).
 //
-// PASS 0: the square around each drawn pixel, on the plane that its neighbours' depths give, is a small homography; each shown pixel
-// whose centre it covers keeps the nearest inverse depth by atomicMax. PASS 1 takes each shown pixel back to the rendered picture
-// through that depth and averages the drawn pixels of that surface by the area that the shown pixel covers of each.
-// Every sum has its order fixed by the shown pixel alone, so two runs are equal, and light of any size and sign can be averaged.
+// PASS 0: the square around each rendered pixel, on the plane that its neighbours' depths give, is
+// a small homography; each shown pixel whose centre it covers keeps the nearest inverse depth by
+// atomicMax. PASS 1 takes each shown pixel back to the rendered picture through that depth and
+// averages the rendered pixels of that surface by the area that the shown pixel covers of each.
+// Every sum has its order fixed by the shown pixel alone, so two runs are equal, and light of any
+// size and sign can be averaged.
 #include "lib/scatter_sizes.glsl"
 #include "lib/warp_map.glsl"
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
-layout(std430, binding = 0) buffer Keys { uint key_of[]; }; // 0 = nothing landed, else 1 + the bits of the nearest shown inverse depth
+// 0 = nothing landed, else 1 + the bits of the nearest shown inverse depth
+layout(std430, binding = 0) buffer Keys { uint key_of[]; };
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
 
@@ -20,10 +25,10 @@ bool known(float inverse_depth) {
     return inverse_depth >= 0.0 && inverse_depth <= LARGEST;
 }
 
-float rendered_at(ivec2 drawn) {
+float rendered_at(ivec2 rendered) {
     // Beyond the border an image reads 0, which would pass for sky.
-    float held = imageLoad(rendered_inverse_depth, drawn).r;
-    return all(lessThan(uvec2(drawn), uvec2(rendered_size))) ? held : -1.0;
+    float held = imageLoad(rendered_inverse_depth, rendered).r;
+    return all(lessThan(uvec2(rendered), uvec2(rendered_size))) ? held : -1.0;
 }
 
 #if PASS == 0
@@ -32,9 +37,10 @@ uniform float overlap; // pixels of the rendered picture by which squares are la
 const float SMALLEST = 1.17549435e-38; // the smallest normal float32
 const float NEAREST = 1048576.0; // 1/m: what comes nearer than a micrometre to the eye is not drawn
 
-// The step of inverse depth to the next pixel, from those on both sides: surfaces hang together where the step is small against the
-// depth, or where the motion opens it by less than a pixel. With the next depth `change` more this pixel would land
-// change * parallax / (1 + change * receding) beside.
+// The step of inverse depth to the next pixel, from those on both sides: surfaces hang together
+// where the step is small against the depth, or where the motion opens it by less than a pixel.
+// With the next depth `change` more this pixel would land change * parallax / (1 + change *
+// receding) beside.
 float slope(float before, float here, float after, float parallax, float receding) {
     float down = before - here, up = after - here;
     float most = depth_tolerance * (here + depth_floor);
@@ -43,19 +49,21 @@ float slope(float before, float here, float after, float parallax, float recedin
     return has_down ? (has_up ? 0.5 * (up - down) : -down) : (has_up ? up : 0.0);
 }
 
-void cover(ivec2 drawn, vec3 base, float below, float here, float above) {
+void cover(ivec2 rendered, vec3 base, float below, float here, float above) {
     vec3 q = base + e * here;
     if (!known(here) || !(q.z > 0.0)) return;
     vec2 p = q.xy / q.z;
     if (!all(lessThan(abs(p), vec2(1e9)))) return; // NaN would make the bounds below all of the picture
     vec2 moves = abs(e.xy - p * e.z) / q.z;
     float parallax = max(moves.x, moves.y), receding = e.z / q.z;
-    vec2 step = vec2(slope(rendered_at(drawn - ivec2(1, 0)), here, rendered_at(drawn + ivec2(1, 0)), parallax, receding),
+    vec2 step = vec2(slope(rendered_at(rendered - ivec2(1, 0)), here, rendered_at(rendered + ivec2(1, 0)), parallax, receding),
                      slope(below, here, above, parallax, receding));
-    // Within its square a patch stays at half its inverse depth or more: else it would tip over beyond infinity.
+    // Within its square a patch stays at half its inverse depth or more: else it would tip over
+    // beyond infinity.
     step *= here / max(max(abs(step.x) + abs(step.y), here), SMALLEST);
-    // A point d rendered pixels beside lands at p + J d / (1 + a d), J = (across, along), with w = q.z (1 + a d). So what lands `off` beside
-    // p is, with u = J^-1 off, at d = u / (1 - a u), where 1 + a d = 1 / (1 - a u): its inverse depth is affine in `off`.
+    // A point d rendered pixels beside lands at p + J d / (1 + a d), J = (across, along), with w =
+    // q.z (1 + a d). So what lands `off` beside p is, with u = J^-1 off, at d = u / (1 - a u),
+    // where 1 + a d = 1 / (1 - a u): its inverse depth is affine in `off`.
     vec3 qx = H[0] + e * step.x, qy = H[1] + e * step.y;
     vec2 across = (qx.xy - p * qx.z) / q.z, along = (qy.xy - p * qy.z) / q.z;
     vec2 a = vec2(qx.z, qy.z) / q.z;
@@ -93,15 +101,16 @@ void main() {
 layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
 const float WIDEST = 3.0; // rendered pixels that a shown one is averaged over at most, on each axis
-const float SHARPNESS = 0.6667; // up to 1.5 rendered pixels a shown one four are enough, as for any bilinear look
+const float SHARPNESS = 0.6667; // up to 1.5 rendered pixels a shown one four are enough, as for any bilinear sample
 
-// How far a drawn pixel's inverse depth is from the expected one.
-float off(ivec2 drawn, float expected) {
-    float held = rendered_at(drawn);
+// How far a rendered pixel's inverse depth is from the expected one.
+float off(ivec2 rendered, float expected) {
+    float held = rendered_at(rendered);
     return known(held) ? abs(held - expected) : LARGEST;
 }
 
-// Of the pixels under the box of these sides around p, those whose depth is off by at most `most`, weighted by the area under the box.
+// Of the pixels under the box of these sides around p, those whose depth is off by at most `most`,
+// weighted by the area under the box.
 vec4 average_over(vec2 p, vec2 sides, float expected, float most) {
     vec2 low = p - 0.5 * sides, high = p + 0.5 * sides;
     ivec2 from = ivec2(floor(max(low, vec2(0.0)))), to = ivec2(ceil(min(high, vec2(rendered_size)))) - 1;
@@ -117,8 +126,8 @@ vec4 average_over(vec2 p, vec2 sides, float expected, float most) {
     return sum;
 }
 
-// Four pixels are what a box of one pixel covers. At least the one that agrees best counts: on a steep surface none may be within the
-// tolerance.
+// Four pixels are what a box of one pixel covers. At least the one that agrees best counts: on a
+// steep surface none may be within the tolerance.
 vec4 average(vec2 p, vec2 sides, float expected, float most) {
     ivec2 corner = ivec2(floor(p - 0.5));
     vec2 upper = p - 0.5 - vec2(corner), lower = 1.0 - upper;
@@ -135,12 +144,14 @@ vec4 average(vec2 p, vec2 sides, float expected, float most) {
     return sum + area.w * imageLoad(rendered_colour, corner + ivec2(1, 1));
 }
 
-// base + e * inverse_depth: the rendered pixel (homogeneous) of a point at that inverse depth in the shown view. Here H, e: shown -> rendered.
+// base + e * inverse_depth: the rendered pixel (homogeneous) of a point at that inverse depth in
+// the shown view. Here H, e: shown -> rendered.
 vec4 fetched(uint key, vec3 base) {
     float nearness = uintBitsToFloat(key - 1u);
     vec3 q = base + e * nearness;
     if (key == 0u || !(q.z > 0.0)) return vec4(0.0);
-    // Rounding may put it a little outside; clamped well beyond that, so that no place makes the loops long.
+    // Rounding may put it a little outside; clamped well beyond that, so that no place makes the
+    // loops long.
     vec2 p = clamp(q.xy / q.z, vec2(-1.0), vec2(rendered_size + 1));
     float expected = nearness / q.z;
     vec2 across = (H[0].xy - p * H[0].z) / q.z, along = (H[1].xy - p * H[1].z) / q.z;

@@ -1,4 +1,4 @@
-"""The governor by itself: a machine is a function from a rung to the time it takes, and no clock runs."""
+"""The governor by itself: a machine is a function from a level to the time it takes, and no clock runs."""
 
 from __future__ import annotations
 
@@ -15,12 +15,14 @@ from hmdwarp.auto.levels import QualityLevel
 from hmdwarp.errors import HmdwarpError, InputError
 
 BUDGET = 10.0
-LADDER = tuple(QualityLevel(f"rung{n}", "none", time, 1 / (1 + n)) for n, time in enumerate((1.0, 3.0, 6.0, 9.0, 20.0)))
+LADDER = tuple(
+    QualityLevel(f"level{n}", "none", time, 1 / (1 + n)) for n, time in enumerate((1.0, 3.0, 6.0, 9.0, 20.0))
+)
 Machine = Callable[[QualityLevel, int], float]
 
 
 def run(governor: Governor, machine: Machine, refreshes: int, start: int = 0) -> list:
-    """The changes while the governor's rung runs on the machine."""
+    """The changes while the governor's level runs on the machine."""
     told = (governor.measured(machine(governor.level, start + k)) for k in range(refreshes))
     return [change for change in told if change is not None]
 
@@ -32,27 +34,27 @@ def steady(drift: float) -> Machine:
 
 @st.composite
 def ladders(draw: st.DrawFn) -> tuple[QualityLevel, ...]:
-    """1 to 6 rungs, each 1.02 to 3 times as dear as the one before."""
+    """1 to 6 levels, each 1.02 to 3 times as dear as the one before."""
     steps = draw(st.lists(st.floats(1.02, 3.0), min_size=0, max_size=5))
     times = [draw(st.floats(0.1, 5.0))]
     for step in steps:
         times.append(times[-1] * step)
-    return tuple(QualityLevel(f"rung{n}", "none", time, 1 / (1 + n)) for n, time in enumerate(times))
+    return tuple(QualityLevel(f"level{n}", "none", time, 1 / (1 + n)) for n, time in enumerate(times))
 
 
 DRIFTS = st.floats(0.1, 10.0)
-BUDGETS = st.floats(1.0, 40.0)  # times the cheapest rung
+BUDGETS = st.floats(1.0, 40.0)  # times the cheapest level
 
 
-def test_it_starts_at_the_most_accurate_rung_within_the_budget():
+def test_it_starts_at_the_most_accurate_level_within_the_budget():
     assert Governor(LADDER, BUDGET).level.total_ms == 9.0
-    with pytest.raises(InputError, match=r"rung0, takes 1\.00 ms"):
+    with pytest.raises(InputError, match=r"level0, takes 1\.00 ms"):
         Governor(LADDER, 0.5)
 
 
 @given(ladders(), BUDGETS, DRIFTS)
 def test_it_settles_under_any_steady_load(levels, budget, drift):
-    """One change is enough where all rungs drift alike: down to what fits, or up to what has room; then none."""
+    """One change is enough where all levels drift alike: down to what fits, or up to what has room; then none."""
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, steady(drift), 400)
     assert len(changes) <= 1
@@ -60,7 +62,7 @@ def test_it_settles_under_any_steady_load(levels, budget, drift):
 
 
 @given(ladders(), BUDGETS, DRIFTS)
-def test_it_never_stays_over_the_budget_if_a_cheaper_rung_fits(levels, budget, drift):
+def test_it_never_stays_over_the_budget_if_a_cheaper_level_fits(levels, budget, drift):
     governor = Governor(levels, budget * levels[0].total_ms)
     run(governor, steady(drift), 400)
     # 1/400: a smaller excess does not add up to the evidence wanted within the refreshes of this test.
@@ -94,11 +96,11 @@ def test_one_spike_changes_nothing_even_at_the_edge_of_the_budget(height):
 
 @given(ladders(), BUDGETS, DRIFTS, st.integers(0, 2**32))
 def test_noise_of_ten_percent_makes_nothing_flap(levels, budget, drift, seed):
-    """Wherever the level is, no rung is entered twice: noise may lead down once at the very edge, and never up and down again."""
+    """Wherever the level is, no level is entered twice: noise may lead down once at the very edge, and never up and down again."""
     noise = random.Random(seed)
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, lambda level, _: level.total_ms * drift * noise.uniform(0.9, 1.1), 3000)
-    entered = [governor.ladder[0] if not changes else changes[0].before, *(change.after for change in changes)]
+    entered = [governor.levels[0] if not changes else changes[0].before, *(change.after for change in changes)]
     assert len(entered) == len(set(entered)), [change.reason for change in changes]
 
 
@@ -116,15 +118,15 @@ def test_it_goes_down_soon_and_far_enough(over, soon):
 def test_it_says_why_with_figures():
     governor = Governor(LADDER, BUDGET)
     (down,) = run(governor, steady(2.0), 50)
-    assert down.reason == "rung3 takes 18.00 ms, over the budget of 10 ms; rung1 is expected to take 6.00 ms"
+    assert down.reason == "level3 takes 18.00 ms, over the budget of 10 ms; level1 is expected to take 6.00 ms"
     assert down.refresh == 5  # 2 that tell of the start, 4 of evidence, counted from 0
     (up,) = run(governor, steady(1.0), 200)
     assert up.reason.startswith(
-        "rung1 takes 3.00 ms, and for 60 refreshes rung3 has been expected within 95% of the budget of 10 ms"
+        "level1 takes 3.00 ms, and for 60 refreshes level3 has been expected within 95% of the budget of 10 ms"
     )
     hopeless = Governor(LADDER[:2], 3.5)
     (down,) = run(hopeless, steady(5.0), 50)
-    assert down.reason.endswith("rung0 is expected to take 5.00 ms, the least there is")
+    assert down.reason.endswith("level0 is expected to take 5.00 ms, the least there is")
 
 
 @given(st.floats(1.5, 20.0), st.integers(10, 600))
@@ -146,8 +148,8 @@ def test_the_way_up_waits_until_there_has_been_room_for_long_enough():
     assert changes[0].refresh - down.refresh == waited
 
 
-def test_a_rung_that_disappoints_is_tried_ever_more_rarely():
-    """The benchmark says 9 ms, it takes 15 here: a machine whose rungs do not drift alike."""
+def test_a_level_that_disappoints_is_tried_ever_more_rarely():
+    """The benchmark says 9 ms, it takes 15 here: a machine whose levels do not drift alike."""
     governor = Governor(LADDER, BUDGET)
     changes = run(governor, lambda level, _: 15.0 if level.total_ms == 9.0 else level.total_ms, 30_000)
     tries = [change.refresh for change in changes if change.after.total_ms == 9.0]
@@ -158,7 +160,7 @@ def test_a_rung_that_disappoints_is_tried_ever_more_rarely():
 
 
 def test_pulses_of_load_are_not_followed_for_long():
-    """Load for 20 refreshes in every 200: the rung that suffers is left alone for longer and longer, and regained when they end."""
+    """Load for 20 refreshes in every 200: the level that suffers is left alone for longer and longer, and regained when they end."""
     governor = Governor(LADDER, BUDGET)
     pulsing = lambda level, k: level.total_ms * (2.0 if k % 200 < 20 else 1.0)  # noqa: E731
     first, later = run(governor, pulsing, 2000), run(governor, pulsing, 2000, start=2000)

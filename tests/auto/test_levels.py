@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.auto.levels import QualityLevel, choose, ladder, settings_of
+from hmdwarp.auto.levels import QualityLevel, choose, levels_from, settings_of
 from hmdwarp.errors import InputError
 
 
@@ -42,25 +42,25 @@ ROWS = [
 
 
 def test_the_ladder_holds_what_is_worth_its_time():
-    assert [str(level) for level in ladder(ROWS)] == [
+    assert [str(level) for level in levels_from(ROWS)] == [
         "none",
         "rotation",
         "forward + interpolate",
         "mesh:cut=slope + interpolate",
     ]
-    assert ladder(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
+    assert levels_from(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
 
 
 @given(st.lists(st.tuples(st.floats(0.01, 1e3), st.floats(0, 1)), min_size=1, max_size=40), st.randoms())
 def test_the_ladder_is_the_pareto_front(points, shuffler):
     rows = [row(f"w{n}", "none", *point) for n, point in enumerate(points)]
-    front = ladder(rows)
+    front = levels_from(rows)
     assert all(a.total_ms < b.total_ms and a.error > b.error for a, b in zip(front, front[1:], strict=False))
     for time, error in points:  # nothing beats the front, and whatever is off it is beaten by it
         assert any(level.total_ms <= time and level.error <= error for level in front)
     assert {(level.total_ms, level.error) for level in front} <= set(points)
     shuffler.shuffle(rows)
-    assert ladder(rows) == front
+    assert levels_from(rows) == front
 
 
 def test_figures_are_means_over_the_cases_all_have():
@@ -71,14 +71,14 @@ def test_figures_are_means_over_the_cases_all_have():
         ),
         *(row("b", "none", time, flip, latency_ms=at) for time, flip, at in ((8.0, 0.1, 200.0), (8.0, 0.2, 400.0))),
     ]
-    first, second = ladder(rows)
+    first, second = levels_from(rows)
     assert (first.warp, first.total_ms, first.error) == ("a", 5.0, pytest.approx(0.3))
     assert (second.warp, second.total_ms, second.error) == ("b", 8.0, pytest.approx(0.15))
 
 
 def test_of_several_sizes_the_largest_counts():
     rows = [row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, size=[1280, 800])]
-    assert [level.total_ms for level in ladder(rows)] == [20.0]
+    assert [level.total_ms for level in levels_from(rows)] == [20.0]
     more = [
         row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"),
         row("a", "none", 40.0, 0.2, size=[800, 1280]),
@@ -89,12 +89,13 @@ def test_of_several_sizes_the_largest_counts():
 
 def test_rows_that_measured_nothing_are_left_out():
     assert [
-        r.warp for r in ladder([row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)])
+        r.warp
+        for r in levels_from([row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)])
     ] == ["c"]
     with pytest.raises(InputError, match="with a time and a FLIP"):
-        ladder([row("a", "none", None, 0.1)])
+        levels_from([row("a", "none", None, 0.1)])
     with pytest.raises(InputError, match="no common case"):
-        ladder([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")])
+        levels_from([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")])
 
 
 def test_the_choice_and_the_next_step_up():
@@ -135,5 +136,5 @@ def test_settings_in_a_spec():
     assert settings_of("iterative:seed=forward,steps=3") == {"seed": "forward", "steps": "3"}
 
 
-def test_a_rung_scaled():
+def test_a_level_scaled():
     assert QualityLevel("a", "none", 2.0, 0.1).scaled(3).total_ms == 6.0

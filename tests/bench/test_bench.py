@@ -20,7 +20,6 @@ from hmdwarp.client.plan import build_plan
 from hmdwarp.geometry import Pose
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import OutputFolder, validate_summary
-from hmdwarp.scenes.effects import SceneEffect
 
 SMALL = BenchOptions(
     warps=("forward", "rotation", "backward"),
@@ -255,7 +254,7 @@ def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monke
 
 
 def test_passes_are_held_against_what_they_must_move():
-    plan = build_plan(SceneEffect.NONE, "rotation", "interpolate", "radial", client_geometry=True)
+    plan = build_plan((), "rotation", "interpolate", "radial", client_geometry=True)
     stages = {"warp": [3.0, 1.0, 2.0], "fill": [4.0], "lens": [8.0, 8.0], "client_depth": [100.0]}
     warp, fill, lens = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
     assert (warp["name"], warp["bytes"], warp["median_ms"]) == (
@@ -266,7 +265,7 @@ def test_passes_are_held_against_what_they_must_move():
     assert warp["bound_ms"] == pytest.approx(warp["bytes"] * 1e-3)
     assert (fill["name"], fill["bytes"], fill["times_bound"]) == ("fill", 1600, pytest.approx(4.0 / 1.6))
     assert (lens["name"], lens["bytes"]) == ("lens", 1600)
-    plan = build_plan(SceneEffect.NONE, "backward", "none", "none", client_geometry=True)
+    plan = build_plan((), "backward", "none", "none", client_geometry=True)
     drawn, _ = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
     assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)  # r32f, written once
 

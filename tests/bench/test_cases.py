@@ -8,25 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from replays import small
 
-from hmdwarp.bench.cases import (
-    Combination,
-    batches,
-    cases_of,
-    combinations_of,
-    common_start_s,
-    frames_used,
-    instants_of,
-    numbered,
-    run_options,
-    warps_of,
-)
-from hmdwarp.bench.casework import refreshes
-from hmdwarp.bench.options import BenchOptions
+from hmdwarp.bench import BenchOptions
+from hmdwarp.bench.cases import cases_of, combinations_of, common_start_s, run_options, warps_of
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs, Others
 from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import set_up_replay
+from hmdwarp.run.combinations import Combination, batches, frames_used, instants_of
+from hmdwarp.run.comparison import refreshes
 from hmdwarp.scenes import load_scene
 
 
@@ -141,22 +131,22 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
     """The frames, the older frames and the heads are those of the run in which every frame was drawn."""
     looked_at = {0, 7, 8, 23, 29}
 
-    def seen(refresh, rig):
+    def seen(refresh, setup):
         return (
             refresh.frame.drawn_ns,
-            [frame.drawn_ns for frame in rig.loop.history.frames],
+            [frame.drawn_ns for frame in setup.loop.history.frames],
             refresh.head.pose.position_m.tolist(),
         )
 
-    with build_rig(small(latency_ms=latency_ms), needs) as rig:
+    with set_up_replay(small(latency_ms=latency_ms), needs) as setup:
         whole = {}
-        for number, instant_ns in numbered(rig.timetable):
-            rig.loop.draw(instant_ns)
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
             if number >= 0:
-                whole[number] = seen(rig.loop.show(instant_ns), rig)
-    with build_rig(small(latency_ms=latency_ms), needs) as rig:
-        few = {number: seen(refresh, rig) for number, refresh in refreshes(rig, needs, looked_at)}
-        used = frames_used(rig.timetable, rig.channel.latency_ns, needs, looked_at)
+                whole[number] = seen(setup.loop.show(instant_ns), setup)
+    with set_up_replay(small(latency_ms=latency_ms), needs) as setup:
+        few = {number: seen(refresh, setup) for number, refresh in refreshes(setup, needs, looked_at)}
+        used = frames_used(setup.schedule, setup.channel.latency_ns, needs, looked_at)
     assert few == {number: whole[number] for number in sorted(looked_at)}
     assert len(used) <= len(looked_at) * (1 + needs.others.past)
 

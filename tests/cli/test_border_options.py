@@ -20,7 +20,7 @@ def test_guard_auto_is_settled_and_told(command, quick):
 
 
 def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
-    """The head has turned away from the late picture; the wide one holds what has come into sight."""
+    """The head has turned away from the rendered picture; the wide one holds what has come into sight."""
     usual = ("replay", "fast-turns", *quick, *SMALL, "--start", "3", "--fill", "none")
     command(*usual).done()
     without = summary(quick)

@@ -1,4 +1,7 @@
-"""Late pictures made by hand, warped and filled as a run does it: what the tests of several fills share."""
+"""Rendered pictures made by hand, warped and filled as a run does it.
+
+What the tests of several fills share.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,6 @@ from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
-from hmdwarp.scenes.effects import SceneEffect
 
 from .rendered_pictures import FOV
 
@@ -17,14 +19,15 @@ from .rendered_pictures import FOV
 def filled(
     gpu, warp: str, fill: str, colour: np.ndarray, depth: np.ndarray, pose: Pose
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV; the late eye stands at the origin."""
+    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV.
+
+    The rendered eye stands at the origin.
+    """
     size = depth.shape[::-1]
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
-    compensator = Compensator(
-        gpu, build_plan(SceneEffect.NONE, warp, fill, "none", client_geometry=False), None, size, size
-    )
+    compensator = Compensator(gpu, build_plan((), warp, fill, "none", client_geometry=False), None, size, size)
     result = compensator.run(PassInputs(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)))
     gpu.timer.collect()
     found = read(result.warped.texture), read(result.shown.texture)

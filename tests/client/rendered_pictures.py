@@ -1,9 +1,12 @@
-"""Late pictures made by hand, warped to a pose: what the tests of the gathers that search the late depth share."""
+"""Rendered pictures made by hand, warped to a pose.
+
+What the tests of the gathers that search the rendered depth share.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from reference.picture import GPU_SAMPLER_PIXELS, Asked
+from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
 
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
@@ -16,7 +19,10 @@ FOV = Fov.from_tangents([-1, 1, -1, 1])
 def warped(
     gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, rendered_pose: Pose | None = None
 ) -> np.ndarray:
-    """(h, w, 4) what the eye at `pose` sees, through FOV, as large as the late picture; all bottom row first."""
+    """(h, w, 4) what the eye at `pose` sees, through FOV, as large as the rendered picture.
+
+    All bottom row first.
+    """
     size, choice = depth.shape[::-1], parse_warp(spec)
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
@@ -32,17 +38,20 @@ def warped(
     return out
 
 
-def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> Asked:
+def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> TwinInputs:
     """The same for a twin; half floats and floats as the GPU gets them."""
     size = depth.shape[::-1]
     stored = colour.astype(np.float16).astype(np.float64), depth.astype(np.float32).astype(np.float64)
     sampler = 4 * 2.0**-24 * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
     settings = parse_warp(spec).settings
-    return Asked(*stored, View(Pose(), FOV), View(pose, FOV), size, settings=settings, sampler_pixels=sampler)
+    return TwinInputs(*stored, View(Pose(), FOV), View(pose, FOV), size, settings=settings, sampler_pixels=sampler)
 
 
 def square_before_a_wall(thing: tuple[slice, slice], size: int = 60) -> tuple[np.ndarray, np.ndarray]:
-    """Colour (its late inverse depth in red, x and y in green and blue) and depth: `thing` at 1 m before a wall at 4 m."""
+    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth.
+
+    `thing` at 1 m before a wall at 4 m.
+    """
     y, x = np.mgrid[:size, :size]
     depth = np.full((size, size), 0.25)
     depth[thing] = 1.0

@@ -1,4 +1,6 @@
-"""One scatter warp run on pictures whose pixels say their index, so that a test can ask who won where."""
+"""One scatter warp run on pictures whose pixels say their index, so that a test can ask who won
+where.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,10 @@ FAR = 2.0**-20  # 1/m: farther pixels are ordered by their index alone
 
 
 def numbered(size: tuple[int, int]) -> np.ndarray:
-    """A picture in which each pixel says its index: (column, row, 0) with coverage 1. Both below 2048 are exact as half floats."""
+    """A picture in which each pixel says its index: (column, row, 0) with coverage 1.
+
+    Both below 2048 are exact as half floats.
+    """
     y, x = np.mgrid[: size[1], : size[0]]
     return np.stack([x, y, np.zeros_like(x), np.ones_like(x)], axis=-1).astype(np.float16)
 
@@ -49,13 +54,17 @@ class Scatter:
         return np.where(out[..., 3] > 0, out[..., 1] * self.size[0] + out[..., 0], -1)
 
     def wanted(self, depth: np.ndarray) -> np.ndarray:
-        """The same by sorting, for `forward`; only for maps whose w does not depend on the pixel: equal depths stay equal in float32."""
+        """The same by sorting, for `forward`; only for maps whose w does not depend on the pixel.
+
+        Equal depths stay equal in float32.
+        """
         forward = WarpMap.between(self.rendered_view, self.size, self.shown_view, self.shown_size)
         assert np.array_equal(forward.H[2], [0, 0, 1])
         y, x = (a.ravel() for a in np.mgrid[: self.size[1], : self.size[0]])
         flat = np.asarray(depth, np.float32).astype(np.float64).ravel()
         pixels, shown_depth, w = forward.apply(np.stack([x, y], axis=-1) + 0.5, flat)
-        # Sizes are chosen so that nothing lands near a border between pixels: rounding decides nothing here.
+        # Sizes are chosen so that nothing lands near a border between pixels: rounding decides
+        # nothing here.
         apart = np.abs(pixels - np.round(pixels))[(flat >= 0) & (w > 0)]
         assert apart.size == 0 or apart.min() > 1e-3
         key_depth = np.where(shown_depth < FAR, 0, np.minimum(shown_depth, 2.0**11 * (1 - 2.0**-24)))

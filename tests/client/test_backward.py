@@ -1,4 +1,7 @@
-"""Backward's depth test: what the late picture did not see stays empty, at the border of the picture too."""
+"""Backward's depth test.
+
+What the rendered picture did not see stays empty, at the border of the picture too.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,12 @@ import math
 import numpy as np
 import pytest
 from reference import gather
-from reference.picture import Asked
+from reference.picture import TwinInputs
 
 from hmdwarp.client import PassInputs
+from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.backward import DEPTH_FLOOR, DEPTH_TOLERANCE, BackwardSettings
+from hmdwarp.client.warps.backward import BackwardSettings
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
@@ -53,7 +57,9 @@ def white(size: tuple[int, int]) -> np.ndarray:
 @pytest.mark.parametrize("turn", [(0, 0.01, 0), (0.02, 0, 0), (0.01, -0.02, 0.3), (0, 0, 0)])
 @pytest.mark.parametrize("rendered", [1.0, -1.0])
 def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, rendered):
-    """Beyond the border of the late picture there is no depth, and above all not that of the sky."""
+    """Beyond the border of the rendered picture there is no depth, and above all not that of the
+    sky.
+    """
     size = (13, 11)
     got = backward(
         gpu, white(size), np.full(size[::-1], rendered), np.zeros(size[::-1]), Pose(orientation_xyzw=(*turn, 1))
@@ -62,7 +68,9 @@ def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, rend
 
 
 def test_the_border_of_the_picture_itself_is_seen(gpu):
-    """A turn about the view axis by a quarter shows the whole square picture again, its outermost half pixels included."""
+    """A turn about the view axis by a quarter shows the whole square picture again, its outermost
+    half pixels included.
+    """
     size = (12, 12)
     quarter = Pose(orientation_xyzw=(0, 0, math.sqrt(0.5), math.sqrt(0.5)))
     for depth in (0.0, 0.5):
@@ -71,7 +79,10 @@ def test_the_border_of_the_picture_itself_is_seen(gpu):
 
 
 def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
-    """A square at 1 m before a wall at 4 m, seen from 0.4 m to the right at 30 pixels per tangent: 12 px against 3 px of parallax."""
+    """A square at 1 m before a wall at 4 m, seen from 0.4 m to the right at 30 pixels per tangent.
+
+    12 px against 3 px of parallax.
+    """
     y, x = np.mgrid[:60, :60]
     rendered = np.where((y >= 20) & (y < 40) & (x >= 20) & (x < 40), 1.0, 0.25)
     now = np.where((y >= 20) & (y < 40) & (x >= 8) & (x < 28), 1.0, 0.25)
@@ -79,14 +90,17 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
     got = backward(gpu, colour, rendered, now, Pose((0.4, 0, 0)))
     hole = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
     left_view = x >= 57
-    # A pixel at the rim of the hole may take the colour of the same wall from the texel across the corner.
+    # A pixel at the rim of the hole may take the colour of the same wall from the texel across the
+    # corner.
     rim = hole & ~((y >= 21) & (y < 39) & (x >= 29) & (x < 36))
     assert np.array_equal((got[..., 3] == 0)[~rim], (hole | left_view)[~rim])
-    # Everywhere else the colour is the late one of the same surface: its depth is in red, and no other surface bled into it.
+    # Everywhere else the colour is the rendered one of the same surface: its depth is in red, and
+    # no other surface bled into it.
     seen = got[..., 3] == 1
     assert np.array_equal(got[..., 0][seen], now[seen])
     from_x = np.where(now == 1.0, x + 12, x + 3)
-    # Whole pixels of parallax, so bilinear looks fall on centres: the sampler's 1/256 px of a slope of 1/60, and half floats.
+    # Whole pixels of parallax, so bilinear looks fall on centres: the sampler's 1/256 px of a slope
+    # of 1/60, and half floats.
     assert np.abs(got[..., 1] - from_x / 60)[seen & ~rim].max() <= 1 / 60 / 256 + 2 * 2.0**-11 + 2.0**-10
 
 
@@ -105,15 +119,17 @@ def test_without_own_depth_nothing_is_known(gpu):
     assert (got == 0).all()
 
 
-def test_points_behind_the_late_eye_were_not_seen(gpu):
-    """The eye has stepped 1 m back and sees, at 0.5 m, what lay behind the late one."""
+def test_points_behind_the_rendered_eye_were_not_seen(gpu):
+    """The eye has stepped 1 m back and sees, at 0.5 m, what lay behind the rendered one."""
     got = backward(gpu, white((9, 9)), np.full((9, 9), 0.5), np.full((9, 9), 2.0), Pose((0, 0, 1)))
     assert (got == 0).all()
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
-    """Small pictures, where half of all looks touch the border, with depths that agree here and there."""
+    """Small pictures, where half of all looks touch the border, with depths that agree here and
+    there.
+    """
     rng = np.random.default_rng(seed)
     size = (9, 7)
     rendered_depth = rng.choice([0.0, 0.5, 1.0, -1.0], size[::-1])
@@ -124,7 +140,7 @@ def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
     got = backward(gpu, colour, rendered_depth, client, pose)
     settings = BackwardSettings()
     wanted = gather.backward(
-        Asked(colour, rendered_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
+        TwinInputs(colour, rendered_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
     )
     decided = ~wanted.undecided
     assert decided.sum() > 30

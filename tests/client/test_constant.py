@@ -7,7 +7,8 @@ import pytest
 from holed import Holed
 from reference.constant import constant
 
-# The mean is stored as a half float, truncated: 2^-10 of it. Sums in float32 of n terms are off by less than n 2^-24 of what they add up.
+# The mean is stored as a half float, truncated: 2^-10 of it. Sums in float32 of n terms are off by
+# less than n 2^-24 of what they add up.
 ROUNDED = 2.0**-10
 
 

@@ -12,7 +12,8 @@ from hmdwarp.client import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
 from hmdwarp.geometry import View
 
-# The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it against the other.
+# The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
+# against the other.
 CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
 SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 
@@ -33,7 +34,8 @@ def test_shader_equals_the_float64_twin(gpu, name, seed):
     world = World(gpu, seed, size, shown)
     got, wanted = world.warp(gpu, name), world.reference(name)
     decided = ~wanted.undecided
-    # Rounding may decide only near borders between pixels and near equal depths: a few pixels in a hundred at these sizes.
+    # Rounding may decide only near borders between pixels and near equal depths: a few pixels in a
+    # hundred at these sizes.
     if decided.size > 1000:
         assert decided.mean() > 0.9
     assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
@@ -111,7 +113,8 @@ def test_nothing_to_fill_and_nothing_to_fill_from(gpu, name):
 def test_interpolate_equals_its_twin(gpu):
     holed = Holed(gpu, 8, (67, 53), empty=0.5)
     wanted = interpolate(holed.colour, MINIMUM_COUNT)
-    # The mean of two half floats is stored as a half float: up to 2^-10 relative (truncated), colours below 2.
+    # The mean of two half floats is stored as a half float: up to 2^-10 relative (truncated),
+    # colours below 2.
     assert np.abs(holed.fill(gpu, "interpolate")[0] - wanted).max() <= 2 * 2.0**-10
     assert (wanted[..., 3] > holed.colour[..., 3]).any()
     assert (wanted[..., 3] == 0).any()

@@ -1,4 +1,7 @@
-"""The environment warp: every direction is covered, edges and corners show no seam, and a step changes nothing."""
+"""The environment warp.
+
+Every direction is covered, edges and corners show no seam, and a step changes nothing.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,9 @@ def world(gpu):
 
 
 def paint(gpu, world, colour_of) -> None:
-    """A cube whose every pixel is a function (n, 3) -> (n, 3) of the unit direction in the eye it looks along, borders included."""
+    """A cube whose every pixel is a function (n, 3) -> (n, 3) of the unit direction in the eye it
+    looks along, borders included.
+    """
     side = max(SIZE) + 2
     for face, view in zip(FACES, face_views(View(Pose(), FOV), side), strict=True):
         rays = world_directions(view, (side, side))
@@ -61,8 +66,11 @@ def test_a_view_along_a_face_is_copied_bit_for_bit(gpu, world, index, margin):
 @pytest.mark.parametrize("degrees", [30, 90, 135, 180, 270, 1e-7])
 @pytest.mark.parametrize("axis", [(0, 1, 0), (1, 0, 0), (0, 0, 1), (1, 1, 1), (-1, 2, 0.5)])
 def test_whatever_the_turn_all_is_covered_and_shows_its_own_direction(gpu, world, axis, degrees):
-    """A cube that holds the direction itself: bilinear looks into a curve of radius 1 are off by an eighth of a pixel's angle squared,
-    half floats by 2^-11 of a value up to 1 (twice that where the store truncates)."""
+    """A cube that holds the direction itself.
+
+    Bilinear looks into a curve of radius 1 are off by an eighth of a pixel's angle squared, half
+    floats by 2^-11 of a value up to 1 (twice that where the store truncates).
+    """
     paint(gpu, world, lambda d: d)
     turn = Rotation.from_rotvec(np.array(axis) / np.linalg.norm(axis) * math.radians(degrees))
     pose = world.rendered_view.pose
@@ -75,7 +83,10 @@ def test_whatever_the_turn_all_is_covered_and_shows_its_own_direction(gpu, world
 
 
 def test_no_seam_at_edges_and_corners(gpu, world):
-    """A smooth pattern, looked at closely across a corner: no step between neighbours is larger than the pattern's steepest."""
+    """A smooth pattern, looked at closely across a corner.
+
+    No step between neighbours is larger than the pattern's steepest.
+    """
     paint(gpu, world, lambda d: 1 + np.sin(3 * d))
     pose = world.rendered_view.pose
     for yaw, pitch in ((45, math.degrees(math.atan(math.sqrt(0.5)))), (45, 0), (0, 45), (135, -35), (-45, 35)):
@@ -84,7 +95,8 @@ def test_no_seam_at_edges_and_corners(gpu, world):
         out = looked(gpu, world.rendered, View(Pose(pose.position_m, (pose.rotation * turn).as_quat()), fov))
         for axis in (0, 1):
             step = np.abs(np.diff(out[..., :3], axis=axis)).max()
-            # slope 3 per radian; a face's chord of one pixel may be off the curve by 9/8 of its square at either side; half floats below 2
+            # slope 3 per radian; a face's chord of one pixel may be off the curve by 9/8 of its
+            # square at either side; half floats below 2
             assert step <= 3 * 0.21 / SIZE[1 - axis] + 9 / 4 * (2 / max(SIZE)) ** 2 + 2 * 2.0**-10
 
 
@@ -116,7 +128,10 @@ def test_any_field_of_view(gpu, world, degrees):
 
 
 def test_the_server_s_cube_is_the_scene_it_would_draw(gpu):
-    """Half a turn away from where the late picture looked; sharp edges are where a resampled picture may differ."""
+    """Half a turn away from where the rendered picture looked.
+
+    Sharp edges are where a resampled picture may differ.
+    """
     server, size = Server(gpu, load_scene("room")), (240, 240)
     rendered = View(Pose((0, 1.6, 0), Rotation.from_euler("YXZ", [10, -5, 3], degrees=True).as_quat()), FOV)
     frame = server.draw_frame([rendered], 0, size, needs=Needs(cube=True))
@@ -130,7 +145,9 @@ def test_the_server_s_cube_is_the_scene_it_would_draw(gpu):
 
 
 def test_row_by_row_each_row_has_its_own_direction(gpu, world):
-    """The first row to light up (the top one) is that of `shown`, the last that of `shown_last`, up to half a row's worth of the turn."""
+    """The first row to light up (the top one) is that of `shown`, the last that of `shown_last`, up
+    to half a row's worth of the turn.
+    """
     paint(gpu, world, lambda d: d)
     pose = world.rendered_view.pose
     first, last = (

@@ -1,4 +1,7 @@
-"""Who wins where several drawn pixels land in one: the nearest; of equals the lower (row mod 4, column mod 4), then the lowest index."""
+"""Who wins where several drawn pixels land in one: the nearest.
+
+Of equals the lower (row mod 4, column mod 4), then the lowest index.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,8 @@ from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
 
 from .scatters import Scatter, numbered
 
-# Late and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre lands on a border.
+# Rendered and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre
+# lands on a border.
 MINIFIED = [
     ((60, 45), (20, 15)),
     ((64, 48), (16, 12)),
@@ -39,7 +43,10 @@ def test_a_plane_facing_the_eye_ties_everywhere(gpu, size, shown_size):
 
 
 def test_where_whole_blocks_tie_exactly_the_lowest_index_wins(gpu):
-    """Blocks of 8 x 8 hold each (row mod 4, column mod 4) four times: what the tie passes are for."""
+    """Blocks of 8 x 8 hold each (row mod 4, column mod 4) four times.
+
+    What the tie passes are for.
+    """
     got = Scatter(gpu, (64, 64), (8, 8)).run(np.full((64, 64), 0.5))
     y, x = np.mgrid[:8, :8] * 8
     assert np.array_equal(got, y * 64 + x)
@@ -93,7 +100,10 @@ def test_runs_do_not_remember_each_other(gpu):
 
 
 def test_an_eye_that_backs_away_sees_a_plane_in_ties(gpu):
-    """Backwards by its own distance, a plane at 2 m halves in size: blocks of two by two, a ring of nothing around."""
+    """Backwards by its own distance, a plane at 2 m halves in size.
+
+    Blocks of two by two, a ring of nothing around.
+    """
     scatter = Scatter(gpu, (64, 64), (64, 64), shown_pose=Pose((0, 0, 2)))
     got = scatter.check(np.full((64, 64), 0.5))
     assert (got[16:48, 16:48] >= 0).all()
@@ -115,7 +125,10 @@ def test_a_plane_before_a_plane_hides_it(gpu):
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_near_border_is_inside_and_the_far_one_is_not(gpu, axis):
-    """A step of exactly half a pixel puts centres on borders: 4 pixels per tangent, 0.25 m, inverse depth 0.5."""
+    """A step of exactly half a pixel puts centres on borders.
+
+    4 pixels per tangent, 0.25 m, inverse depth 0.5.
+    """
     depth, step = np.full((8, 8), 0.5), np.eye(3)[axis] * 0.25
     index = np.arange(64).reshape(8, 8)
     backwards = Scatter(gpu, (8, 8), (8, 8), shown_pose=Pose(step)).run(depth)
@@ -158,10 +171,10 @@ def test_pictures_of_several_work_groups_arrive_whole(gpu, size):
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
 
 
-def test_a_late_picture_of_more_pixels_than_keys_is_refused(gpu):
+def test_a_rendered_picture_of_more_pixels_than_keys_is_refused(gpu):
     side = 16384
     assert side * side > MOST_PIXELS
-    with pytest.raises(InputError, match="a late picture of 16384x16384: 'forward' takes at most"):
+    with pytest.raises(InputError, match="a rendered picture of 16384x16384: 'forward' takes at most"):
         warps.get("forward")(gpu, (side, side), (8, 8))
 
 
@@ -174,7 +187,7 @@ def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
         warps.get("forward")(gpu, (16, 16), (side, side))
 
 
-# --- one pass with a 64-bit key ---------------------------------------------------------------------------------------------
+# --- one pass with a 64-bit key -----------------------------------------------------------------
 
 
 def test_minus_zero_is_infinitely_far(gpu):
@@ -216,7 +229,10 @@ def test_where_64_bit_atomics_are_missing_one_line_says_so(gpu):
 @needs.programs("glslangValidator")
 @pytest.mark.parametrize("number", [0, 1])
 def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
-    """By the reference compiler, so that it is checked where no driver takes it. It has the function from GLSL 4.40 on only."""
+    """By the reference compiler, so that it is checked where no driver takes it.
+
+    It has the function from GLSL 4.40 on only.
+    """
     file = tmp_path / "one_pass.comp"
     file.write_text(
         flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450")
@@ -226,7 +242,10 @@ def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
 
 
 def test_what_64_bit_keys_name_is_the_portable_picture(gpu):
-    """The keys by NumPy, as the one pass over the drawn pixels would leave them; the copy of the colours by the shader itself."""
+    """The keys by NumPy, as the one pass over the drawn pixels would leave them.
+
+    The copy of the colours by the shader itself.
+    """
     size, shown_size = (64, 48), (16, 12)
     depth = np.random.default_rng(5).choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1]).astype(np.float32)
     scatter = Scatter(gpu, size, shown_size)

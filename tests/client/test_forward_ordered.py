@@ -38,8 +38,12 @@ def boxes(seed: int, size: tuple[int, int], count: int = 12) -> np.ndarray:
 @pytest.mark.parametrize("step", [0.3 * RIGHT, -0.3 * RIGHT, 0.3 * UP, -0.3 * UP], ids=str)
 @pytest.mark.parametrize("seed", range(2))
 def test_sideways_it_equals_the_depth_test_whatever_the_scene(gpu, spec, step, seed):
-    """Rows (or columns) are epipolar lines then. Of two pixels of one line that land in one, the one nearer the epipole has moved
-    farther, so it is nearer: they were a pixel or more apart before and are less than one apart now. No scene breaks that."""
+    """Rows (or columns) are epipolar lines then.
+
+    Of two pixels of one line that land in one, the one nearer the epipole has moved farther, so it
+    is nearer: they were a pixel or more apart before and are less than one apart now. No scene
+    breaks that.
+    """
     rng = np.random.default_rng(seed)
     for depth in (boxes(seed, (61, 47)), rng.uniform(0, 1.5, (47, 61)), rng.choice([-1.0, 0, 0.3, 1], (47, 61))):
         ordered, nearest = both(gpu, step, depth, spec)
@@ -53,8 +57,12 @@ def test_sideways_it_equals_the_depth_test_whatever_the_scene(gpu, spec, step, s
     ids=str,
 )
 def test_elsewhere_it_differs_only_where_the_two_are_less_than_a_pixel_apart_on_different_lines(gpu, spec, step):
-    """The guarantee is about rays. Two drawn pixels of one epipolar line that land on the very same point are in order; those of
-    neighbouring lines that land in the same pixel may be swapped. So where they differ, the lines of both winners part."""
+    """The guarantee is about rays.
+
+    Two drawn pixels of one epipolar line that land on the very same point are in order; those of
+    neighbouring lines that land in the same pixel may be swapped. So where they differ, the lines
+    of both winners part.
+    """
     size = (121, 91)
     depth = boxes(7, size)
     ordered, nearest = both(gpu, step, depth, spec)
@@ -70,14 +78,17 @@ def test_elsewhere_it_differs_only_where_the_two_are_less_than_a_pixel_apart_on_
     assert (apart < 1).all()
     assert (apart.max(axis=-1) > 0).all(), "the same point on two depths would break the guarantee"
     share = differs.mean()
-    # Backwards the whole picture is minified and pixels of one surface meet everywhere; what they show then is a pixel beside.
+    # Backwards the whole picture is minified and pixels of one surface meet everywhere; what they
+    # show then is a pixel beside.
     assert share < (0.3 if step[2] > 0 else 0.02), share
     wrong = differs & (np.abs(depth.ravel()[ordered] - depth.ravel()[nearest]) > 0.05)
     assert wrong.mean() < 0.01, "hidden surfaces show through at edges only"
 
 
 def test_it_beats_raster_order(gpu):
-    """On the same boxes raster order shows hidden surfaces in many more pixels, unless the eye moves the lucky way."""
+    """On the same boxes raster order shows hidden surfaces in many more pixels, unless the eye
+    moves the lucky way.
+    """
     depth, step = boxes(7, (121, 91)), -0.3 * RIGHT + 0.1 * AHEAD
     shown = {spec: both(gpu, step, depth, spec) for spec in (*SHEETS, "forward_raster")}
     wrong = {spec: (np.abs(depth.ravel()[a] - depth.ravel()[b]) > 0.05).mean() for spec, (a, b) in shown.items()}
@@ -120,7 +131,10 @@ def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, wher
 @pytest.mark.parametrize("size", [(1, 1), (1, 9), (130, 1), (64, 64), (67, 53)], ids=str)
 @pytest.mark.parametrize("step", [0 * AHEAD, 1e-12 * AHEAD, 1e-12 * RIGHT, -1e-12 * AHEAD + 1e-13 * UP], ids=str)
 def test_every_pixel_has_its_own_place_in_the_order(gpu, spec, size, step):
-    """Motion that moves nothing: all pixels arrive, each as itself, so that its place was told back as it was given."""
+    """Motion that moves nothing.
+
+    All pixels arrive, each as itself, so that its place was told back as it was given.
+    """
     depth = np.random.default_rng(0).uniform(0, 2, size[::-1])
     got = Scatter(gpu, size, size, shown_pose=Pose(step), spec=spec).run(depth)
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))

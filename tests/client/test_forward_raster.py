@@ -14,7 +14,7 @@ from .scatters import Scatter
 
 
 def painted(scatter: Scatter, depth: np.ndarray, step: int) -> np.ndarray:
-    """One pixel after the other as an image file has them, each `step` pixels per 1/m to the left."""
+    """One pixel after the other in raster order, each `step` pixels per 1/m to the left."""
     wide, high = scatter.size
     out = np.full((high, wide), -1)
     for y in reversed(range(high)):
@@ -27,7 +27,10 @@ def painted(scatter: Scatter, depth: np.ndarray, step: int) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_loop_over_the_pixels_gives_the_same(gpu, seed):
-    """0.5 m to the right at 32 pixels per tangent: 16 px of parallax at 1 m; depths in eighths land on whole pixels."""
+    """0.5 m to the right at 32 pixels per tangent: 16 px of parallax at 1 m.
+
+    Depths in eighths land on whole pixels.
+    """
     scatter = Scatter(gpu, (64, 48), (64, 48), shown_pose=Pose((0.5, 0, 0)), spec="forward_raster")
     depth = np.random.default_rng(seed).choice([-1.0, 0, 0.125, 0.5, 1], (48, 64))
     assert np.array_equal(scatter.run(depth), painted(scatter, depth, 16))
@@ -35,7 +38,9 @@ def test_a_loop_over_the_pixels_gives_the_same(gpu, seed):
 
 @pytest.mark.parametrize(("step", "wins"), [(0.5, "near"), (-0.5, "far")])
 def test_what_comes_later_hides_what_is_nearer(gpu, step, wins):
-    """Half the picture at 1 m, half at 8 m, which come to lie over each other where the eye moves to the near side."""
+    """Half the picture at 1 m, half at 8 m, which come to lie over each other where the eye moves
+    to the near side.
+    """
     depth = np.full((8, 64), 0.125)
     near_columns = slice(32, 64) if wins == "near" else slice(0, 32)
     depth[:, near_columns] = 1.0
@@ -51,7 +56,10 @@ def test_what_comes_later_hides_what_is_nearer(gpu, step, wins):
 
 
 def test_the_lower_row_of_the_picture_wins(gpu):
-    """Of a block that lands in one pixel the lowest row and in it the rightmost pixel: the last in a file."""
+    """Of a block that lands in one pixel the lowest row and in it the rightmost pixel.
+
+    The last in a file.
+    """
     got = Scatter(gpu, (64, 64), (8, 8), spec="forward_raster").run(np.full((64, 64), 0.5))
     y, x = np.mgrid[:8, :8] * 8
     assert np.array_equal(got, y * 64 + x + 7), "row 0 is the bottom one here"
@@ -76,6 +84,6 @@ def test_a_depth_test_is_needed(gpu):
 
 def test_a_picture_with_longer_sides_than_the_order_has_bits_for_is_refused(gpu):
     with pytest.raises(
-        InputError, match="a late picture of 16385x2: 'forward_raster' takes at most 16384 pixels a side"
+        InputError, match="a rendered picture of 16385x2: 'forward_raster' takes at most 16384 pixels a side"
     ):
         warps.get("forward_raster")(gpu, (16385, 2), (8, 8))

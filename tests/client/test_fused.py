@@ -1,4 +1,7 @@
-"""Warps that look through the lens themselves: against their float64 twins behind the lens's own twin, and against the two passes."""
+"""Warps that look through the lens themselves.
+
+Against their float64 twins behind the lens's own twin, and against the two passes.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,8 @@ def test_equals_the_lens_twin_before_the_warps_twin(gpu, name, headset, sizes):
         world = world_before(gpu, chosen, eye, 11 + eye, size)
         got = panel_of(gpu, world, name, chosen, eye, panel_size)
         wanted = fused(world.asked(parse_warp(name).settings), twin_of(name), chosen, eye, panel_size)
-        # Three looks per pixel, each of which may be a close call: three times the 10 % that a single look is allowed.
+        # Three looks per pixel, each of which may be a close call: three times the 10 % that a
+        # single look is allowed.
         assert_equals_twin(got, wanted, 0.7)
 
 
@@ -58,8 +62,11 @@ def picture_without_holes(gpu, headset: Headset, eye: int, size: tuple[int, int]
 @pytest.mark.parametrize("name", [name for name in FUSING if not warps.get(name).resamples])
 @pytest.mark.parametrize("headset", WITH_LENS)
 @pytest.mark.parametrize("eye", [0, 1])
-def test_an_unmoved_head_gets_the_lens_pass_of_the_late_picture(gpu, name, headset, eye):
-    """Both look at the same place of the same picture, each off by its own error; the change nearby is at most 1, on both axes."""
+def test_an_unmoved_head_gets_the_lens_pass_of_the_rendered_picture(gpu, name, headset, eye):
+    """Both look at the same place of the same picture, each off by its own error.
+
+    The change nearby is at most 1, on both axes.
+    """
     chosen, size, panel_size = load_headset(headset), (67, 53), (61, 83)
     world = picture_without_holes(gpu, chosen, eye, size)
     got, two = (make(gpu, world, name, chosen, eye, panel_size) for make in (panel_of, in_two_passes))
@@ -67,10 +74,12 @@ def test_an_unmoved_head_gets_the_lens_pass_of_the_late_picture(gpu, name, heads
     decided = np.ones(panel_size[::-1], bool)
     for colour in ("red", "green", "blue"):
         pixels, error = looked_at(chosen, eye, panel_size, world.asked(None), colour)
-        # The map of an unmoved head adds 24 units of the place; three more decide in which texel a warp with depth looks.
+        # The map of an unmoved head adds 24 units of the place; three more decide in which texel a
+        # warp with depth looks.
         error = error + 27 * 2.0**-24 * max(size) + world.sampler_pixels
         allowed = np.maximum(allowed, 4 * error + 2 * HALF_UNIT + HALF_SMALLEST)
-        # Within half a pixel of the border a warp that tests the depth takes the nearest texel, as there is none across.
+        # Within half a pixel of the border a warp that tests the depth takes the nearest texel, as
+        # there is none across.
         within = np.minimum(pixels, size - pixels).min(axis=-1)
         decided &= (within > 0.5 + error) | (within < -error)
     assert decided.mean() > 0.95
@@ -92,7 +101,10 @@ def smooth_cube(world: World, side: int) -> np.ndarray:
 @pytest.mark.parametrize("name", FUSING)
 @pytest.mark.parametrize("headset", WITH_LENS)
 def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
-    """A smooth picture without holes after a small motion: what two resamples blur, one does not, and that is little here."""
+    """A smooth picture without holes after a small motion.
+
+    What two resamples blur, one does not, and that is little here.
+    """
     chosen, size, panel_size = load_headset(headset), (96, 80), (90, 100)
     world = world_before(gpu, chosen, 0, 3, size)
     y, x = np.mgrid[: size[1], : size[0]] / 40
@@ -112,7 +124,8 @@ def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
     everywhere = ndimage.binary_erosion(covered, iterations=2)
     assert everywhere.mean() > 0.3
     difference = np.abs(got - two)[everywhere].max(axis=-1)
-    # The second derivative of the picture is 0.3 / 40^2, at most 3 x 3 times that after the map: a linear resample leaves an eighth of it.
+    # The second derivative of the picture is 0.3 / 40^2, at most 3 x 3 times that after the map: a
+    # linear resample leaves an eighth of it.
     assert np.quantile(difference, 0.98) <= 0.01
     # Coverage may part only where a footprint meets an edge of the picture.
     assert (got[..., 3] != (two[..., 3] > 0)).mean() < 0.06

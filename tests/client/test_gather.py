@@ -1,4 +1,7 @@
-"""Gather warps where their homography says more than the picture: behind the eye, through the plane, without a turn."""
+"""Gather warps where their homography says more than the picture.
+
+Behind the eye, through the plane, without a turn.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ SIZE = (19, 13)
 def warped(
     gpu, name: str, shown: Pose, depth: float, seed: int | None = None, fov: Fov = FOV, rendered: Pose | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(h, w, 4) the late picture (white, or noise) and the shown one, bottom row first."""
+    """(h, w, 4) the rendered picture (white, or noise) and the shown one, bottom row first."""
     picture = np.ones((SIZE[1], SIZE[0], 4))
     if seed is not None:
         picture[..., :3] = np.random.default_rng(seed).uniform(0, 1, (SIZE[1], SIZE[0], 3))
@@ -41,7 +44,10 @@ def warped(
 @pytest.mark.parametrize("name", ["rotation", "planar"])
 @pytest.mark.parametrize("axis", [(0, 1, 0), (1, 0, 0), (1, 1, 0)])
 def test_an_eye_that_looks_the_other_way_sees_nothing(gpu, name, axis):
-    """Behind the late eye the homography still has an answer, upside down: it must not be taken."""
+    """Behind the rendered eye the homography still has an answer, upside down.
+
+    It must not be taken.
+    """
     for degrees in (110, 180):
         half = math.radians(degrees) / 2
         q = (*(np.array(axis) / np.linalg.norm(axis) * math.sin(half)), math.cos(half))
@@ -50,7 +56,7 @@ def test_an_eye_that_looks_the_other_way_sees_nothing(gpu, name, axis):
 
 
 def test_an_eye_that_has_passed_the_plane_sees_nothing_ahead_and_the_plane_behind(gpu):
-    """The plane lies 2 m ahead of the late eye; the shown one stands 3 m ahead."""
+    """The plane lies 2 m ahead of the rendered eye; the shown one stands 3 m ahead."""
     _, out = warped(gpu, "planar", Pose((0, 0, -3)), 0.5)
     assert (out == 0).all()
     turned = Pose((0, 0, -3), (0, 1, 0, 0))
@@ -79,6 +85,7 @@ def test_planar_at_infinity_is_rotation(gpu):
     pose = Pose((0.3, -0.2, 0.1), (0.02, 0.05, -0.03, 1))
     _, planar = warped(gpu, "planar", pose, 0.0, seed=3)
     _, rotation = warped(gpu, "rotation", pose, 0.0, seed=3)
-    # The inverse of the way there against the way back: both float64, rounded once; a unit of a half float where they part.
+    # The inverse of the way there against the way back: both float64, rounded once; a unit of a
+    # half float where they part.
     assert np.abs(planar.astype(float) - rotation.astype(float)).max() <= 2.0**-10
     assert np.array_equal(planar[..., 3], rotation[..., 3])

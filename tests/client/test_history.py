@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from hmdwarp.client import History
 from hmdwarp.frames import Frame
-from hmdwarp.scenes.effects import SceneEffect
 
 MS = 1_000_000
 # Instants in the order in which frames are replaced: never backwards, now and then the same again.
@@ -21,7 +20,7 @@ KEEPS, SPACINGS = st.integers(0, 5), st.sampled_from([0, 1, 16 * MS, 100 * MS])
 
 
 def frame(drawn_ns: int) -> Frame:
-    return Frame((), drawn_ns, SceneEffect.NONE)
+    return Frame((), drawn_ns, ())
 
 
 @given(KEEPS, SPACINGS, INSTANTS)

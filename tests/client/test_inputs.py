@@ -17,7 +17,7 @@ from hmdwarp.geometry import View
 
 
 def given_of(first: View, last: View | None) -> PassInputs:
-    return PassInputs(None, first, shown_last=last)  # type: ignore[arg-type]  # the late picture plays no part here
+    return PassInputs(None, first, shown_last=last)  # type: ignore[arg-type]  # the rendered picture plays no part here
 
 
 @given(poses(), poses(), FOVS)
@@ -51,12 +51,12 @@ def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, f
     options = small(warp=warp, trace="fast-turns", seconds=0.1, scanout_ms=12.0, follow_scanout=follow)
     turned = []
 
-    def look(rig, number, refresh):
-        assert rig.plan.scanout is follows
-        first, last = (rig.track.at(refresh.shown_ns + ns).pose for ns in (0, 12_000_000))
+    def look(setup, number, refresh):
+        assert setup.plan.scanout is follows
+        first, last = (setup.track.at(refresh.shown_ns + ns).pose for ns in (0, 12_000_000))
         for eye, one in enumerate(refresh.inputs):
-            assert one.shown.pose.isclose(rig.headset.views(first)[eye].pose, 1e-12)
-            assert one.shown_last.pose.isclose(rig.headset.views(last)[eye].pose, 1e-12)
+            assert one.shown.pose.isclose(setup.headset.views(first)[eye].pose, 1e-12)
+            assert one.shown_last.pose.isclose(setup.headset.views(last)[eye].pose, 1e-12)
             assert refresh.eyes[eye].view.pose.isclose(one.middle.pose, 1e-12)
         turned.append((first.rotation.inv() * last.rotation).magnitude())
 
@@ -65,8 +65,8 @@ def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, f
 
 
 def test_without_scan_out_there_is_one_instant():
-    def look(rig, number, refresh):
-        assert not rig.plan.scanout
+    def look(setup, number, refresh):
+        assert not setup.plan.scanout
         assert all(one.shown_last is None for one in refresh.inputs)
         for result, one in zip(refresh.eyes, refresh.inputs, strict=True):
             assert np.array_equal(result.view.pose.position_m, one.shown.pose.position_m)

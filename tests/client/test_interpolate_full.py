@@ -27,7 +27,8 @@ def test_it_equals_its_twin(gpu, size, reach):
     got = holed.fill(gpu, f"interpolate_full:reach={reach}")[0]
     wanted = interpolate_full(holed.colour, MINIMUM_COUNT, reach)
     assert np.array_equal(got[..., 3], wanted[..., 3])
-    # Each pass truncates to a half float: 2^-10 of a colour below 2. A median moves by no more than what it is taken of.
+    # Each pass truncates to a half float: 2^-10 of a colour below 2. A median moves by no more than
+    # what it is taken of.
     assert np.abs(got - wanted).max() <= reach * 2 * 2.0**-10
 
 
@@ -39,7 +40,9 @@ def test_a_hole_twice_as_wide_as_the_reach_is_closed_and_a_wider_one_gets_a_rim(
 
 
 def test_it_goes_on_as_long_as_anything_changes_and_no_longer(gpu):
-    """The result no longer depends on the reach once nothing changes, whichever of the two pictures was written last."""
+    """The result no longer depends on the reach once nothing changes, whichever of the two pictures
+    was written last.
+    """
     holed = with_a_hole(gpu, (67, 53), np.s_[20:30, 30:41], empty=0.4)
     enough, more = (holed.fill(gpu, f"interpolate_full:reach={reach}")[0] for reach in (40, 41))
     assert np.array_equal(enough, more)
@@ -47,7 +50,10 @@ def test_it_goes_on_as_long_as_anything_changes_and_no_longer(gpu):
 
 
 def test_lone_pixels_grow_nothing(gpu):
-    """One covered pixel is no neighbourhood of three: it ends after one pass, with the picture as it was."""
+    """One covered pixel is no neighbourhood of three.
+
+    It ends after one pass, with the picture as it was.
+    """
     holed = Holed(gpu, 4, (40, 40), empty=1.0)
     holed.colour[::4, ::4] = (0.5, 0.25, 1, 1)
     assert np.array_equal(holed.fill(gpu, "interpolate_full")[0], holed.colour)

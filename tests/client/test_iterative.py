@@ -1,4 +1,8 @@
-"""Iterative: converges on the surface in front, leaves holes where no surface was seen, and equals its twin with every setting."""
+"""Iterative.
+
+Converges on the surface in front, leaves holes where no surface was seen, and equals its twin with
+every setting.
+"""
 
 from __future__ import annotations
 
@@ -37,20 +41,26 @@ def test_every_setting_equals_the_twin(gpu, spec, seed):
 
 @pytest.mark.parametrize("spec", ["iterative", "iterative:steps=1", "iterative:seed=rotation,steps=1,converged=20"])
 def test_one_look_is_exact_on_a_slanted_plane(gpu, spec):
-    """Inverse depth 0.5 + 0.2 x at the tangent x, seen from 0.2 m to the right: x_shown = x - 0.2 (0.5 + 0.2 x) of the tangent."""
+    """Inverse depth 0.5 + 0.2 x at the tangent x, seen from 0.2 m to the right.
+
+    x_shown = x - 0.2 (0.5 + 0.2 x) of the tangent.
+    """
     x = (np.arange(60) + 0.5) / 30 - 1
     depth = np.tile(0.5 + 0.2 * x, (60, 1))
     colour = np.stack([np.tile(x + 1, (60, 1)), depth, np.zeros((60, 60)), np.ones((60, 60))], axis=-1)
     got = warped(gpu, spec, colour, depth, Pose((0.2, 0, 0)))
     from_x = (x + 0.1) / (1 - 0.04)
-    inside = np.abs(from_x) < 1 - 1 / 60  # further out the late ramp ends half a pixel before the border
+    inside = np.abs(from_x) < 1 - 1 / 60  # further out the rendered ramp ends half a pixel before the border
     assert (got[:, np.abs(from_x) < 1, 3] == 1).all()
     assert np.abs(got[..., 0] - (from_x + 1))[:, inside].max() <= 2 * (1 / 30 / 256 + 2.0**-10)
 
 
 @pytest.mark.parametrize("spec", ["iterative", "iterative:slanted=3"])
 def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu, spec):
-    """Seen from 0.4 m to the right at 30 pixels per tangent: 12 px of parallax at 1 m, 3 px at 4 m."""
+    """Seen from 0.4 m to the right at 30 pixels per tangent.
+
+    12 px of parallax at 1 m, 3 px at 4 m.
+    """
     colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
     got = warped(gpu, spec, colour, depth, Pose((0.4, 0, 0)))
     y, x = np.mgrid[:60, :60]
@@ -62,7 +72,10 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu, spec):
 
 
 def test_a_thin_near_thing_is_found_by_the_forward_seed_alone(gpu):
-    """Two pixels wide, moved by 12: from infinity the guess lands on the wall beside it and stays there."""
+    """Two pixels wide, moved by 12.
+
+    From infinity the guess lands on the wall beside it and stays there.
+    """
     colour, depth = square_before_a_wall(np.s_[:, 30:32])
     there = {
         spec: warped(gpu, spec, colour, depth, Pose((0.4, 0, 0)))[..., 0] > 0.99
@@ -94,7 +107,10 @@ def test_sky_is_seen_and_does_not_move(gpu):
 
 @pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
 def test_what_lies_behind_an_eye_is_not_mirrored(gpu, pose):
-    """Past a wall at 2 m, and turned round: the late picture shows nothing of what is before the eye."""
+    """Past a wall at 2 m, and turned round.
+
+    The rendered picture shows nothing of what is before the eye.
+    """
     got = warped(gpu, "iterative", np.ones((21, 21, 4)), np.full((21, 21), 0.5), pose)
     assert (got == 0).all()
 
@@ -118,7 +134,8 @@ def test_depths_from_a_millimetre_to_a_million_metres(gpu):
         wanted = iterative(asked(gpu, "iterative", colour, np.where(depth < 1e30, depth, -1), pose))
         assert np.isfinite(got).all()
         decided = ~wanted.undecided
-        # 3e38 is no depth for the shader, and -1 stands for it here: it is a neighbour of nothing in both.
+        # 3e38 is no depth for the shader, and -1 stands for it here: it is a neighbour of nothing
+        # in both.
         assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
 
 

@@ -1,4 +1,7 @@
-"""The layered warp on walls whose every view is known: real content behind edges, no cracks, no guesses beyond the late picture."""
+"""The layered warp on walls whose every view is known.
+
+Real content behind edges, no cracks, no guesses beyond the rendered picture.
+"""
 
 from __future__ import annotations
 
@@ -58,12 +61,15 @@ def shown_and_truth(
 
 
 def inner(out: np.ndarray, margin: int = 12) -> np.ndarray:
-    """Without the rim that the late picture may not hold."""
+    """Without the rim that the rendered picture may not hold."""
     return out[margin:-margin, margin:-margin]
 
 
 def near_an_edge(truth: np.ndarray, pixels: int = 1) -> np.ndarray:
-    """Pixels next to another colour: an edge may be half a late pixel and half a shown one off."""
+    """Pixels next to another colour.
+
+    An edge may be half a rendered pixel and half a shown one off.
+    """
     marked = np.zeros(truth.shape[:2], bool)
     for axis in (0, 1):
         for k in range(1, pixels + 1):
@@ -91,7 +97,10 @@ def test_a_surface_twice_as_near_has_no_cracks(gpu, step):
 
 
 def test_two_layers_do_not_know_the_third(gpu):
-    """Before the small square stands a smaller one: behind both of them the wall is only the third layer."""
+    """Before the small square stands a smaller one.
+
+    Behind both of them the wall is only the third layer.
+    """
     scene = attrs.evolve(SCENE, meshes=(square(0.9, (0, 0), 0.2, 0.75), *SCENE.meshes))
     covered = {}
     for spec in ("layered:layers=2", "layered:layers=3"):
@@ -103,8 +112,11 @@ def test_two_layers_do_not_know_the_third(gpu):
     assert covered["layered:layers=3"] > 0.999
 
 
-def test_beyond_the_late_picture_hidden_things_do_not_come_forward(gpu):
-    """A wall that fills the late view; turned to the side, the sky behind it moves less and must not show beside it."""
+def test_beyond_the_rendered_picture_hidden_things_do_not_come_forward(gpu):
+    """A wall that fills the rendered view.
+
+    Turned to the side, the sky behind it moves less and must not show beside it.
+    """
     scene = Scene("wall", "", (square(1, (0, 0), 30, 0.25),), background=Background.uniform((1, 1, 1)))
     out, _ = shown_and_truth(gpu, scene, (0.3, 0, 0))
     assert (out[:, : SIZE[0] * 8 // 10, 3] == 1).all()
@@ -196,7 +208,7 @@ def test_a_frame_with_fewer_layers_is_refused(gpu):
     world.bring(gpu, parse_warp("layered").entry)
     choice = parse_warp("layered:layers=4")
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
-    with pytest.raises(PlanError, match="wants 3 layers behind the visible one, this frame has 2"):
+    with pytest.raises(PlanError, match="needs 3 layers behind the visible one, this frame has 2"):
         warp.run(PassInputs(world.rendered, world.shown_view), canvas)
 
 

@@ -44,11 +44,14 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
 
 
 def places(headset: Headset, eye: int, panel_size, colour: str) -> tuple[np.ndarray, np.ndarray]:
-    """(h, w, 2) where in the shown picture, 0..1, each panel pixel looks, in float64; and how far off a float32 shader may be.
+    """(h, w, 2) where in the shown picture, 0..1, each panel pixel looks, in float64.
 
-    A place on the lens is a product and a sum of rounded numbers (4 units of their absolute values); the polynomial's nine
-    Horner steps and its own products add 2 * 9 + 4 units of its absolute terms, and carry the place's error by its slope; the
-    step to 0..1 adds 4 units of its terms.
+    And how far off a float32 shader may be.
+
+    A place on the lens is a product and a sum of rounded numbers (4 units of their absolute
+    values); the polynomial's nine Horner steps and its own products add 2 * 9 + 4 units of its
+    absolute terms, and carry the place's error by its slope; the step to 0..1 adds 4 units of its
+    terms.
     """
     lens = headset.lens
     scale, offset = headset.lens_from_panel(eye, panel_size)
@@ -70,7 +73,10 @@ def places(headset: Headset, eye: int, panel_size, colour: str) -> tuple[np.ndar
 
 
 def sampler_error_pixels(gpu, size) -> float:
-    """llvmpipe turns a place into 0..1 and back in float32, each half a unit of the place; a GPU rounds it to 1/256 pixel."""
+    """llvmpipe turns a place into 0..1 and back in float32, each half a unit of the place.
+
+    A GPU rounds it to 1/256 pixel.
+    """
     return 4 * UNIT * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
 
 
@@ -101,7 +107,10 @@ def test_the_pass_equals_its_twin(gpu, name, eye, shown_size, panel_size):
 @pytest.mark.parametrize("name", WITH_LENS)
 @pytest.mark.parametrize("eye", [0, 1])
 def test_a_ramp_shows_the_polynomial_itself(gpu, name, eye):
-    """A picture whose value is the place: what comes out says, without a twin, where each colour of each pixel looked."""
+    """A picture whose value is the place.
+
+    What comes out says, without a twin, where each colour of each pixel looked.
+    """
     headset, shown_size, panel_size = load_headset(name), (33, 45), (57, 61)
     for axis in (0, 1):
         place = (np.arange(shown_size[axis]) + 0.5) / shown_size[axis]
@@ -114,7 +123,8 @@ def test_a_ramp_shows_the_polynomial_itself(gpu, name, eye):
             inside = ((uv > error) & (uv < 1 - error)).all(axis=-1)
             half_pixel = 0.5 / shown_size[axis]
             wanted = np.clip(uv[..., axis], half_pixel, 1 - half_pixel)  # beyond the last centre the edge is continued
-            # The ramp is stored as half floats (2^-11), read at a place with its errors, stored again (2^-10).
+            # The ramp is stored as half floats (2^-11), read at a place with its errors, stored
+            # again (2^-10).
             tolerance = (
                 2.0**-11 + HALF_UNIT + error[..., axis] + sampler_error_pixels(gpu, shown_size) / shown_size[axis]
             )
@@ -163,7 +173,10 @@ def test_the_right_panel_mirrors_the_left(gpu, name):
 
 
 def test_colours_part_where_the_lens_parts_them(gpu):
-    """The DK1's blue is magnified more than its red: the three channels of a grey picture differ away from the axis, not on it."""
+    """The DK1's blue is magnified more than its red.
+
+    The three channels of a grey picture differ away from the axis, not on it.
+    """
     headset = load_headset("rift-dk1")
     ramp = np.broadcast_to(np.linspace(0.1, 0.9, 65)[None, :, None], (65, 65, 4))
     got = through_the_lens(gpu, ramp, headset, 0, (65, 81))

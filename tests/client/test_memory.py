@@ -1,4 +1,7 @@
-"""The memory: what was seen before comes back, what moved is forgotten, and it stays within its bounds."""
+"""The memory.
+
+What was seen before comes back, what moved is forgotten, and it stays within its bounds.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +10,25 @@ import numpy as np
 import pytest
 from holed import Holed
 from reference.memory import fill_from, forgotten
-from reference.picture import LatePicture
+from reference.picture import RenderedPicture
 from replays import run
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
-from hmdwarp.client.fills._keyframes import Keyframe, covered, is_new, most_redundant, most_useful
-from hmdwarp.client.fills._memory_passes import Keeper, Slot, seeds_for
-from hmdwarp.client.fills._remembered import HoleFiller
-from hmdwarp.client.warps._composite import Picture
+from hmdwarp.client.fill_parts import (
+    HoleFiller,
+    Keeper,
+    Keyframe,
+    Slot,
+    covered,
+    is_new,
+    most_redundant,
+    most_useful,
+    seeds_for,
+)
+from hmdwarp.client.warp_kinds import DepthPicture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
@@ -66,7 +77,10 @@ def turned(degrees: float, x: float = 0) -> View:
 
 
 def test_scenery_that_was_seen_comes_back(gpu, client):
-    """The head looks left, right and left again: at the last look the late picture still shows the right."""
+    """The head looks left, right and left again.
+
+    At the last look the rendered picture still shows the right.
+    """
     scene = scene_of(square(2, (-1.5, 0.2), 0.5, 0.5), WALL)
     left, right = (drawn(gpu, scene, turned(angle)) for angle in (0, -50))
     client.sees(seconds(left, 0), left.view)
@@ -96,13 +110,16 @@ def test_the_depth_of_what_is_remembered_is_that_in_the_shown_view(gpu, client):
     wall = scene_of(WALL)
     client.sees(seconds(drawn(gpu, wall, turned(0)), 0), turned(0))
     out = client.sees(seconds(drawn(gpu, wall, turned(-50)), 1), at(0, 0, -1))
-    # The wall stands at 3 m, the shown eye a metre nearer. A point is found by some ten float32 operations.
+    # The wall stands at 3 m, the shown eye a metre nearer. A point is found by some ten float32
+    # operations.
     assert np.abs(client.depth()[out[..., 3] > 0] - 0.5).max() < 1e-4
     assert (client.depth()[out[..., 3] == 0] == -1).all()
 
 
 def test_what_has_left_is_forgotten_once_a_newer_frame_looks_through_its_place(gpu, client):
-    """A square before the wall is seen, goes while it is looked at, and is not put back when the head has turned away from it."""
+    """A square before the wall is seen, goes while it is looked at, and is not put back when the
+    head has turned away from it.
+    """
     with_it, without = drawn(gpu, BEFORE_A_WALL, turned(0)), drawn(gpu, scene_of(WALL), turned(0))
     away = drawn(gpu, scene_of(WALL), turned(-60))
     client.sees(seconds(with_it, 0), turned(0))
@@ -127,7 +144,10 @@ def test_what_changed_its_colour_is_forgotten(gpu, client):
 
 
 def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
-    """20 looks at the same things from places a little apart: outlines move by parts of a pixel each time."""
+    """20 looks at the same things from places a little apart.
+
+    Outlines move by parts of a pixel each time.
+    """
     rng = np.random.default_rng(4)
     first = drawn(gpu, BEFORE_A_WALL, turned(0))
     client.sees(seconds(first, 0), turned(0))
@@ -142,7 +162,10 @@ def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
 @pytest.mark.parametrize("moved_on", [False, True])
 @pytest.mark.parametrize("what", ["ids", "velocity"])
 def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
-    """The square is a body of its own, or deforms; also where a pass before the warp has used up what tells it apart."""
+    """The square is a body of its own, or deforms.
+
+    Also where a pass before the warp has used up what tells it apart.
+    """
     image = drawn(gpu, BEFORE_A_WALL, turned(0))
     moving = np.abs(read(image.colour)[..., 0] - 0.5) <= HALF_FLOAT
     assert moving.sum() > 100
@@ -161,7 +184,10 @@ def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
 
 
 def test_the_newest_picture_is_not_overruled(gpu, client):
-    """A square that stood before the newest picture's empty wall has gone; memory fills holes in what that picture shows from it."""
+    """A square that stood before the newest picture's empty wall has gone.
+
+    Memory fills holes in what that picture shows from it.
+    """
     client.sees(seconds(drawn(gpu, BEFORE_A_WALL, turned(0)), 0), turned(0))
     rendered = seconds(drawn(gpu, scene_of(WALL), turned(1)), 0.1)
     out = inner(client.sees(rendered, turned(1)))
@@ -197,7 +223,7 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
 
     frames = [seconds(drawn(gpu, scene_of(WALL), turned(20 * k)), k) for k in range(8)]
     monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
-    for module_name in ("hmdwarp.client.fills._memory_passes", "hmdwarp.client.fills._remembered"):
+    for module_name in ("hmdwarp.client.fill_parts.keeper", "hmdwarp.client.fill_parts.hole_filler"):
         monkeypatch.setattr(f"{module_name}.allocate", refuse)
     for rendered in frames:
         for _ in range(2):
@@ -224,14 +250,14 @@ def test_mb_bounds_how_many_are_kept_and_too_few_are_told(gpu):
     fill = choice.entry(gpu, (200, 100), (20, 10), choice.settings)
     assert len(fill._slots) == 3  # of 0.26 MB each
     fill.close()
-    with pytest.raises(InputError, match=r"mb=1': one late picture of 400x300 takes 2 MB; give it more"):
+    with pytest.raises(InputError, match=r"mb=1': one rendered picture of 400x300 takes 2 MB; give it more"):
         choice.entry(gpu, (400, 300), (20, 10), choice.settings)
     for wrong in ("frames=0", "use=0", "age=0", "mb=nan", "frames=65"):
         with pytest.raises(InputError, match=wrong.partition("=")[0]):
             parse_fills(f"memory:{wrong}")
 
 
-# --- which pictures are kept and looked into -----------------------------------------------------------------------------
+# --- which pictures are kept and looked into ----------------------------------------------------
 
 
 def keyframe(slot: int, degrees: float, x: float = 0, s: float = 0) -> Keyframe:
@@ -254,7 +280,7 @@ def test_room_is_made_by_what_the_others_cover():
     assert most_redundant(same, turned(-90)).slot == 0, "of equals the oldest"
 
 
-def test_what_is_looked_into_sees_what_the_late_view_does_not():
+def test_what_is_looked_into_sees_what_the_rendered_view_does_not():
     kept = [keyframe(0, 60, s=1), keyframe(1, -30, s=2), keyframe(2, 180, s=3), keyframe(3, 0, s=4)]
     chosen = most_useful(kept, turned(30), turned(0), 1)
     assert [one.slot for one in chosen] == [0]
@@ -263,7 +289,7 @@ def test_what_is_looked_into_sees_what_the_late_view_does_not():
     assert [one.drawn_ns for one in chosen] == sorted((one.drawn_ns for one in chosen), reverse=True)
 
 
-# --- the twins ------------------------------------------------------------------------------------------------------------
+# --- the twins ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -272,8 +298,8 @@ def test_what_is_looked_into_sees_what_the_late_view_does_not():
 def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
     holed = Holed(gpu, seed, (67, 53), empty=0.6)
     world = holed.world
-    pictures = [LatePicture(world.colour, world.inverse_depth, world.rendered_view)]
-    pictures += [LatePicture(*world._picture(), world._beside()) for _ in range(2)]
+    pictures = [RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)]
+    pictures += [RenderedPicture(*world._picture(), world._beside()) for _ in range(2)]
     holes, picture, into = HoleFiller(gpu, holed.size, cell), holed.picture(gpu), holed.picture(gpu)
     holes.start(picture, into)
     for number, one in enumerate(pictures):
@@ -281,7 +307,7 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
         seeds = seeds_for(gpu, world.size) if halved else None
         if halved:
             Keeper(gpu, world.size).seed(textures[1], seeds)
-        holes.add(Picture(*textures, one.view), world.shown_view, seeds=seeds, newest=number == 0)
+        holes.add(DepthPicture(*textures, one.view), world.shown_view, seeds=seeds, newest=number == 0)
     gpu.gl.memory_barrier()
     got, depth = read(into.colour.texture), read(into.inverse_depth)[..., 0]
     told = {"newest": True, "cell": cell, "halved": halved, "sampler_pixels": world.sampler_pixels}
@@ -299,16 +325,18 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
 
 @pytest.mark.parametrize("seed", [5, 6])
 def test_what_is_forgotten_equals_its_twin(gpu, seed):
-    """Of one random world against another from near by, and against itself, which disproves nothing that the twin lets stand."""
+    """Of one random world against another from near by, and against itself, which disproves nothing
+    that the twin lets stand.
+    """
     world = World(gpu, seed, (66, 53))
-    rendered = LatePicture(*world._picture(), world._beside())
-    kept = LatePicture(world.colour, world.inverse_depth, world.rendered_view)
+    rendered = RenderedPicture(*world._picture(), world._beside())
+    kept = RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)
     keeper = Keeper(gpu, world.size)
     slot = Slot.of(gpu, world.size)
     keeper.keep(world.rendered, slot)
     gpu.gl.memory_barrier()
     assert np.array_equal(read(slot.inverse_depth)[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))
-    keeper.look_at(EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth)))
+    keeper.compare_with(EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth)))
     keeper.forget(slot, kept.view, rendered.view)
     gpu.gl.memory_barrier()
     got = (read(slot.inverse_depth)[..., 0] < 0) & (kept.inverse_depth >= 0)
@@ -320,11 +348,14 @@ def test_what_is_forgotten_equals_its_twin(gpu, seed):
     keeper.close()
 
 
-# --- in the loop ----------------------------------------------------------------------------------------------------------
+# --- in the loop --------------------------------------------------------------------------------
 
 
 def test_a_head_that_comes_back_sees_what_it_saw_and_two_runs_are_one(tmp_path):
-    """The same turns with and without memory, 400 ms late: look-around comes back to what it saw from 6 s on."""
+    """The same turns with and without memory, 400 ms late.
+
+    Look-around comes back to what it saw from 6 s on.
+    """
     options = {"start_s": 5.0, "seconds": 3.0, "rate_hz": 10.0, "latency_ms": 400.0, "metrics_every": 10}
     without, with_memory, again = (
         run(tmp_path / str(k), fill=fill, **options) for k, fill in enumerate(("none", "memory", "memory"))

@@ -1,15 +1,18 @@
-"""The mesh: what is cut where, what every pixel keeps, and that nothing leaks, mirrors, smears or speckles."""
+"""The mesh.
+
+What is cut where, what every pixel keeps, and that nothing leaks, mirrors, smears or speckles.
+"""
 
 from __future__ import annotations
 
 import attrs
 import numpy as np
 import pytest
-from reference.picture import Asked
+from reference.picture import TwinInputs
 from worlds import World, read, twin_of
 
 from hmdwarp.client import PassInputs, parse_warp
-from hmdwarp.client.warps._mesh import MOST_SIDE, reach, steepest
+from hmdwarp.client.warp_kinds.mesh import MOST_SIDE, reach, steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
@@ -22,7 +25,10 @@ SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 
 
 class Scene:
-    """A late picture of chosen depth: red grows to the right, green upwards, blue is 1 where it is nearer than 1 m."""
+    """A rendered picture of chosen depth.
+
+    Red grows to the right, green upwards, blue is 1 where it is nearer than 1 m.
+    """
 
     def __init__(
         self, gpu, inverse_depth: np.ndarray, pose: Pose, fov: Fov = FOV, shown_size: tuple[int, int] | None = None
@@ -54,7 +60,7 @@ class Scene:
 
     def twin(self, spec: str):
         choice = parse_warp(spec)
-        asked = Asked(
+        asked = TwinInputs(
             self.colour.astype(float), self.inverse_depth.astype(float), self.rendered, self.shown, self.shown_size
         )
         return twin_of(choice.entry.name)(attrs.evolve(asked, settings=choice.settings))
@@ -89,13 +95,16 @@ def test_every_setting_equals_the_twin(gpu, spec, seed):
 
 @pytest.mark.parametrize("spec", CUTS)
 def test_an_edge_reveals_a_hole_and_each_surface_keeps_its_own_pixels(gpu, spec):
-    """20 cm to the right a square at 0.5 m moves 12.8 pixels to the left of where infinity stays, the wall at 4 m 1.6."""
+    """20 cm to the right a square at 0.5 m moves 12.8 pixels to the left of where infinity stays,
+    the wall at 4 m 1.6.
+    """
     scene = Scene(gpu, block(), Pose((0.2, 0, 0)))
     out = scene.warp(spec)
     near = out[..., 2] == 1
     # 16 x 16 pixels that keep half a pixel around each centre stay a square of 16 x 16.
     assert near.sum() == pytest.approx(256, abs=2 * 16)
-    # The sampler rounds its weights; a sheet's first few hundredths, as steep as a surface may be, are taken for one.
+    # The sampler rounds its weights; a sheet's first few hundredths, as steep as a surface may be,
+    # are taken for one.
     bleeds = np.minimum(out[..., 2], 1 - out[..., 2])
     assert bleeds.max() <= (0.06 if "cut=vertex" in spec else 1e-5), "no colour of one surface bleeds into another"
     hole = out[..., 3] == 0
@@ -110,13 +119,17 @@ def test_a_tiny_motion_makes_no_hole(gpu, spec, step):
     depth = rng.choice([0.0, 0.3, 2.0], SIZE[::-1])
     for pose in (Pose((step, step, -step)), Pose(orientation_xyzw=(step, -step, step, 1))):
         out = Scene(gpu, depth, pose).warp(spec)
-        # At the late picture's border the view may have left it: by 1e-4 * 2 m at 1/m 2 or 1e-4 rad, less than a hundredth of a pixel.
+        # At the rendered picture's border the view may have left it: by 1e-4 * 2 m at 1/m 2 or 1e-4
+        # rad, less than a hundredth of a pixel.
         assert (out[1:-1, 1:-1, 3] == 1).all()
 
 
 @pytest.mark.parametrize("spec", CUTS)
 def test_a_floor_to_the_horizon_stays_whole(gpu, spec):
-    """Its last rows are much steeper than any limit; that they go on straight is what keeps them together."""
+    """Its last rows are much steeper than any limit.
+
+    That they go on straight is what keeps them together.
+    """
     scene = Scene(gpu, floor(), Pose((0.15, 0.3, 0)))
     out = scene.warp(spec)
     if "cut" not in spec:
@@ -154,13 +167,17 @@ def test_pixels_without_depth_belong_to_no_triangle(gpu, spec):
     assert np.array_equal(same[..., 3] == 0, ~(np.isfinite(depth) & (depth >= 0)))
     moved = Scene(gpu, depth, Pose((0.02, 0.01, 0))).warp(spec)
     assert np.isfinite(moved).all()
-    # One pixel is gone, half a pixel around its centre, so wherever it lands one or none, or where pixels meet up to four.
+    # One pixel is gone, half a pixel around its centre, so wherever it lands one or none, or where
+    # pixels meet up to four.
     assert rows.size / 2 <= (moved[2:-2, 2:-2, 3] == 0).sum() <= 2 * rows.size
 
 
 @pytest.mark.parametrize("spec", CUTS)
 def test_of_two_surfaces_at_one_depth_the_one_drawn_first_stays(gpu, spec):
-    """Three pixels in one: whichever wins, it is the same one each time, and the twin's order says which."""
+    """Three pixels in one.
+
+    Whichever wins, it is the same one each time, and the twin's order says which.
+    """
     scene = Scene(gpu, np.full((45, 60), 0.5), Pose(), shown_size=(20, 15))
     assert np.array_equal(scene.warp(spec), scene.warp(spec))
 
@@ -176,7 +193,10 @@ def test_depths_of_a_millimetre_and_of_a_thousand_kilometres(gpu, spec):
 
 
 def test_the_limit_is_a_plane_at_that_angle():
-    """A plane turned by 80 degrees about the vertical axis: inverse depth along the middle row, by its geometry."""
+    """A plane turned by 80 degrees about the vertical axis.
+
+    Inverse depth along the middle row, by its geometry.
+    """
     view, angle = View(Pose(), FOV), np.deg2rad(80)
     rays = view.rays((1001, 1))[0]
     normal = np.array([np.sin(angle), 0, np.cos(angle)])

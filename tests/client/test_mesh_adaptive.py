@@ -1,4 +1,8 @@
-"""The adaptive mesh: the picture of the full one within its tolerance, with a fraction of its cells, without cracks, the same each time."""
+"""The adaptive mesh.
+
+The picture of the full one within its tolerance, with a fraction of its cells, without cracks, the
+same each time.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,10 @@ FOV = Fov(*np.deg2rad([-45, 45, -40, 40]))
 
 
 class Drawn:
-    """What one warp made of a depth picture: its picture, and how many cells and pieces of cut cells it drew."""
+    """What one warp made of a depth picture.
+
+    Its picture, and how many cells and pieces of cut cells it drew.
+    """
 
     def __init__(self, gpu, spec: str, inverse_depth: np.ndarray, pose: Pose) -> None:
         high, wide = inverse_depth.shape
@@ -54,13 +61,14 @@ MOTIONS = [Pose((0.1, 0.02, -0.05)), Pose((-0.05, 0.1, 0.1), (0.02, -0.03, 0.01,
 @pytest.mark.parametrize("pose", MOTIONS, ids=range(3))
 @pytest.mark.parametrize("tolerance", [0.02, 0.05, 0.2])
 def test_places_are_those_of_the_full_mesh_within_the_tolerance(gpu, pose, tolerance):
-    """Red and green tell the late place, so that their difference is what merging moved it by."""
+    """Red and green hold the rendered place: their difference is what merging moved it by."""
     depth = room()
     fine, coarse = Drawn(gpu, "mesh", depth, pose), Drawn(gpu, f"mesh_adaptive:tolerance={tolerance}", depth, pose)
     both = (fine.picture[..., 3] == 1) & (coarse.picture[..., 3] == 1)
     moved = np.abs(fine.picture[..., :2] - coarse.picture[..., :2])[both] * SIZE
-    # The stored place is a half float: half a thousandth of 150 pixels. Late pixels per shown one are about 1 here, and at most 2;
-    # on the few slanted pixels along silhouettes another surface may win.
+    # The stored place is a half float: half a thousandth of 150 pixels. Rendered pixels per shown
+    # one are about 1 here, and at most 2; on the few slanted pixels along silhouettes another
+    # surface may win.
     assert np.quantile(moved.max(axis=1), 0.98) <= 2 * tolerance + 0.15
     assert (fine.picture[..., 3] != coarse.picture[..., 3]).mean() < 0.01
     assert coarse.cells < fine.cells / 4
@@ -76,7 +84,11 @@ def test_a_larger_tolerance_or_a_smaller_motion_takes_fewer_cells(gpu):
 
 @pytest.mark.parametrize("block", [1, 2, 4, 8, 16])
 def test_a_plane_is_as_few_cells_as_the_block_allows(gpu, block):
-    """129 x 113 cells: those along the border stay single, the 128 x 112 - 1 between them are blocks, but for ragged ends."""
+    """129 x 113 cells.
+
+    Those along the border stay single, the 128 x 112 - 1 between them are blocks, but for ragged
+    ends.
+    """
     depth = np.broadcast_to(np.linspace(0.2, 0.4, 130)[None, :], (114, 130))
     drawn = Drawn(gpu, f"mesh_adaptive:block={block}", depth, Pose((1e-3, 0, 0)))
     most = {1: 131 * 115, 2: 129 * 113, 4: 33 * 29, 8: 33 * 29, 16: 33 * 29}[block]
@@ -117,7 +129,8 @@ def test_cells_in_pieces_are_drawn_where_they_hold_a_centre_alone(gpu):
     pose = Pose((0.07, 0.03, 0.01))
     fine, coarse = Drawn(gpu, "mesh", depth, pose), Drawn(gpu, "mesh_adaptive", depth, pose)
     assert coarse.pieces < fine.pieces / 2
-    # Nothing is merged here: only sky-wide cells of one depth could be, and none is. So the pictures are the same but for ties.
+    # Nothing is merged here: only sky-wide cells of one depth could be, and none is. So the
+    # pictures are the same but for ties.
     assert (fine.picture != coarse.picture).any(axis=-1).mean() < 0.005
 
 

@@ -1,4 +1,7 @@
-"""Late pixels that move by themselves: against rays and moved squares in float64, and against what the server draws later."""
+"""Rendered pixels that move by themselves.
+
+Against rays and moved squares in float64, and against what the server draws later.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,14 @@ from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
+from hmdwarp.client.effect_passes.motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
 from hmdwarp.client.effects import Tools
-from hmdwarp.client.effects._motion import MOST_BODIES, REACH_M, RIGID, SOFT, STEEPEST_DEG, SWING_S, MotionPass
-from hmdwarp.client.warps._mesh import steepest
+from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, allocate
-from hmdwarp.scenes import Body, Mesh, Scene, SceneEffect, Texture
+from hmdwarp.scenes import Body, Mesh, Scene, Texture
 from hmdwarp.scenes.motions import Spinning, Thrown
 from hmdwarp.server import Server
 
@@ -33,7 +36,9 @@ def textured(gpu, array: np.ndarray, kind: tuple[int, str]):
 
 
 class MovingWorld:
-    """A late picture of still planes with holes, and before and behind them patches of bodies and of what deforms."""
+    """A rendered picture of still planes with holes, and before and behind them patches of bodies
+    and of what deforms.
+    """
 
     def __init__(self, seed: int, size: tuple[int, int] = (26, 19), bodies: int = 3) -> None:
         self.rng = rng = np.random.default_rng(seed)
@@ -55,7 +60,10 @@ class MovingWorld:
         self.states = tuple(self._state() for _ in range(bodies))
 
     def _patch(self, number: int, x: np.ndarray, y: np.ndarray) -> None:
-        """Of body `number`, or of what deforms for 0: a slanted plane, half of the time with a step in it."""
+        """Of body `number`, or of what deforms for 0.
+
+        A slanted plane, half of the time with a step in it.
+        """
         rng = self.rng
         inside = (abs(x - rng.uniform(0.2, 0.8)) < rng.uniform(0.08, 0.2)) & (
             abs(y - rng.uniform(0.15, 0.6)) < rng.uniform(0.08, 0.2)
@@ -212,7 +220,7 @@ def test_older_pictures_move_by_their_own_age(gpu):
     assert "ids" not in out.others[0]
 
 
-# --- what a user would notice -------------------------------------------------------------------------------------------------------
+# --- what a user would notice -------------------------------------------------------------------
 
 SIZE = (120, 100)
 EYE = View(Pose(), Fov(-0.7, 0.7, -0.6, 0.6))
@@ -298,12 +306,16 @@ def test_a_ghost_far_from_the_origin_of_the_world_moves_as_one_near_it(gpu):
     moved = RigidState(Pose(away + (0, 0, -2.0)), (0.5, 0, 0), (0, 0.3, 0))
     far = attrs.evolve(with_bodies(near, (moved,)), view=View(Pose(away), EYE.fov))
     one, other = (run(gpu, image, 350 * MS, RIGID)[1] for image in (near, far))
-    # Positions of 1e6 m hold 1e-10 m; a float32 map rounds the same numbers alike unless they lie on a border of rounding.
+    # Positions of 1e6 m hold 1e-10 m; a float32 map rounds the same numbers alike unless they lie
+    # on a border of rounding.
     assert np.abs(one - other).max() < 1e-5
 
 
 def test_soft_motion_is_limited_in_reach(gpu):
-    """20 m/s for an eighth of a swing is 5 m; the way is REACH_M. After half a swing nobody knows."""
+    """20 m/s for an eighth of a swing is 5 m.
+
+    The way is REACH_M. After half a swing nobody knows.
+    """
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
     velocity[read_ids(image) == 1] = (20.0, 0, 0, 1)
@@ -319,7 +331,10 @@ def test_soft_motion_is_limited_in_reach(gpu):
 
 
 def test_what_moves_another_way_at_the_same_depth_is_torn_off(gpu):
-    """The lower half goes to the right by 17 pixels, the upper half stays: nothing is stretched between them."""
+    """The lower half goes to the right by 17 pixels, the upper half stays.
+
+    Nothing is stretched between them.
+    """
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
     low = (read_ids(image) == 1) & (np.arange(SIZE[1])[:, None] < SIZE[1] / 2)
@@ -355,7 +370,10 @@ def checkered(body: int) -> Mesh:
     ids=["fan", "door", "thrown"],
 )
 def test_what_is_moved_is_what_the_server_draws_then(gpu, motion, least_db):
-    """Where both show the body: a checked square, resampled once. Without the pass less than 15 dB is left of it."""
+    """Where both show the body: a checked square, resampled once.
+
+    Without the pass less than 15 dB is left of it.
+    """
     y, x = np.mgrid[:96, :96] // 8 % 2
     image = np.where(((x + y) % 2)[..., None] == 1, (230, 200, 60), (40, 60, 160)).astype(np.uint8)
     scene = Scene("square", "", [checkered(1)], [Texture("checks", image)], bodies=[Body("square", motion)])
@@ -394,8 +412,8 @@ class Made:
 @pytest.mark.parametrize(
     ("declared", "layer", "other"),
     [
-        (SceneEffect.RIGID_MOTION, "rendered.ids", "rendered.velocity"),
-        (SceneEffect.SOFT_MOTION, "rendered.velocity", "rendered.ids"),
+        (("rigid_motion",), "rendered.ids", "rendered.velocity"),
+        (("soft_motion",), "rendered.velocity", "rendered.ids"),
     ],
     ids=["rigid", "soft"],
 )
@@ -421,7 +439,7 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, mo
 
 
 def test_older_frames_have_pictures_of_their_own_to_move_into(gpu):
-    plan = build_plan(SceneEffect.RIGID_MOTION, "multi", "none", "none", client_geometry=True)
+    plan = build_plan(("rigid_motion",), "multi", "none", "none", client_geometry=True)
     world = MovingWorld(14)
     image, others = world.image(gpu, {RIGID}, 200 * MS), plan.needs.others.count
     compensator = Compensator(gpu, plan, None, world.size, world.size)

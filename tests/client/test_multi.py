@@ -1,11 +1,14 @@
-"""Several late pictures: what one saw fills what another did not, the newest is never overruled by what it looked through."""
+"""Several rendered pictures.
+
+What one saw fills what another did not, the newest is never overruled by what it looked through.
+"""
 
 from __future__ import annotations
 
 import attrs
 import numpy as np
 import pytest
-from reference.picture import LatePicture
+from reference.picture import RenderedPicture
 from worlds import World, read
 
 from hmdwarp.client import PassInputs, parse_warp
@@ -76,7 +79,10 @@ def inner(picture: np.ndarray, margin: int = 14) -> np.ndarray:
 
 
 def test_what_the_other_eye_saw_fills_the_shadow_of_an_edge(gpu):
-    """The newest stands left of the square and hides the wall to its right; the other eye, right of it, saw that."""
+    """The newest stands left of the square and hides the wall to its right.
+
+    The other eye, right of it, saw that.
+    """
     newest, other = (drawn(gpu, BEFORE_A_WALL, at(x)) for x in (-0.1, 0.1))
     truth = inner(read(drawn(gpu, BEFORE_A_WALL, at(0)).colour))
     alone, both = (inner(put_together(gpu, newest, others, at(0))) for others in ((), (other,)))
@@ -105,7 +111,10 @@ def test_what_has_gone_is_not_painted_over_what_the_newest_sees(gpu):
 
 
 def test_what_the_newest_could_not_see_may_stand_before_what_it_saw(gpu):
-    """A small square hid a middle one from the newest eye; from the shown one the middle one is before the wall."""
+    """A small square hid a middle one from the newest eye.
+
+    From the shown one the middle one is before the wall.
+    """
     scene = scene_of(square(0.5, (0.0, 0), 0.12, 0.5), square(1.0, (0.0, 0), 0.12, 0.75), WALL)
     newest, past = drawn(gpu, scene, at(0)), drawn(gpu, scene, at(0.3))
     shown = at(0.3)
@@ -123,7 +132,10 @@ def test_of_equal_surfaces_the_newest_is_shown(gpu):
 
 
 def test_a_much_closer_look_is_preferred_to_the_newest(gpu):
-    """A past eye stood three times as near to the wall: it has nine pixels for each of the newest's."""
+    """A past eye stood three times as near to the wall.
+
+    It has nine pixels for each of the newest's.
+    """
     fine = scene_of(square(3, (0, 0), 20, 0.5))
     out = put_together(gpu, drawn(gpu, scene_of(WALL), at(0)), (drawn(gpu, fine, at(0, 0, -2)),), at(0, 0, -0.5))
     centre = out[SIZE[1] // 2 - 8 : SIZE[1] // 2 + 8, SIZE[0] // 2 - 8 : SIZE[0] // 2 + 8]
@@ -147,7 +159,9 @@ def test_without_others_it_is_the_newest_frame_alone_and_nothing_is_left_from_be
 
 @pytest.mark.parametrize("seed", range(4))
 def test_it_covers_what_forward_covers_and_more(gpu, seed):
-    """All but single pixels at edges, where a drawn pixel lands though the ray through the shown pixel's centre passes it by."""
+    """All but single pixels at edges, where a drawn pixel lands though the ray through the shown
+    pixel's centre passes it by.
+    """
     world = World(gpu, seed, (64, 48))
     forward, multi = world.warp(gpu, "forward")[..., 3], world.warp(gpu, "multi")[..., 3]
     assert multi.mean() > forward.mean()
@@ -173,7 +187,7 @@ def test_an_unmoved_eye_with_a_wider_view_is_given_more_around(gpu):
 def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     world = World(gpu, 30, (57, 43), (61, 40))
     needs = parse_warp(spec).entry.needs(parse_warp(spec).settings)
-    world.others = tuple(LatePicture(*world._picture(), world._beside()) for _ in range(needs.others.count))
+    world.others = tuple(RenderedPicture(*world._picture(), world._beside()) for _ in range(needs.others.count))
     if not world.others:
         world.bring = lambda gpu, entry: None
     got, wanted = world.warp(gpu, spec), world.reference(spec)

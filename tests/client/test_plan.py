@@ -41,7 +41,6 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.shaders import ShaderLibrary
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.scenes.effects import SceneEffect
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
 # chains; each lens; geometry or not.
@@ -66,7 +65,7 @@ POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or not _draws(w, f)]
 
 
 def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
-    return build_plan(SceneEffect.NONE, warp, fill, lens, client_geometry=geometry)
+    return build_plan((), warp, fill, lens, client_geometry=geometry)
 
 
 # --- what is in it --------------------------------------------------------------------------------
@@ -205,7 +204,7 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
 
 # --- what it costs --------------------------------------------------------------------------------
 
-LATE_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
+RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
 
 class Costs:
@@ -240,8 +239,8 @@ class Costs:
 
 
 def given_for(gpu, warp: str) -> PassInputs:
-    """All that this warp and any fill read, for LATE_SIZE and SHOWN_SIZE."""
-    world = World(gpu, 1, LATE_SIZE, SHOWN_SIZE, moved=False)
+    """All that this warp and any fill read, for RENDERED_SIZE and SHOWN_SIZE."""
+    world = World(gpu, 1, RENDERED_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
     return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered))
@@ -260,11 +259,11 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     """What the warp and the fills ask for by themselves, and the shown depth where a fill reads
     it."""
     costs = Costs(gpu, monkeypatch)
-    warp = warps.get(choice[0])(gpu, LATE_SIZE, SHOWN_SIZE)
+    warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
     chain = parse_fills(choice[1])
-    made = [warp, *(one.entry(gpu, LATE_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
+    made = [warp, *(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
     if any(SHOWN_DEPTH in one.entry.reads for one in chain):
-        made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), LATE_SIZE, SHOWN_SIZE))
+        made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
     for one in made:
         one.close()
     return costs
@@ -280,7 +279,7 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     own = alone(gpu, monkeypatch, choice, geometry)
     own_counts, own_paths = own.counts, own.paths()
     costs = Costs(gpu, monkeypatch)
-    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE, geometry)
+    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE, geometry)
     # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
     # warp, and one more after each fill that writes one, where anybody reads it; the client's depth
     # once.
@@ -315,9 +314,9 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
 def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
     costs = Costs(gpu, monkeypatch)
     plan = plan_of("forward", "interpolate", "radial", True)
-    first = Compensator(gpu, plan, load_headset("rift-dk1"), LATE_SIZE, SHOWN_SIZE)
+    first = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE)
     programs = costs.library.compiled
-    second = Compensator(gpu, plan, load_headset("rift-dk1"), SHOWN_SIZE, LATE_SIZE)
+    second = Compensator(gpu, plan, load_headset("rift-dk1"), SHOWN_SIZE, RENDERED_SIZE)
     assert costs.library.compiled == programs
     first.close()
     second.close()
@@ -326,7 +325,7 @@ def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
 def test_the_eyes_have_pictures_of_their_own(gpu):
     inputs = given_for(gpu, "forward")
     compensator = Compensator(
-        gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), LATE_SIZE, SHOWN_SIZE
+        gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), RENDERED_SIZE, SHOWN_SIZE
     )
     left = compensator.run(inputs)
     right = compensator.run(attrs.evolve(inputs, eye=1))
@@ -336,6 +335,6 @@ def test_the_eyes_have_pictures_of_their_own(gpu):
 
 
 def test_backward_run_without_a_depth_is_refused(gpu):
-    warp = warps.get("backward")(gpu, LATE_SIZE, SHOWN_SIZE)
+    warp = warps.get("backward")(gpu, RENDERED_SIZE, SHOWN_SIZE)
     with pytest.raises(PlanError, match="needs the client's own depth"):
         warp.run(given_for(gpu, "backward"), None)

@@ -14,43 +14,35 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.client import SHOWN, SHOWN_DEPTH, build_plan
-from hmdwarp.client.effects import LatePass, effects
+from hmdwarp.client.effects import RenderedPass, effects
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frames import EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov
-from hmdwarp.scenes.effects import EVERY_EFFECT, SceneEffect, asked_effects, effect_names
 
-SETS = [
-    reduce(or_, chosen, SceneEffect.NONE)
-    for count in range(8)
-    for chosen in itertools.combinations(EVERY_EFFECT, count)
-]
+EVERY_EFFECT = effects.ordered(effects.names())
+SETS = [chosen for count in range(8) for chosen in itertools.combinations(EVERY_EFFECT, count)]
 SIZES = EyeSizes((40, 30), (20, 10), (Fov.symmetric(1, 1),) * 2)
 
 
-def plan_of(declared: SceneEffect, warp: str = "forward", fill: str = "none", lens: str = "none", **more):
+def plan_of(declared: tuple[str, ...], warp: str = "forward", fill: str = "none", lens: str = "none", **more):
     return build_plan(declared, warp, fill, lens, client_geometry=True, **more)
 
 
-@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(effect_names(e)) or "none")
+@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
 def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(declared):
     plan = plan_of(declared, fill="interpolate", lens="radial")
     done = [effect.name for one in plan.effect_passes for effect in one.effects]
     left_out = dict(plan.left_out)
-    refining = [
-        e.name
-        for e in effects
-        if e.refines and e.name in effect_names(declared) and e.refines not in effect_names(declared)
-    ]
-    assert sorted(done) == sorted(set(effect_names(declared)) - set(refining))
+    refining = [e.name for e in effects if e.refines and e.name in declared and e.refines not in declared]
+    assert sorted(done) == sorted(set(declared) - set(refining))
     assert set(effects.names()) - set(done) <= set(left_out) and not set(done) & set(left_out)
     assert all(reason.strip() for reason in left_out.values())
-    assert effect_names(plan.effects) == sorted(done, key=effect_names(EVERY_EFFECT).index)
+    assert list(plan.effects) == sorted(done, key=EVERY_EFFECT.index)
 
     stages = [step.stage for step in plan.steps]
-    rendered = [one for one in plan.effect_passes if issubclass(one.made_by, LatePass)]
+    rendered = [one for one in plan.effect_passes if issubclass(one.made_by, RenderedPass)]
     assert stages[: len(rendered)] == ["effects"] * len(rendered) and stages[len(rendered)] == "warp"
     assert stages[-1] == "lens", "effects come before the lens"
     assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), (
@@ -65,7 +57,7 @@ def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(dec
         assert all(effect.name in step.reason and effect.summary in step.reason for effect in one.effects)
 
 
-@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(effect_names(e)) or "none")
+@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
 def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
     plan = plan_of(declared)
     needs = reduce(or_, (effect.needs for one in plan.effect_passes for effect in one.effects), Needs())
@@ -87,10 +79,10 @@ def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
 def test_fused_with_the_lens_nothing_is_composited(warp):
     plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True)
-    assert all(issubclass(one.made_by, LatePass) for one in plan.effect_passes)
+    assert all(issubclass(one.made_by, RenderedPass) for one in plan.effect_passes)
     assert not any(SHOWN in step.writes for step in plan.steps)
     for effect in effects:
-        if not issubclass(effect.made_by, LatePass):
+        if not issubclass(effect.made_by, RenderedPass):
             assert "nothing can be composited" in dict(plan.left_out)[effect.name]
 
 
@@ -102,10 +94,10 @@ def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
 
 
 def test_what_was_forced_or_forbidden_is_told_as_that():
-    left_out = dict(plan_of(SceneEffect.OVERLAY, forced=["overlay"], forbidden=["transparency"]).left_out)
+    left_out = dict(plan_of(("overlay",), forced=["overlay"], forbidden=["transparency"]).left_out)
     assert left_out["transparency"].startswith("the scene calls for it, but it was forbidden: a pane has the depth")
     assert left_out["rigid_motion"] == "nothing in the scene calls for it"
-    (step,) = [step for step in plan_of(SceneEffect.OVERLAY, forced=["overlay"]).steps if step.stage == "effects"]
+    (step,) = [step for step in plan_of(("overlay",), forced=["overlay"]).steps if step.stage == "effects"]
     assert step.reason.startswith("forced, though the scene has nothing of overlay")
 
 
@@ -114,23 +106,23 @@ def test_what_was_forced_or_forbidden_is_told_as_that():
 
 def test_auto_changes_nothing_and_none_forbids_everything():
     for declared in SETS:
-        assert asked_effects("auto", declared) == declared
-        assert asked_effects("", declared) == declared
-        assert asked_effects("none", declared) == SceneEffect.NONE
+        assert effects.selected("auto", declared) == declared
+        assert effects.selected("", declared) == declared
+        assert effects.selected("none", declared) == ()
 
 
 @given(st.sampled_from(SETS), st.sampled_from(SETS), st.sampled_from(SETS))
 def test_each_may_be_forced_or_forbidden(declared, forced, forbidden):
-    told = ", ".join([*effect_names(forced), *(f"no-{name}" for name in effect_names(forbidden))])
-    if forced & forbidden:
+    told = ", ".join([*forced, *(f"no-{name}" for name in forbidden)])
+    if {*forced} & {*forbidden}:
         with pytest.raises(InputError, match="both forced and forbidden"):
-            asked_effects(told, declared)
+            effects.selected(told, declared)
     else:
-        assert asked_effects(told, declared) == (declared | forced) & ~forbidden
+        assert effects.selected(told, declared) == effects.ordered({*declared, *forced} - {*forbidden})
 
 
 def test_an_unknown_effect_is_answered_with_the_nearest():
     with pytest.raises(UnknownNameError, match="did you mean 'transparency'"):
-        asked_effects("transparancy", SceneEffect.NONE)
+        effects.selected("transparancy", ())
     with pytest.raises(UnknownNameError, match="did you mean 'overlay'"):
-        asked_effects("no-overlai", SceneEffect.NONE)
+        effects.selected("no-overlai", ())

@@ -1,4 +1,7 @@
-"""The push-pull fill: its twin, whose colours and depths fill a hole, and numbers that are hard on half floats."""
+"""The push-pull fill.
+
+Its twin, whose colours and depths fill a hole, and numbers that are hard on half floats.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +37,11 @@ def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tolerance(holed: Holed) -> float:
-    """Colours and weights are stored as half floats on the way up and down each level, truncated: 2^-10 of the colour each time, and
-    a weight that is off by as much moves a mean by at most twice that of the colours' spread, which may be twice the largest."""
+    """Colours and weights are stored as half floats on the way up and down each level, truncated.
+
+    2^-10 of the colour each time, and a weight that is off by as much moves a mean by at most twice
+    that of the colours' spread, which may be twice the largest.
+    """
     levels = math.ceil(math.log2(max(holed.size))) + 1
     return 2 * levels * 3 * np.abs(holed.colour).max(initial=0) * 2.0**-10
 
@@ -63,7 +69,10 @@ def test_it_equals_its_twin(gpu, size, empty, unknown):
 
 
 def test_a_hole_between_near_and_far_takes_colour_and_depth_of_what_is_far(gpu):
-    """20 columns of hole, the red half of the picture at 1 m, the green one at 4 m: the share of red is that of x = 3.6 tolerances."""
+    """20 columns of hole, the red half of the picture at 1 m, the green one at 4 m.
+
+    The share of red is that of x = 3.6 tolerances.
+    """
     holed = Holed(gpu, 1, (96, 80), empty=0)
     holed.colour[:, :48], holed.inverse_depth[:, :48] = (1, 0, 0, 1), 1.0
     holed.colour[:, 48:], holed.inverse_depth[:, 48:] = (0, 1, 0, 1), 0.25
@@ -77,7 +86,10 @@ def test_a_hole_between_near_and_far_takes_colour_and_depth_of_what_is_far(gpu):
 
 
 def test_a_crack_in_what_is_near_stays_near(gpu):
-    """One pixel wide, beside a far surface a few pixels away: what shows through a crack is no hole's background."""
+    """One pixel wide, beside a far surface a few pixels away.
+
+    What shows through a crack is no hole's background.
+    """
     holed = Holed(gpu, 1, (64, 64), empty=0)
     holed.colour[:], holed.inverse_depth[:] = (1, 0, 0, 1), 1.0
     holed.colour[:, 40:], holed.inverse_depth[:, 40:] = (0, 1, 0, 1), 0.25
@@ -101,7 +113,10 @@ def test_what_a_moving_head_uncovers_is_filled_from_the_wall_and_the_border_too(
 
 
 def test_a_glimpse_of_the_sky_is_no_background_for_a_wide_hole_elsewhere(gpu):
-    """A wall at 4 m, half the picture a hole; far to the right a window, its sky full of cracks. No sky in the hole."""
+    """A wall at 4 m, half the picture a hole; far to the right a window, its sky full of cracks.
+
+    No sky in the hole.
+    """
     holed = Holed(gpu, 1, (512, 256), empty=0)
     holed.colour[:], holed.inverse_depth[:] = (0, 1, 0, 1), 0.25
     sky, lost, hole = np.s_[20:240, 360:500], np.s_[30:230, 370:490:3], np.s_[:, :256]

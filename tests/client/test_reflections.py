@@ -1,4 +1,7 @@
-"""Reflections after the warp: nothing lost where nothing moved, better than glued on where something did, and no black in mirrors."""
+"""Reflections after the warp.
+
+Nothing lost where nothing moved, better than glued on where something did, and no black in mirrors.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +12,15 @@ from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
+from hmdwarp.client.effect_passes import Closing
 from hmdwarp.client.effects import effects
-from hmdwarp.client.effects._closing import Closing
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.gpu.textures import COLOUR, allocate
-from hmdwarp.scenes.effects import SceneEffect
 from hmdwarp.server import Server
 
 SIZE = (160, 144)
-EVERY = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
+EVERY = ("planar_reflections", "glossy_reflections", "curved_reflections")
 NAMES = ("planar_reflections", "glossy_reflections", "curved_reflections")
 
 
@@ -30,10 +32,16 @@ def server(gpu):
 
 
 def shown(
-    gpu, server: Server, view, effects: SceneEffect = EVERY, warp: str = "iterative", fill: str = "none", **inputs
+    gpu,
+    server: Server,
+    view,
+    compensated: tuple[str, ...] = EVERY,
+    warp: str = "iterative",
+    fill: str = "none",
+    **inputs,
 ):
-    """(colour, coverage after the warp) of the late picture of VIEW in `view`."""
-    plan = build_plan(effects, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
+    """(colour, coverage after the warp) of the rendered picture of VIEW in `view`."""
+    plan = build_plan(compensated, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
     frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
     result = compensator.run(PassInputs(frame.eyes[0], view, **inputs))
@@ -61,8 +69,9 @@ def truth_of(server: Server, view) -> np.ndarray:
 def test_an_unmoved_view_is_the_whole_picture(gpu, server, warp):
     found, _ = shown(gpu, server, VIEW, warp=warp)
     truth = truth_of(server, VIEW)
-    # What mirrors show, the surface, its depth and the picture each pass through one more half float, and the sum is stored as one; a
-    # disturbed look that moves by the depth's share (2^-10 of a few pixels) meets a contrast of at most 1.
+    # What mirrors show, the surface, its depth and the picture each pass through one more half
+    # float, and the sum is stored as one; a disturbed look that moves by the depth's share (2^-10
+    # of a few pixels) meets a contrast of at most 1.
     apart = np.abs(found - truth).max(axis=-1)
     assert np.median(apart) == 0
     assert (apart <= 4 * HALF_UNIT * truth.max() + 0.01).mean() > 0.995
@@ -80,9 +89,9 @@ MOVES = [((0.12, 0.02, 0.0), 0.05), ((0.0, -0.1, 0.1), -0.1), ((-0.2, 0.05, 0.1)
 def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
     view = moved(by, turn)
     truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflection=Mirrored.PLANE))
-    glued, covered = shown(gpu, server, view, SceneEffect.NONE)
+    glued, covered = shown(gpu, server, view, ())
     where &= covered
-    even, _ = shown(gpu, server, view, EVERY & ~SceneEffect.GLOSSY_REFLECTIONS)
+    even, _ = shown(gpu, server, view, tuple(name for name in EVERY if name != "glossy_reflections"))
     found, _ = shown(gpu, server, view)
     assert error(found, truth, where) < 0.5 * error(glued, truth, where)
     assert error(found, truth, where) < error(even, truth, where)
@@ -92,7 +101,7 @@ def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
 def test_a_curved_mirror_is_never_worse_than_glued_on(gpu, server, by, turn):
     view = moved(by, turn)
     truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflection=Mirrored.CURVED))
-    glued, covered = shown(gpu, server, view, EVERY & ~SceneEffect.CURVED_REFLECTIONS)
+    glued, covered = shown(gpu, server, view, tuple(name for name in EVERY if name != "curved_reflections"))
     found, _ = shown(gpu, server, view)
     assert error(found, truth, where & covered) <= error(glued, truth, where & covered)
 
@@ -137,7 +146,7 @@ def test_each_effect_is_an_entry_of_the_one_pass(name):
     effect = effects.get(name)
     assert effect.made_by.name == "reflections"
     assert effect.needs["reflection"] in (Mirrored.PLANE, Mirrored.CURVED)
-    plan = build_plan(effect.flag, "iterative", "none", "none", client_geometry=False)
+    plan = build_plan((effect.name,), "iterative", "none", "none", client_geometry=False)
     passes = [step for step in plan.steps if step.stage == "effects"]
     assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
     assert ("rendered.reflection" in plan.layers) == bool(passes)

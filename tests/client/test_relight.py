@@ -1,4 +1,7 @@
-"""Fills that draw: the model fills holes with what the scene is; relight gives it the light of the picture."""
+"""Fills that draw: the model fills holes with what the scene is.
+
+Relight gives it the light of the picture.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ def picture_of(gpu, size) -> ShownPicture:
 
 
 class Shown:
-    """A scene seen from VIEW in another light than the one baked into it, with holes. scene: a name. tint: of the light."""
+    """A scene seen from VIEW in another light than the one baked into it, with holes.
+
+    scene: a name. tint: of the light.
+    """
 
     def __init__(self, gpu, scene: str, tint=(1.0, 1.0, 1.0), size=SIZE, holes=None, share=1.0) -> None:
         self.gpu, self.size, self.share = gpu, size, share
@@ -97,12 +103,16 @@ def test_a_model_without_depth_fills_the_same(gpu):
 
 def test_fewer_triangles_are_nearly_as_good(gpu):
     shown = Shown(gpu, "spheres")
-    # A tenth of the triangles moves silhouettes by less than a pixel here; black holes would be off by the picture's own brightness.
+    # A tenth of the triangles moves silhouettes by less than a pixel here; black holes would be off
+    # by the picture's own brightness.
     assert shown.error(shown.fill("model:share=0.1")[0]) < 0.3 * shown.error(shown.colour)
 
 
 def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
-    """A wall that the near plane cuts: where it touches the plane its depth is 0, which is where what is covered is put."""
+    """A wall that the near plane cuts.
+
+    Where it touches the plane its depth is 0, which is where what is covered is put.
+    """
     corners = np.array([(-1, -1, -0.5), (1, -1, -0.5), (1, 1, 0.5), (-1, 1, 0.5)]) + VIEW.pose.position_m
     wall = Mesh(
         "wall",
@@ -152,9 +162,10 @@ def test_relight_equals_its_twin(gpu, scene, size, light):
     wanted = relight(shown.asked(light))
     got = shown.fill(f"relight:light={light}")[0]
     off = np.abs(got - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
-    # Truncated once; 32 weights of a few float32 operations each, on normals from differences of float32 depths (at 2^-24 of the depth,
-    # over steps of 1e-3 of it and more: 1e-4). Which pixels of a block count, and on which side of an edge a slope is taken, is rounding's
-    # to say where two are as good as equal: a pixel in a hundred.
+    # Truncated once; 32 weights of a few float32 operations each, on normals from differences of
+    # float32 depths (at 2^-24 of the depth, over steps of 1e-3 of it and more: 1e-4). Which pixels
+    # of a block count, and on which side of an edge a slope is taken, is rounding's to say where
+    # two are as good as equal: a pixel in a hundred.
     assert (off <= STORED + 2e-3).mean() > 0.99
     assert np.array_equal(got[~shown.holes], shown.colour[~shown.holes])
 
@@ -162,19 +173,26 @@ def test_relight_equals_its_twin(gpu, scene, size, light):
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
 @pytest.mark.parametrize("light", ["none", "baked"])
 def test_holes_take_the_light_of_the_picture(gpu, scene, light):
-    """In light that is half as strong and warmer than what is baked, the model is off by that; relit it is off by a third of it at most."""
+    """In light that is half as strong and warmer than what is baked, the model is off by that.
+
+    Relit it is off by a third of it at most.
+    """
     y, x = np.mgrid[: SIZE[1], : SIZE[0]]
     shown = Shown(gpu, scene, (0.6, 0.5, 0.35), holes=((x // 10) % 2 == 0) & ((y // 10) % 2 == 0))
     assert shown.error(shown.fill(f"relight:light={light}")[0]) < 0.34 * shown.error(shown.fill("model")[0])
 
 
 def test_no_texture_is_copied(gpu):
-    """Light read off a checkered wall next to the hole is plain: what fills the hole is its own albedo times one colour."""
+    """Light read off a checkered wall next to the hole is plain.
+
+    What fills the hole is its own albedo times one colour.
+    """
     shown = Shown(gpu, "planes", (0.6, 0.5, 0.35))
     got, albedo = shown.fill("relight:light=none")[0], shown.of_model(lit=False)[0]
     wall = shown.holes & (np.abs(shown.depth - np.median(shown.depth[shown.holes])) < 1e-6)
     light = got[wall, :3] / albedo[wall, :3]
-    # Of the model's own light 3 % remain beside as much albedo; the rest is one light over all of it, dark fields and bright ones.
+    # Of the model's own light 3 % remain beside as much albedo; the rest is one light over all of
+    # it, dark fields and bright ones.
     assert light.std(axis=0).max() < 0.06 * light.mean()
 
 
@@ -190,7 +208,8 @@ def test_samples_are_the_same_every_time_and_within_reach():
     offsets = sample_offsets(500, 80)
     assert np.array_equal(offsets, sample_offsets(500, 80))
     assert np.hypot(*offsets.T).max() <= 81
-    # The radius is 80 times the square of evenly spread numbers, so its median is 20; and every quarter of the disc has a quarter of them.
+    # The radius is 80 times the square of evenly spread numbers, so its median is 20; and every
+    # quarter of the disc has a quarter of them.
     assert np.median(np.hypot(*offsets.T)) == pytest.approx(20, abs=1)
     x, y = offsets[(offsets != 0).all(axis=1)].T
     assert np.bincount((x > 0) + 2 * (y > 0)) / len(x) == pytest.approx([0.25] * 4, abs=0.02)

@@ -1,4 +1,7 @@
-"""Warps that follow the scan-out: every row has the view of its own instant, by the float64 twin's SLERP; before and behind the lens."""
+"""Warps that follow the scan-out.
+
+Every row has the view of its own instant, by the float64 twin's SLERP; before and behind the lens.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ SIZES = [(67, 53), (1, 1), (129, 2)]
 
 
 def later(view: View, degrees: float = 5.0, step_m: float = 0.02, seed: int = 1) -> View:
-    """The view at the end of scan-out: a turn and a step away. 5 degrees in 16.7 ms are 300 a second."""
+    """The view at the end of scan-out: a turn and a step away.
+
+    5 degrees in 16.7 ms are 300 a second.
+    """
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * math.radians(degrees))
@@ -74,7 +80,10 @@ def test_fused_every_row_of_the_panel_has(gpu, name, eye):
 
 @pytest.mark.parametrize("name", FOLLOWING)
 def test_a_head_that_rests_during_scan_out_sees_the_same_at_once(gpu, name):
-    """No parabola is left: the very bits of the warp without scan-out, or those of a float32 more."""
+    """No parabola is left.
+
+    The very bits of the warp without scan-out, or those of a float32 more.
+    """
     world = World(gpu, 3, (67, 53))
     at_once = world.warp(gpu, name)
     for last in (None, world.shown_view):
@@ -93,14 +102,18 @@ def test_holes_are_black_and_nothing_is_nan(gpu, name):
 
 
 def test_the_first_row_is_the_top_one(gpu):
-    """The display lights up from the top: there the picture is that of the first view, at the bottom that of the last."""
+    """The display lights up from the top.
+
+    There the picture is that of the first view, at the bottom that of the last.
+    """
     world = World(gpu, 5, (64, 301), moved=False)
     last = View(world.shown_view.pose @ Pose((0, 0, 0), (0, math.sin(0.025), 0, math.cos(0.025))), world.shown_view.fov)
     got = scanned(gpu, world, "rotation", last)
     first_at_once = world.warp(gpu, "rotation")
     world.shown_view = last
     last_at_once = world.warp(gpu, "rotation")
-    # A row is 1/602 of the scan-out away from the ends: 2.9 degrees / 602 are 0.004 pixels of this view, its noise changes by 1 a pixel.
+    # A row is 1/602 of the scan-out away from the ends: 2.9 degrees / 602 are 0.004 pixels of this
+    # view, its noise changes by 1 a pixel.
     assert np.median(np.abs(got[-1] - first_at_once[-1])) < 0.02 < np.median(np.abs(got[-1] - last_at_once[-1]))
     assert np.median(np.abs(got[0] - last_at_once[0])) < 0.02 < np.median(np.abs(got[0] - first_at_once[0]))
 
@@ -110,7 +123,9 @@ FOV = Fov(-0.8, 0.7, -0.6, 0.9)
 
 @given(QUATERNIONS, vectors(st.floats(-1, 1)), st.floats(0, 0.5), vectors(st.floats(-0.05, 0.05)), st.floats(0, 1))
 def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
-    """The map by the parabola through three instants against the map of the instant itself, as directions: float64 on both sides."""
+    """The map by the parabola through three instants against the map of the instant itself, as
+    directions: float64 on both sides.
+    """
     axis = np.array(axis) + (0, 0, 2)
     first = View(Pose((1, 2, 3), start), FOV)
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * angle)
@@ -126,7 +141,7 @@ def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
         square = 2 * (a + b - 2 * m)
         return a + t * (b - a - square) + t * t * square
 
-    to_direction = np.linalg.inv(FOV.pixel_from_tangent(size))  # pixels of the late view to directions, (x, y, 1)
+    to_direction = np.linalg.inv(FOV.pixel_from_tangent(size))  # pixels of the rendered view to directions, (x, y, 1)
     pixels = np.array([[0, 0, 1], [90, 0, 1], [0, 80, 1], [90, 80, 1], [45, 40, 1.0]])
     rays = np.linalg.norm(pixels @ to_direction.T, axis=-1)
     difference = (pixels @ (parabola(*(m.H for m in maps[:3])) - maps[3].H).T) @ to_direction.T
@@ -135,7 +150,9 @@ def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
 
 
 def test_the_bound_is_not_idle():
-    """At a third of the way it is nearly reached, for a direction at right angles to the axis of the turn."""
+    """At a third of the way it is nearly reached, for a direction at right angles to the axis of
+    the turn.
+    """
     first = View(Pose(), FOV)
     last = View(Pose((0, 0, 0), Rotation.from_rotvec((0, 0.2, 0)).as_quat()), FOV)
     t = 0.5 - 1 / math.sqrt(12)

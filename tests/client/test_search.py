@@ -1,4 +1,8 @@
-"""Search: the front one of several surfaces on a ray, holes where none was seen, and the same as brute force with every setting."""
+"""Search.
+
+The front one of several surfaces on a ray, holes where none was seen, and the same as brute force
+with every setting.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +33,10 @@ def test_every_setting_equals_brute_force(gpu, spec, seed):
 
 
 def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
-    """Segments of up to a hundred pixels past a comb of posts: blocks are skipped on all levels of the pyramid."""
+    """Segments of up to a hundred pixels past a comb of posts.
+
+    Blocks are skipped on all levels of the pyramid.
+    """
     rng = np.random.default_rng(9)
     depth = np.full((11, 301), 0.2)
     depth[:, 40:280:37] = 1.0
@@ -46,7 +53,10 @@ def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
 
 
 def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
-    """Seen from 0.4 m to the right at 30 pixels per tangent: 12 px of parallax at 1 m, 3 px at 4 m."""
+    """Seen from 0.4 m to the right at 30 pixels per tangent.
+
+    12 px of parallax at 1 m, 3 px at 4 m.
+    """
     colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
     got = warped(gpu, "search", colour, depth, Pose((0.4, 0, 0)))
     y, x = np.mgrid[:60, :60]
@@ -59,7 +69,10 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
 
 @pytest.mark.parametrize("width", [1, 2, 3])
 def test_the_thinnest_thing_in_front_is_found_whole_and_what_is_behind_it_too(gpu, width):
-    """A post before a wall, moved by 12 px: each of its columns once, the wall elsewhere, and a hole as wide as the post."""
+    """A post before a wall, moved by 12 px.
+
+    Each of its columns once, the wall elsewhere, and a hole as wide as the post.
+    """
     colour, depth = square_before_a_wall(np.s_[:, 30 : 30 + width])
     got = warped(gpu, "search", colour, depth, Pose((0.4, 0, 0)))
     assert np.array_equal(np.argwhere(got[7, :, 0] > 0.99)[:, 0], np.arange(18, 18 + width))
@@ -67,7 +80,9 @@ def test_the_thinnest_thing_in_front_is_found_whole_and_what_is_behind_it_too(gp
 
 
 def test_of_three_surfaces_on_one_ray_the_nearest_wins(gpu):
-    """Three posts at 1, 1.5 and 3 m that from 0.6 m to the right stand behind one another, at column 20."""
+    """Three posts at 1, 1.5 and 3 m that from 0.6 m to the right stand behind one another, at
+    column 20.
+    """
     colour, depth = square_before_a_wall(np.s_[:0, :0])
     for near, moved in ((1.0, 18), (2 / 3, 12), (1 / 3, 6)):
         depth[:, 20 + moved] = near
@@ -77,14 +92,17 @@ def test_of_three_surfaces_on_one_ray_the_nearest_wins(gpu):
 
 
 def test_a_slanted_plane_is_exact(gpu):
-    """Inverse depth 0.5 + 0.2 x at the tangent x, seen from 0.2 m to the right: x_shown = x - 0.2 (0.5 + 0.2 x) of the tangent."""
+    """Inverse depth 0.5 + 0.2 x at the tangent x, seen from 0.2 m to the right.
+
+    x_shown = x - 0.2 (0.5 + 0.2 x) of the tangent.
+    """
     x = (np.arange(60) + 0.5) / 30 - 1
     depth = np.tile(0.5 + 0.2 * x, (60, 1))
     colour = np.stack([np.tile(x + 1, (60, 1)), depth, np.zeros((60, 60)), np.ones((60, 60))], axis=-1)
     got = warped(gpu, "search", colour, depth, Pose((0.2, 0, 0)))
     from_x = (x + 0.1) / (1 - 0.04)
     assert (got[:, np.abs(from_x) < 1, 3] == 1).all()
-    inside = np.abs(from_x) < 1 - 1 / 60  # further out the late ramp ends half a pixel before the border
+    inside = np.abs(from_x) < 1 - 1 / 60  # further out the rendered ramp ends half a pixel before the border
     assert np.abs(got[..., 0] - (from_x + 1))[:, inside].max() <= 2 * (1 / 30 / 256 + 2.0**-10)
 
 
@@ -100,7 +118,10 @@ def test_no_depth_stays_a_hole_and_does_not_spread(gpu, bad):
 
 @pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
 def test_what_lies_behind_an_eye_is_not_mirrored(gpu, pose):
-    """Past a wall at 2 m, and turned round: the late picture shows nothing of what is before the eye."""
+    """Past a wall at 2 m, and turned round.
+
+    The rendered picture shows nothing of what is before the eye.
+    """
     assert (warped(gpu, "search", np.ones((21, 21, 4)), np.full((21, 21), 0.5), pose) == 0).all()
 
 

@@ -1,6 +1,6 @@
 """The inverse depth of the shown picture.
 
-Late depth seen from the shown eye, carried along by whichever warp is planned.
+Rendered depth seen from the shown eye, carried along by whichever warp is planned.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
     assert np.array_equal(got >= 0, colour[..., 3] > 0)
 
 
-def test_standing_still_it_is_the_late_depth(gpu):
+def test_standing_still_it_is_the_rendered_depth(gpu):
     world = World(gpu, 6, SIZE, moved=False)
     got = depth_of(gpu, world, "forward")
     # It passes through a half float, truncated.

@@ -32,7 +32,7 @@ def ramps(size: tuple[int, int]) -> np.ndarray:
 
 
 def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov=FOV) -> np.ndarray:
-    """(h, w, 4), bottom row first, seen from `shown`; the late eye is at the origin."""
+    """(h, w, 4), bottom row first, seen from `shown`; the rendered eye is at the origin."""
     depth = np.asarray(depth, np.float32)
     size = depth.shape[::-1]
     shown_size = shown_size or size
@@ -55,7 +55,9 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat", fov
 
 
 def places(size, depth_of_shown: np.ndarray, shown: Pose) -> np.ndarray:
-    """(h, w, 2) where in the late picture, 0 to 1, each shown pixel's point is, its inverse depth in the shown view given."""
+    """(h, w, 2) where in the rendered picture, 0 to 1, each shown pixel's point is, its inverse
+    depth in the shown view given.
+    """
     high, wide = depth_of_shown.shape
     y, x = np.mgrid[:high, :wide] + 0.5
     backward = WarpMap.between(View(shown, FOV), (wide, high), View(Pose(), FOV), size)
@@ -64,7 +66,10 @@ def places(size, depth_of_shown: np.ndarray, shown: Pose) -> np.ndarray:
 
 @pytest.mark.parametrize("closer", [1.3, 2.0, 3.7, 20.0])
 def test_a_plane_that_comes_closer_has_no_cracks_and_is_smooth(gpu, closer):
-    """From 2 m to 2 m / closer: the middle of the picture, magnified; each pixel where it belongs to a hundredth of a late one."""
+    """From 2 m to 2 m / closer: the middle of the picture, magnified.
+
+    Each pixel where it belongs to a hundredth of a rendered one.
+    """
     size, moved = (64, 48), 2 - 2 / closer
     shown = Pose((0.013, -0.007, -moved))
     out = splatted(gpu, np.full(size[::-1], 0.5), ramps(size), shown)
@@ -76,36 +81,45 @@ def test_a_plane_that_comes_closer_has_no_cracks_and_is_smooth(gpu, closer):
 
 @pytest.mark.parametrize("tilt", [0.3, 1.0, 3.0])
 def test_a_leaning_plane_stretches_without_cracks(gpu, tilt):
-    """r = 0.5 + tilt (x - 1/2): at 3 it passes from 2 1/m at one border through infinity; there is nothing beyond."""
+    """r = 0.5 + tilt (x - 1/2): at 3 it passes from 2 1/m at one border through infinity.
+
+    There is nothing beyond.
+    """
     size, shown = (64, 48), Pose((0.25, 0.02, 0))
     x, _ = centres(size)
     depth = 0.5 + tilt * (x - 0.5)
     depth[depth < 0] = -1
     out = splatted(gpu, depth, ramps(size), shown)
-    # The same plane from the shown eye: a point (x, r) moves to x - 0.125 r, so r' = 0.5 + tilt (x' + 0.125 r' - 0.5).
+    # The same plane from the shown eye: a point (x, r) moves to x - 0.125 r, so r' = 0.5 + tilt (x'
+    # + 0.125 r' - 0.5).
     r = (0.5 + tilt * (x - 0.5)) / (1 - 0.125 * tilt)
     wanted = places(size, r, shown)
     inside = ((wanted > 0.01) & (wanted < 0.99)).all(axis=-1) & (r > 0.02 * tilt)
     assert inside.mean() > 0.3
     assert (out[inside][:, 3] == 1).all()
     off = np.abs(out[..., :2] - wanted).max(axis=-1) * 64 - 64 * 2.0**-11
-    # Where neighbours differ by more than the tolerance the closest one alone is taken: half a pixel, and what overlap adds.
+    # Where neighbours differ by more than the tolerance the closest one alone is taken: half a
+    # pixel, and what overlap adds.
     gentle = inside & (tilt / 64 < 0.03 * (0.5 + tilt * (wanted[..., 0] - 0.5 - 1 / 64)))
     assert (off[gentle] < 0.02).all()
     assert (off[inside] < 0.6).all()
 
 
 def test_a_sphere_that_comes_closer_has_no_cracks(gpu):
-    """1 m across, from 2 m to 1.2 m: a curved surface, whose patches do not quite meet; overlap covers for that."""
+    """1 m across, from 2 m to 1.2 m: a curved surface, whose patches do not quite meet.
+
+    Overlap covers for that.
+    """
     size = (96, 96)
     x, y = (2 * value - 1 for value in centres(size))
-    # |(x, y, 1) / r - (0, 0, 2)| = 0.5: (x^2 + y^2 + 1) - 4 r + 3.75 r^2 = 0, the larger root is nearer.
+    # |(x, y, 1) / r - (0, 0, 2)| = 0.5: (x^2 + y^2 + 1) - 4 r + 3.75 r^2 = 0, the larger root is
+    # nearer.
     root = 16 - 15 * (x**2 + y**2 + 1)
     depth = np.where(root >= 0, (4 + np.sqrt(np.maximum(root, 0))) / 7.5, -1)
     out = splatted(gpu, depth, ramps(size) * (depth >= 0)[..., None], Pose((0, 0, -0.8)))
     covered = out[..., 3] == 1
     inside = np.hypot(x, y) < 0.9 * 0.5 / np.sqrt(1.2**2 - 0.5**2)
-    # Near the rim the late picture saw too little; the rest is whole.
+    # Near the rim the rendered picture saw too little; the rest is whole.
     seen = np.hypot(x, y) < 0.38
     assert covered[seen & inside].all()
     assert not covered[np.hypot(x, y) > 0.5].any()
@@ -113,20 +127,24 @@ def test_a_sphere_that_comes_closer_has_no_cracks(gpu):
 
 @pytest.mark.parametrize("closer", [1.0, 2.0, 4.0])
 def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
-    """A white square at 1 m before a black wall at 5 m, the eye at its side and closer: not a trace of black inside, or white outside."""
+    """A white square at 1 m before a black wall at 5 m, the eye at its side and closer.
+
+    Not a trace of black inside, or white outside.
+    """
     size, shown = (90, 90), Pose((0.06, 0.031, -(1 - 1 / closer)))
     x, y = (2 * value - 1 for value in centres(size))
     near = (abs(x) < 0.2) & (abs(y) < 0.2)
     colour = np.repeat(near[..., None], 4, axis=-1).astype(float)
     colour[..., 3] = 1
     out = splatted(gpu, np.where(near, 1.0, 0.2), colour, shown)
-    # The square's border in the late picture runs between pixels, at 0.2; from the shown eye at 1 / closer metres:
+    # The square's border in the rendered picture runs between pixels, at 0.2; from the shown eye at
+    # 1 / closer metres:
     off_x, off_y = (abs(value + closer * step) / closer for value, step in ((x, 0.06), (y, 0.031)))
     away = np.maximum(off_x, off_y) - 0.2
     half_pixel = 0.5 * 2 / 90
     whole = (out[..., 0] == 1) & (out[..., 3] == 1)
     assert whole[away < 0].all(), "background, or a mixture, inside"
-    # Fattened by half a shown pixel at most, overlap (a twentieth of a late one) included.
+    # Fattened by half a shown pixel at most, overlap (a twentieth of a rendered one) included.
     assert (out[..., 0] == 0)[away * closer > max(half_pixel, closer * 0.05 * 2 * half_pixel * 1.01)].all(), (
         "foreground outside"
     )
@@ -137,7 +155,10 @@ def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
 
 @pytest.mark.parametrize("shift", [0.25, 0.5, 0.9])
 def test_between_pixels_colours_are_weighted_by_area(gpu, shift):
-    """The wall moves by a part of a pixel: each shown pixel covers `shift` of one drawn pixel and the rest of the next."""
+    """The wall moves by a part of a pixel.
+
+    Each shown pixel covers `shift` of one drawn pixel and the rest of the next.
+    """
     noise = np.concatenate([np.random.default_rng(1).uniform(-1, 1, (8, 32, 3)), np.ones((8, 32, 1))], axis=-1).astype(
         np.float16
     )
@@ -147,7 +168,10 @@ def test_between_pixels_colours_are_weighted_by_area(gpu, shift):
 
 
 def test_light_of_any_size_and_sign_is_averaged(gpu):
-    """1e4, 1e-3 and -5 side by side: each mean is as exact as a half float can hold, none spoils its neighbours'."""
+    """1e4, 1e-3 and -5 side by side.
+
+    Each mean is as exact as a half float can hold, none spoils its neighbours'.
+    """
     light = np.random.default_rng(2).choice([1e4, 1e-3, -5.0, 6e4, 0.0], (8, 32, 3))
     colour = np.concatenate([light, np.ones((8, 32, 1))], axis=-1).astype(np.float16).astype(float)
     out = splatted(gpu, np.full((8, 32), 1.0), colour, Pose((0.25 / 16, 0, 0)))
@@ -182,7 +206,10 @@ def test_holes_do_not_spread_and_are_not_closed(gpu):
 
 @pytest.mark.parametrize("reach", [1, 4, 16])
 def test_one_pixel_covers_no_more_than_its_reach(gpu, reach):
-    """A single drawn pixel before an eye that sees it 60 pixels wide: 2 reach of them, and no more work than that."""
+    """A single drawn pixel before an eye that sees it 60 pixels wide.
+
+    2 reach of them, and no more work than that.
+    """
     out = splatted(gpu, np.full((1, 1), 0.5), np.ones((1, 1, 4)), Pose((0, 0, -1e-3)), (60, 60), f"splat:reach={reach}")
     assert (out[..., 3] == 1).sum() == (2 * reach) ** 2
     assert (out[30 - reach : 30 + reach, 30 - reach : 30 + reach, 3] == 1).all()
@@ -194,7 +221,10 @@ def test_twenty_times_magnified_is_within_reach(gpu):
 
 
 def test_an_eye_within_a_surface_takes_bounded_work(gpu):
-    """Everything at a millimetre, every footprint as large as it may be: slow would be noticed here, wrong would be caught."""
+    """Everything at a millimetre, every footprint as large as it may be.
+
+    Slow would be noticed here, wrong would be caught.
+    """
     depth = np.random.default_rng(0).uniform(900, 1100, (64, 64))
     out = splatted(gpu, depth, np.ones((64, 64, 4)), Pose((1e-4, 0, -5e-4)))
     assert np.isfinite(out).all()
@@ -211,7 +241,10 @@ def test_settings_out_of_range_are_refused(setting):
 
 @pytest.mark.parametrize("trace", ["look-around", "walk"])
 def test_it_is_better_than_points_with_interpolation(gpu, trace):
-    """The thesis's pipeline, forward and its 3x3 filter, against splat and nothing: in `room`, 200 ms late, where both have colours."""
+    """The thesis's pipeline, forward and its 3x3 filter, against splat and nothing.
+
+    In `room`, 200 ms late, where both have colours.
+    """
     size, fov = (240, 200), Fov(-0.8, 0.8, -0.7, 0.7)
     track = load_trace(trace).track
     now = track.start_ns + 3_000_000_000
@@ -239,7 +272,8 @@ def test_it_is_better_than_points_with_interpolation(gpu, trace):
         for name, p in pictures.items()
     }
     assert both.mean() > 0.5
-    # Measured 0.87 and 0.80 at this small size, where edges and thin things, on which they hardly differ, are much of the picture.
+    # Measured 0.87 and 0.80 at this small size, where edges and thin things, on which they hardly
+    # differ, are much of the picture.
     assert error["splat"] < 0.9 * error["forward"], error
     missing = {name: (p[..., 3] == 0).mean() for name, p in pictures.items()}
     assert missing["splat"] < missing["forward"] + 0.02, "without any fill about as much is covered"

@@ -1,4 +1,7 @@
-"""The directed fill: its twin, that foreground is never smeared, and what it leaves to the next one."""
+"""The directed fill.
+
+Its twin, that foreground is never smeared, and what it leaves to the next one.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,8 @@ from hmdwarp.geometry import Pose, View
 from .filled import filled
 from .rendered_pictures import square_before_a_wall
 
-# Two colours are stored truncated to half floats, 2^-10 each, of colours below 2; the means in between are float32.
+# Two colours are stored truncated to half floats, 2^-10 each, of colours below 2; the means in
+# between are float32.
 TOLERANCE = 2 * 2 * 2.0**-10
 
 
@@ -47,7 +51,10 @@ def test_it_equals_its_twin(gpu, size, empty, depthless):
 
 @pytest.mark.parametrize("step", [(0.4, 0, 0), (-0.4, 0, 0), (0, 0.4, 0), (0.3, -0.3, 0), (0.25, 0.1, 0.3)], ids=str)
 def test_foreground_is_never_smeared(gpu, step):
-    """Red is the late inverse depth: 1 of the square, 0.25 of the wall. Of the square there is not a trace in what was hidden."""
+    """Red is the rendered inverse depth: 1 of the square, 0.25 of the wall.
+
+    Of the square there is not a trace in what was hidden.
+    """
     colour, depth = square_before_a_wall(np.s_[22:38, 22:38])
     before, after = filled(gpu, "search", "stretch", colour, depth, Pose(step))
     guessed = (before[..., 3] == 0) & (after[..., 3] == 1)
@@ -67,7 +74,7 @@ def test_the_guess_is_what_lies_on_the_line_that_things_moved_on(gpu):
     assert np.abs(after[y, x, 2] - y / 60).max() <= 1 / 60
 
 
-def test_what_the_late_picture_did_not_look_at_stays_empty(gpu):
+def test_what_the_rendered_picture_did_not_look_at_stays_empty(gpu):
     colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
     before, after = filled(gpu, "search", "stretch", colour, depth, Pose((0.4, 0, 0)))
     assert (before[:, 57:, 3] == 0).all()
@@ -88,7 +95,10 @@ def test_a_head_that_only_turned_hid_nothing(gpu):
 
 
 def test_between_two_ends_of_one_surface_it_goes_from_one_to_the_other(gpu):
-    """A crack in a wall, the head moved sideways; at its middle the mean of both sides, to the left more of the left one."""
+    """A crack in a wall, the head moved sideways.
+
+    At its middle the mean of both sides, to the left more of the left one.
+    """
     holed = Holed(gpu, 1, (60, 20), empty=0)
     rendered = holed.inputs.rendered.view
     beside = Pose(rendered.pose.position_m + rendered.pose.rotation.apply([0.3, 0, 0]), rendered.pose.orientation_xyzw)

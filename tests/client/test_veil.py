@@ -1,4 +1,7 @@
-"""The veil and the overlay on the client: against their float64 twins, behind what hides them, and not at all where there is none."""
+"""The veil and the overlay on the client.
+
+Against their float64 twins, behind what hides them, and not at all where there is none.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,9 @@ UNKNOWN = -1.0
 
 
 class Veiled:
-    """A random world as the veil, random shares that pass it, and a random shown picture with holes to lay it over."""
+    """A random world as the veil, random shares that pass it, and a random shown picture with holes
+    to lay it over.
+    """
 
     def __init__(self, gpu, seed: int, sizes: tuple, *, moved: bool = True) -> None:
         self.world = world = World(gpu, seed, *sizes, moved=moved)
@@ -169,8 +174,9 @@ def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs
 
     found, whole = shown(gpu, scene, needs, run)
     error = np.abs(found - whole).max(axis=-1)
-    # Six sheets at most on a ray, each rounded once to a half float of a light of 1 or less, both ways: 12 units. A pane that ends in its
-    # frame is within NEARER of it: there, along one row of pixels or two, either may be in front.
+    # Six sheets at most on a ray, each rounded once to a half float of a light of 1 or less, both
+    # ways: 12 units. A pane that ends in its frame is within NEARER of it: there, along one row of
+    # pixels or two, either may be in front.
     assert (error <= 12 * HALF_UNIT).mean() > 0.985
     assert np.median(error) <= HALF_UNIT
 
@@ -181,5 +187,5 @@ def test_each_says_what_is_seen_without_it():
 
 
 def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):
-    with pytest.raises(InputError, match="late picture of"):
+    with pytest.raises(InputError, match="rendered picture of"):
         TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), None)

@@ -1,4 +1,7 @@
-"""The second, wide and coarse view: how large it is, what the server draws, and what the fill makes of it."""
+"""The second, wide and coarse view.
+
+How large it is, what the server draws, and what the fill makes of it.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +22,8 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.pipeline.sizes import eye_sizes
+from hmdwarp.run import RunOptions
 from hmdwarp.server import Server
 
 SIZE = (120, 96)
@@ -76,8 +79,11 @@ def test_its_bytes_count():
     assert "rendered.wide" not in frame_bytes(Needs(), sizes)
 
 
-def test_a_turn_past_the_late_picture_is_filled_with_real_scenery(gpu):
-    """45 degrees to the side the late picture has ended; a wall with a square on it stands there."""
+def test_a_turn_past_the_rendered_picture_is_filled_with_real_scenery(gpu):
+    """45 degrees to the side the rendered picture has ended.
+
+    A wall with a square on it stands there.
+    """
     scene = scene_of(square(2.9, (-3.5, 0), 0.6, 0.5), WALL)
     server = Server(gpu, scene)
     frame = server.draw_frame([turned(0)], 0, SIZE, 1.0, Needs(wide=True))

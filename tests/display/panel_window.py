@@ -1,8 +1,11 @@
-"""A window with nothing in it but the panel, for tests that lead it with a real mouse and keyboard: python -m display.panel_window.
+"""A window with nothing in it but the panel, for tests that lead it with a real mouse and keyboard.
 
-Prints one JSON object a line: where the window is, what was asked for, what the window itself heard, whether the panel wanted the mouse.
-A line on its standard input: "end", "off", "on", "catch", "free" (the mouse), "close" (the panel alone), or "where" for the pixels that
-the latency slider's grab covers, counted from the top left.
+Python -m display.panel_window.
+
+Prints one JSON object a line: where the window is, what was asked for, what the window itself
+heard, whether the panel wanted the mouse. A line on its standard input: "end", "off", "on",
+"catch", "free" (the mouse), "close" (the panel alone), or "where" for the pixels that the latency
+slider's grab covers, counted from the top left.
 """
 
 from __future__ import annotations
@@ -16,8 +19,8 @@ import glfw
 import moderngl
 import numpy as np
 
-from hmdwarp.display.desktop.panel import make_panel
-from hmdwarp.display.status import Status
+from hmdwarp.display import Status
+from hmdwarp.display.desktop import make_control_panel
 
 SIZE = (640, 760)
 
@@ -72,7 +75,7 @@ def main() -> None:
     window = opened()
     gl = moderngl.create_context(require=430)
     heard = Heard(window)
-    heard.panel = panel = make_panel(window, gl)
+    heard.panel = panel = make_control_panel(window, gl)
     status = Status(
         values={"latency": 200.0, "warp": "forward", "guard": 1.0},
         choices={"warp": ("forward", "mesh")},
@@ -81,7 +84,7 @@ def main() -> None:
     inputs = selectors.DefaultSelector()
     inputs.register(sys.stdin, selectors.EVENT_READ)
     os.set_blocking(sys.stdin.fileno(), False)
-    tell(scale=panel._heard.scale)
+    tell(scale=panel._input.scale)
     while not glfw.window_should_close(window):
         glfw.poll_events()
         size = glfw.get_framebuffer_size(window)
@@ -103,7 +106,7 @@ def main() -> None:
             elif line == "close":
                 panel.close()
                 heard.panel = None
-            tell(done=line, grab=grab_of(gl.screen, size), column=panel._column)
+            tell(done=line, grab=grab_of(gl.screen, size), column=panel._layout.column)
     panel.close()
     glfw.terminate()
 

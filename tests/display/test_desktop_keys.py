@@ -6,8 +6,8 @@ import pytest
 
 glfw = pytest.importorskip("glfw", exc_type=ImportError)
 
-from hmdwarp.display.controls import CONTROLS, MOVING, control  # noqa: E402
-from hmdwarp.display.desktop.keys import FASTER, MOVES, Keys, direction, token  # noqa: E402
+from hmdwarp.display import CONTROLS, MOVING, control  # noqa: E402
+from hmdwarp.display.desktop import FASTER, MOVES, Keys, direction, token  # noqa: E402
 
 command_of, help_text = Keys(CONTROLS).command_of, Keys(CONTROLS).help_text
 

@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.desktop.layout import flat_size, viewports, window_size
-from hmdwarp.display.desktop.opening import variant
-from hmdwarp.display.desktop.views import shown
+from hmdwarp.display.desktop import flat_size, variant, viewports, window_size, window_view
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
@@ -24,12 +22,14 @@ def test_pictures_fill_the_window_as_far_as_their_aspect_lets_them(size, count, 
     assert len(places) == count
     x, y, w, h = places[0]
     assert all(place == (x + k * w, y, w, h) for k, place in enumerate(places))  # side by side, equally large, no gap
-    # In the middle within a pixel, and inside (a window narrower than its pictures has a pixel for each still).
+    # In the middle within a pixel, and inside (a window narrower than its pictures has a pixel for
+    # each still).
     right, above = size[0] - x - count * w, size[1] - y - h
     assert abs(right - x) <= 1 or size[0] < count
     assert 0 <= above - y <= 1
     assert abs(w - h * aspect) <= max(1, aspect) or min(w, h) == 1  # the aspect, within a pixel of either side
-    # One of both directions is full; a narrow picture's height goes by its width in whole pixels, of which each is worth 1 / aspect.
+    # One of both directions is full; a narrow picture's height goes by its width in whole pixels,
+    # of which each is worth 1 / aspect.
     assert right + x <= count or above + y <= 1 + 1 / aspect
 
 
@@ -65,10 +65,10 @@ def test_the_flat_view_has_the_pixels_of_800x600(aspect):
 @pytest.mark.parametrize("name", ["rift-dk1", "cardboard-v2", "flat-90"])
 def test_views_of_a_headset(name):
     headset = load_headset(name)
-    both, flat = shown("both", headset, None), shown("flat", headset, None)
+    both, flat = window_view("both", headset, None), window_view("flat", headset, None)
     assert both.eyes is headset and both.headset is headset and both.size == headset.eye_size_px
     assert both.aspect == pytest.approx(both.size[0] / both.size[1], rel=0.01)
-    assert both.whole[0] == pytest.approx(2 * both.size[0], rel=0.01)
+    assert both.total_size[0] == pytest.approx(2 * both.size[0], rel=0.01)
     head = Pose((1, 2, 3), (0, 0.6, 0, 0.8))
     (view,) = flat.eyes.views(head)
     assert view.pose is head and flat.headset is None
@@ -76,12 +76,12 @@ def test_views_of_a_headset(name):
     assert (left, down) == (pytest.approx(-right), pytest.approx(-up))
     assert right == pytest.approx(np.abs(headset.left_fov.tangents[:2]).max())
     assert flat.aspect == pytest.approx(right / up)
-    assert shown("flat", headset, (50, 40)).size == (50, 40)
+    assert window_view("flat", headset, (50, 40)).size == (50, 40)
 
 
 def test_another_view_is_refused():
     with pytest.raises(InputError, match="wanted both or flat"):
-        shown("left", load_headset("flat-90"), None)
+        window_view("left", load_headset("flat-90"), None)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,8 @@
-"""The panel without a window: its drawing against NumPy, what it leaves behind, its numbers, its widgets led by events of their own."""
+"""The panel without a window.
+
+Its drawing against NumPy, what it leaves behind, its numbers, its widgets led by events of their
+own.
+"""
 
 from __future__ import annotations
 
@@ -10,20 +14,19 @@ from itertools import count
 import numpy as np
 import pytest
 
-from hmdwarp.display import Command
-from hmdwarp.display.controls import CONTROLS, control
-from hmdwarp.display.desktop.panel import HOW_TO_GET_THE_PANEL, installed, make_panel
+from hmdwarp.display import CONTROLS, Command, control
+from hmdwarp.display.desktop import PANEL_REMEDY, installed, make_control_panel
 from hmdwarp.display.status import KEPT, Status
 
 if not installed():
-    pytest.skip(f"the panel's package is not installed: {HOW_TO_GET_THE_PANEL}", allow_module_level=True)
+    pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
 
 from imgui_bundle import imgui  # noqa: E402
 
-from hmdwarp.display.desktop import panel_controls, panel_plots  # noqa: E402
-from hmdwarp.display.desktop.panel_input import NoInput  # noqa: E402
-from hmdwarp.display.desktop.panel_renderer import CORNER, Batch, PanelRenderer  # noqa: E402
-from hmdwarp.display.desktop.panel_shown import CALM_HZ, Panel  # noqa: E402
+from hmdwarp.display.desktop.control_panel import plots, widgets  # noqa: E402
+from hmdwarp.display.desktop.control_panel.imgui_input import NoInput  # noqa: E402
+from hmdwarp.display.desktop.control_panel.panel import CALM_HZ, ControlPanel  # noqa: E402
+from hmdwarp.display.desktop.control_panel.renderer import CORNER, Batch, PanelRenderer  # noqa: E402
 
 SIZE = (400, 780)
 
@@ -71,7 +74,9 @@ def screen(gpu):
 
 
 class Hand(NoInput):
-    """A mouse led by the test, in pixels of the panel, with the events that a window would have sent."""
+    """A mouse led by the test, in pixels of the panel, with the events that a window would have
+    sent.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -100,7 +105,7 @@ def hand():
 
 @pytest.fixture
 def panel(gpu, screen, hand):
-    made = Panel(gpu.gl, hand, screen, count(1, 1 / 60).__next__)
+    made = ControlPanel(gpu.gl, hand, screen, count(1, 1 / 60).__next__)
     yield made
     made.close()
 
@@ -111,7 +116,7 @@ def pixels(framebuffer) -> np.ndarray:
     return np.frombuffer(framebuffer.read(components=4), np.uint8).reshape(h, w, 4) / 255.0
 
 
-def settle(panel: Panel, told: Status, refreshes: int = 4) -> list[Command]:
+def settle(panel: ControlPanel, told: Status, refreshes: int = 4) -> list[Command]:
     """Draw until widgets have sizes; everything asked for meanwhile."""
     commands = []
     for _ in range(refreshes):
@@ -120,14 +125,17 @@ def settle(panel: Panel, told: Status, refreshes: int = 4) -> list[Command]:
     return commands
 
 
-def place_of(panel: Panel, told: Status, name: str) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Corners of the widget of a control, as Dear ImGui has it: seen by asking after each one is drawn."""
+def place_of(panel: ControlPanel, told: Status, name: str) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Corners of the widget of a control, as Dear ImGui has it.
+
+    Seen by asking after each one is drawn.
+    """
     found = {}
-    drawn = {kind: getattr(panel_controls.Controls, f"_{kind}") for kind in ("choice", "number", "switch")}
+    drawn = dict(panel._widgets._by_kind)
 
     def looking(kind):
-        def draw(self, one, value, status):
-            wanted = drawn[kind](self, one, value, status)
+        def draw(one, value, status):
+            wanted = drawn[kind](one, value, status)
             low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
             found[one.name] = (low.x, low.y), (high.x, high.y)
             return wanted
@@ -136,12 +144,12 @@ def place_of(panel: Panel, told: Status, name: str) -> tuple[tuple[float, float]
 
     with pytest.MonkeyPatch.context() as patch:
         for kind in drawn:
-            patch.setattr(panel_controls.Controls, f"_{kind}", looking(kind))
+            patch.setitem(panel._widgets._by_kind, kind, looking(kind))
         settle(panel, told, 1)
     return found[name]
 
 
-# --- the drawing -----------------------------------------------------------------------------------------------------------
+# --- the drawing --------------------------------------------------------------------------------
 
 
 def inside(points: np.ndarray, triangle: np.ndarray) -> np.ndarray:
@@ -156,7 +164,10 @@ def inside(points: np.ndarray, triangle: np.ndarray) -> np.ndarray:
 
 
 def blended(size, corners, indices, batches, atlas) -> np.ndarray:
-    """(h, w, 4), row 0 at the top: every triangle over what is there, pixel by pixel in float64. Source: Porter and Duff 1984, over."""
+    """(h, w, 4), row 0 at the top: every triangle over what is there, pixel by pixel in float64.
+
+    Source: Porter and Duff 1984, over.
+    """
     w, h = size
     out = np.zeros((h, w, 4))
     xs, ys = np.meshgrid(np.arange(w) + 0.5, np.arange(h) + 0.5)
@@ -191,7 +202,8 @@ def test_triangles_lie_where_numpy_has_them(gpu):
     """Random tints, textures and overlaps, clipped, over an odd size."""
     rng = np.random.default_rng(7)
     size, corners = (37, 29), np.zeros(12, CORNER)
-    # Thirds of a pixel off the grid: no pixel's centre lies on an edge, where either triangle may have it.
+    # Thirds of a pixel off the grid: no pixel's centre lies on an edge, where either triangle may
+    # have it.
     corners["position_px"] = rng.integers(-4, 40, (12, 2)) + 1 / 3
     corners["ink_uv"] = rng.random((12, 2))
     corners["tint"] = rng.integers(0, 256, (12, 4))
@@ -206,8 +218,9 @@ def test_triangles_lie_where_numpy_has_them(gpu):
         renderer.picture.release()
         texture.release()
     wanted = blended(size, corners, indices, batches, atlas / 255.0)
-    # Four layers are each rounded to 1/255, and rgba8 texels come 1.5/255 off on llvmpipe: 4 * 2.5 steps. The edges themselves
-    # are snapped to 1/256 of a pixel, which a centre at 1/3 and more from the grid lines of integer corners may still meet.
+    # Four layers are each rounded to 1/255, and rgba8 texels come 1.5/255 off on llvmpipe: 4 * 2.5
+    # steps. The edges themselves are snapped to 1/256 of a pixel, which a centre at 1/3 and more
+    # from the grid lines of integer corners may still meet.
     off = np.abs(found - wanted).max(axis=2) * 255
     assert (off > 10).mean() < 0.005
     assert (wanted[..., 3] > 0).mean() > 0.3
@@ -226,17 +239,19 @@ def test_it_lies_over_the_picture_as_its_alpha_says(gpu, screen, panel):
     over[:, SIZE[0] - w :] = np.frombuffer(panel._renderer.picture.read(), np.uint8).reshape(h, w, 4) / 255.0
     wanted = over + (1 - over[..., 3:]) * before
     assert np.abs(found - wanted).max() <= 1.01 / 255  # one rounding
-    assert np.array_equal(found[: SIZE[1] - panel._height], before[: SIZE[1] - panel._height])
+    assert np.array_equal(found[: SIZE[1] - panel._layout.height], before[: SIZE[1] - panel._layout.height])
     assert np.array_equal(found[:, : SIZE[0] - w], before[:, : SIZE[0] - w])
-    assert w == 330 and 400 < panel._height < SIZE[1]
+    assert w == 330 and 400 < panel._layout.height < SIZE[1]
 
 
 def test_the_next_pass_does_not_notice_it(gpu, panel):
-    """Pictures of a scene with blending, culling and depth are the same bits with a panel drawn between any two refreshes."""
+    """Pictures of a scene with blending, culling and depth are the same bits with a panel drawn
+    between any two refreshes.
+    """
     from hmdwarp.client.plan import needs_of
     from hmdwarp.geometry import Fov, Pose, View
     from hmdwarp.gpu.textures import download
-    from hmdwarp.pipeline.build import Timing, build_pipeline
+    from hmdwarp.pipeline.build import Target, build_pipeline
     from hmdwarp.pipeline.loop import PoseRequest
     from hmdwarp.pipeline.options import PipelineOptions
     from hmdwarp.pipeline.planning import plans_for
@@ -263,7 +278,7 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
 
     def shown(between) -> list[np.ndarray]:
         out = []
-        with build_pipeline(gpu, options, scene, OneEye(), plans, requested, Timing(100.0, 20_000_000)) as made:
+        with build_pipeline(options, scene, Target(gpu, OneEye(), 100.0, 20_000_000), plans, requested) as made:
             for k in range(4):
                 made.loop.draw(k * 10_000_000)
                 between()
@@ -292,7 +307,8 @@ def test_nothing_is_made_anew_after_the_first_refreshes(gpu, panel):
     )
     settle(panel, status(missed=1234567890, notice="0123456789"), 40)
     assert things == (
-        renderer.picture.glo, renderer._array.glo, renderer._corners.buffer.glo, renderer._indices.buffer.glo, *renderer._atlases,
+        renderer.picture.glo, renderer._array.glo, renderer._corners.buffer.glo, renderer._indices.buffer.glo,
+        *renderer._atlases,
     )  # fmt: skip
 
 
@@ -311,11 +327,11 @@ def test_buffers_grow_with_what_is_drawn(gpu):
         renderer.picture.release()
 
 
-# --- when it is drawn ------------------------------------------------------------------------------------------------------
+# --- when it is drawn ---------------------------------------------------------------------------
 
 
 def test_untouched_it_is_drawn_fifteen_times_a_second_and_seen_at_every_refresh(gpu, screen, hand):
-    panel = Panel(gpu.gl, hand, screen, count(10, 1 / 90).__next__)
+    panel = ControlPanel(gpu.gl, hand, screen, count(10, 1 / 90).__next__)
     painted = []
     paint = panel._renderer.paint
     panel._renderer.paint = lambda *a: (painted.append(1), paint(*a))[1]
@@ -325,7 +341,7 @@ def test_untouched_it_is_drawn_fifteen_times_a_second_and_seen_at_every_refresh(
     for _ in range(90):
         screen.clear(1, 1, 1, 1)
         panel.draw(status(), SIZE)
-        assert pixels(screen)[-20, -20, 0] < 0.5  # the plate over white
+        assert pixels(screen)[-20, -20, 0] < 0.5  # its background over white
     assert len(painted) == pytest.approx(CALM_HZ, abs=2)
     painted.clear()
     for k in range(20):
@@ -355,7 +371,7 @@ def test_turned_off_it_draws_and_hears_nothing(panel, screen, hand):
 @pytest.mark.parametrize("size", [(1, 1), (200, 90), (0, 300), (2000, 40), (500, 900)])
 @pytest.mark.parametrize("scale", [1.0, 2.5])
 def test_any_window_will_do(gpu, screen, size, scale):
-    panel = make_panel(None, gpu.gl, into=screen, scale=scale)
+    panel = make_control_panel(None, gpu.gl, into=screen, scale=scale)
     for _ in range(3):
         assert panel.draw(status(), size) == []
     if min(size):
@@ -374,19 +390,19 @@ def test_a_run_that_has_not_begun_has_a_panel_too(panel):
     settle(panel, infinite)
 
 
-# --- what is asked for by it -----------------------------------------------------------------------------------------------
+# --- what is asked for by it --------------------------------------------------------------------
 
 
 def test_every_control_is_there_with_its_key(panel):
     """Those of the run as rows, the display's own as buttons; moving is the window's."""
     for one in CONTROLS:
-        assert one.of_display == (one.name in panel_controls.ACTIONS)
+        assert one.of_display == (one.name in widgets.ACTIONS)
         if not one.of_display:
             place_of(panel, status(), one.name)
-            assert callable(getattr(panel_controls.Controls, f"_{one.kind}"))
-        assert panel_controls.keys_of(one, str)
-    assert panel_controls.keys_of(control("latency"), str) == "[ ]"
-    assert panel_controls.keys_of(control("quit"), str) == "Esc"
+            assert one.kind in widgets.Widgets(str)._by_kind
+        assert widgets.keys_of(one, str)
+    assert widgets.keys_of(control("latency"), str) == "[ ]"
+    assert widgets.keys_of(control("quit"), str) == "Esc"
 
 
 def test_a_slider_of_latency_follows_the_hand(panel, hand):
@@ -432,7 +448,10 @@ def test_a_slider_of_the_guard_waits_for_the_hand_to_let_go(panel, hand):
 
 
 def test_a_number_can_be_typed(panel, hand):
-    """Ctrl and click: any number, to the digit; then Enter. Meanwhile the window's keys are silent."""
+    """Ctrl and click: any number, to the digit; then Enter.
+
+    Meanwhile the window's keys are silent.
+    """
     told = status()
     settle(panel, told)
     (left, top), (right, bottom) = place_of(panel, told, "latency")
@@ -454,7 +473,7 @@ def test_a_number_can_be_typed(panel, hand):
     assert not panel.wants_keys
 
 
-def click(panel: Panel, hand: Hand, told: Status, x: float, y: float) -> list[Command]:
+def click(panel: ControlPanel, hand: Hand, told: Status, x: float, y: float) -> list[Command]:
     hand.move(x, y)
     asked = settle(panel, told, 2)
     hand.press(True)
@@ -493,50 +512,52 @@ def test_switches_say_what_they_switch_to(panel, hand):
 
 
 def test_a_refused_value_is_shown_as_it_is_again(panel, hand):
-    """What was asked for is shown at once, and for half a second only if the run does not take it."""
+    """A request is shown at once, and for half a second only if the run does not take it."""
     told = status()
     settle(panel, told)
     x, y = middle(place_of(panel, told, "view"))
     assert click(panel, hand, told, x, y) == [Command("view", "flat")]
-    assert panel._controls._asked["view"].value == "flat"
+    assert panel._widgets._requested["view"].value == "flat"
     settle(panel, told, 40)
-    assert not panel._controls._asked
+    assert not panel._widgets._requested
     assert click(panel, hand, told, x, y) == [Command("view", "flat")]
 
 
 def test_buttons_ask_for_what_the_display_does(panel, hand):
     told = status()
     settle(panel, told)
-    asked = [click(panel, hand, told, x, panel._height - 10 - 24 * row - 10) for row in (2, 1, 0) for x in (80, 240)]
-    assert asked == [[Command(name)] for name in panel_controls.ACTIONS]
+    asked = [
+        click(panel, hand, told, x, panel._layout.height - 10 - 24 * row - 10) for row in (2, 1, 0) for x in (80, 240)
+    ]
+    assert asked == [[Command(name)] for name in widgets.ACTIONS]
 
 
-# --- numbers ---------------------------------------------------------------------------------------------------------------
+# --- numbers ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("most", [1e-6, 0.07, 1.0, 1.01, 9.99, 16.7, 33.4, 99.9, 100.0, 101.0, 2512.0])
 def test_an_axis_ends_at_a_round_number_a_little_above(most):
-    assert most * (1 - 1e-6) <= panel_plots.ceiling(most) <= 1.5 * most + 1e-9
+    assert most * (1 - 1e-6) <= plots.ceiling(most) <= 1.5 * most + 1e-9
 
 
 @pytest.mark.parametrize("most", [0.0, -1.0, math.nan, math.inf])
 def test_an_axis_has_an_end(most):
-    assert panel_plots.ceiling(most) == 1.0
+    assert plots.ceiling(most) == 1.0
 
 
 def test_numbers_are_read_as_they_are_meant():
-    plots = {plot.name: plot for plot in panel_plots.plots_of(status())}
-    passes, holes = plots["all passes"], plots["holes before the fill"]
-    assert panel_plots.said(4.26, passes) == "4.3 of 16.7 ms"
-    assert panel_plots.said(123.4, holes) == "123 %"
-    assert panel_plots.said(None, holes) == "-"
-    assert panel_plots.calm(holes.values) == pytest.approx(3.0)  # those that were counted alone, as percent
-    assert panel_plots.calm([]) is None
-    assert panel_plots.calm([math.nan]) is None
+    named = {plot.name: plot for plot in plots.plots_of(status())}
+    passes, holes = named["all passes"], named["holes before the fill"]
+    assert plots.number_text(4.26, passes) == "4.3 of 16.7 ms"
+    assert plots.number_text(123.4, holes) == "123 %"
+    assert plots.number_text(None, holes) == "-"
+    assert plots.calm(holes.values) == pytest.approx(3.0)  # those that were counted alone, as percent
+    assert plots.calm([]) is None
+    assert plots.calm([math.nan]) is None
 
 
 def test_stages_keep_their_colours_when_others_come_and_go():
-    stages = panel_plots.Stages()
+    stages = plots.Stages()
     stages._take({"warp": 4.0, "lens": 2.0})
     lens = stages._colour("lens")
     stages._take({"warp": 4.0, "fill": 1.0, "lens": 2.0})
@@ -545,18 +566,18 @@ def test_stages_keep_their_colours_when_others_come_and_go():
     assert stages._shown() == ["warp"]
 
 
-# --- without the package ---------------------------------------------------------------------------------------------------
+# --- without the package ------------------------------------------------------------------------
 
 
 def test_without_the_package_there_is_no_panel(gpu, screen, monkeypatch):
     monkeypatch.setitem(sys.modules, "imgui_bundle", None)
-    assert make_panel(None, gpu.gl, into=screen) is None
+    assert make_control_panel(None, gpu.gl, into=screen) is None
 
 
 def test_the_package_leaves_glfw_alone(gpu, screen, monkeypatch):
     """It would have every program started from here take its own library of that name."""
     monkeypatch.delenv("PYGLFW_LIBRARY", raising=False)
-    panel = make_panel(None, gpu.gl, into=screen)
+    panel = make_control_panel(None, gpu.gl, into=screen)
     assert "PYGLFW_LIBRARY" not in os.environ
     panel.close()
 
@@ -574,4 +595,4 @@ def test_the_doctor_tells_of_it(monkeypatch):
 
     monkeypatch.setattr(importlib.metadata, "version", absent)
     missing = doctor.panel()
-    assert missing.state is doctor.State.OPTIONAL and missing.remedy == HOW_TO_GET_THE_PANEL
+    assert missing.state is doctor.State.OPTIONAL and missing.remedy == PANEL_REMEDY

@@ -14,12 +14,12 @@ from pathlib import Path
 import needs
 import pytest
 
-from hmdwarp.display.desktop.panel import HOW_TO_GET_THE_PANEL, installed
+from hmdwarp.display.desktop import PANEL_REMEDY, installed
 
 from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
 
 if not installed():
-    pytest.skip(f"the panel's package is not installed: {HOW_TO_GET_THE_PANEL}", allow_module_level=True)
+    pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
 pytestmark = needs_a_screen
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -38,7 +38,8 @@ class Led:
         self._screen = screen
         self._process = subprocess.Popen(
             [sys.executable, "-m", "display.panel_window"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={**screen.environment, "PYTHONPATH": paths}, cwd=TESTS,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env={**screen.environment, "PYTHONPATH": paths}, cwd=TESTS,
         )  # fmt: skip
         self._said: queue.Queue[str] = queue.Queue()
         self._reader = threading.Thread(target=self._listen)

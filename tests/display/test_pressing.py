@@ -1,4 +1,7 @@
-"""Buttons and sticks to what they ask for, without any runtime; and the table of controllers: every kind can do all there is to do."""
+"""Buttons and sticks to what they ask for, without any runtime; and the table of controllers.
+
+Every kind can do all there is to do.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.openxr.bindings import AXES, BUTTONS, PROFILES
 from hmdwarp.display.openxr.pressing import FIRST_NS, LET_GO, NEXT_NS, PUSHED, Pressing
+from hmdwarp.display.openxr.profiles import AXES, BUTTONS, PROFILES
 from hmdwarp.study.dialogs import CONTROLS
 
 PERIOD_NS = 11_111_111  # 90 a second

@@ -19,11 +19,11 @@ from hmdwarp.frames.layers import Layer, layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.link.codec import Coding, packed_bytes
-from hmdwarp.pipeline.build import Timing, build_pipeline
+from hmdwarp.pipeline.build import Target, build_pipeline
 from hmdwarp.pipeline.loop import PoseRequest
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.poses import Origin, PoseSample
-from hmdwarp.scenes import SceneEffect, load_scene
+from hmdwarp.scenes import load_scene
 from hmdwarp.server.parts import Part, parts
 
 COUNT, STEP_NS, SIZE = 40, 10_000_000, (64, 48)
@@ -141,11 +141,11 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
     options = PipelineOptions(
         scene="planes", latency_ms=20, warp="points", fill="none", lens="none", size=SIZE, coding=Coding(codec)
     )
-    plan = build_plan(SceneEffect.NONE, "points", "none", "none", client_geometry=True)
+    plan = build_plan((), "points", "none", "none", client_geometry=True)
     assert plan.layers == ("rendered.points",)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")
-    with build_pipeline(gpu, options, scene, TwoEyes(), [plan], requested, Timing(100.0, 20_000_000)) as made:
+    with build_pipeline(options, scene, Target(gpu, TwoEyes(), 100.0, 20_000_000), [plan], requested) as made:
         for number in range(8):
             made.loop.draw(number * STEP_NS)
             refresh = made.loop.show(number * STEP_NS)
@@ -170,11 +170,11 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
 
 @pytest.mark.usefixtures("registered")
 def test_frames_without_points_have_none(gpu):
-    plan = build_plan(SceneEffect.NONE, "forward", "none", "none", client_geometry=True)
+    plan = build_plan((), "forward", "none", "none", client_geometry=True)
     options = PipelineOptions(scene="planes", warp="forward", fill="none", lens="none", size=SIZE)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")
-    with build_pipeline(gpu, options, scene, TwoEyes(), [plan], requested, Timing(100.0, 0)) as made:
+    with build_pipeline(options, scene, Target(gpu, TwoEyes(), 100.0, 0), [plan], requested) as made:
         made.loop.draw(0)
         assert "points" not in made.loop.show(0).inputs[0].rendered
     assert PointsPart.made == []

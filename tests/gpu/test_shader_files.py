@@ -18,7 +18,7 @@ from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
 from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
-from hmdwarp.display.present import Presenter
+from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
@@ -29,7 +29,7 @@ from hmdwarp.gpu.shaders import ShaderLibrary, flatten
 from hmdwarp.gpu.textures import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.resources import folder
-from hmdwarp.run.live.holes import HoleCounter
+from hmdwarp.run.holes import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.server import Server
 from hmdwarp.server.draw import MIRRORS
@@ -65,12 +65,12 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
     """
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:
-        looks = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).look]
+        libraries = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
         warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(one_colour)).close()
         for spec in every_choice():
             with suppress(MachineError):  # test_what_this_machine_cannot_compile_is_told says so
-                _compile_all(gpu, spec, looks)
+                _compile_all(gpu, spec, libraries)
         for spec in every_fill():
             for choice in parse_fills(spec):
                 choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu)).close()
@@ -93,13 +93,13 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         gpu.shaders = before
 
 
-def _compile_all(gpu: Gpu, spec: str, looks: list[LensPass]) -> None:
+def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
     """As the plan may ask for it.
 
     For the shown view, through each lens, with and without scan-out.
     """
     choice = parse_warp(spec)
-    for lens in [None, *looks] if choice.entry.fuses else [None]:
+    for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
             choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout)).close()
 
@@ -118,7 +118,7 @@ def _present(gpu: Gpu) -> None:
     for hardware_srgb in (False, True):
         presenter.prepare(hardware_srgb=hardware_srgb)
     presenter.close()
-    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as desktop.panel_renderer, whose package is an extra
+    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as control_panel.renderer, whose package is an extra
 
 
 def _draw_every_content(gpu: Gpu) -> None:

@@ -24,8 +24,10 @@ def takes_a_picture(name: str) -> bool:
 
 @hard_case(takes_a_picture)
 def depth_holes_of_every_kind(gpu, name):
-    """What: single pixels of 0, NaN, -1, -inf, 1e-40 m (a denormal inverse overflows) in somebody's depth picture, bright red colour
-    Why: sensors deliver them; a filter or an average spreads them, a comparison with NaN is always false
+    """What: single pixels of 0, NaN, -1, -inf, 1e-40 m (a denormal inverse overflows) in somebody's
+      depth picture, bright red colour
+    Why: sensors deliver them; a filter or an average spreads them, a comparison with NaN is always
+      false
     Wants: finite, counted as holes, and no red anywhere: what has no depth has no place
     """
     depth = metres_from_inverse_depth(SLANTED)
@@ -55,7 +57,7 @@ def depth_on_the_gpu_that_is_no_number(gpu, name):
 
 @hard_case()
 def nothing_has_depth(gpu, name):
-    """What: not one pixel of the late picture has depth
+    """What: not one pixel of the rendered picture has depth
     Why: medians, minima and pyramids of nothing
     Wants: nothing covered, nothing NaN
     """
@@ -67,7 +69,8 @@ def nothing_has_depth(gpu, name):
 @hard_case()
 def checkerboard_depth(gpu, name):
     """What: near and far alternate from pixel to pixel
-    Why: no neighbour belongs to the same surface: every slope is a silhouette, every average a surface that does not exist
+    Why: no neighbour belongs to the same surface: every slope is a silhouette, every average a
+      surface that does not exist
     Wants: what the float64 twin says; no colour that was not there
     """
     depth = np.where(np.add.outer(np.arange(SIZE[1]), np.arange(SIZE[0])) % 2, 1.0, 0.2)
@@ -76,7 +79,8 @@ def checkerboard_depth(gpu, name):
 
 @hard_case()
 def two_surfaces_at_equal_depth(gpu, name):
-    """What: everything at one depth, seen from twice as far: four drawn pixels fall into each shown one with equal depth
+    """What: everything at one depth, seen from twice as far: four drawn pixels fall into each shown
+      one with equal depth
     Why: what comes last wins, and on a GPU that changes from run to run
     Wants: the same winner in ten runs
     """
@@ -89,7 +93,8 @@ def two_surfaces_at_equal_depth(gpu, name):
 def sixteen_bit_depth(gpu, name):
     """What: depth from a 16-bit buffer with planes at 0.1 m and 100 m, a slanted surface
     Why: 2e-4 1/m steps make terraces: neighbouring pixels share a depth, then jump
-    Wants: what the float64 twin says of it; as many pixels covered as with exact depth, to one in fifty
+    Wants: what the float64 twin says of it; as many pixels covered as with exact depth, to one in
+      fifty
     """
     code = np.rint((1 / 0.1 - SLANTED) / (1 / 0.1 - 1 / 100) * 65535) / 65535
     coarse = inverse_depth_from_clip(code, 0.1, 100.0)
@@ -101,14 +106,18 @@ def sixteen_bit_depth(gpu, name):
 
 @hard_case(reads_depth)
 def ill_conditioned_projection(gpu, name):
-    """What: a float32 clip depth with near / far = 1e-6 (1 mm to 1 km), GL's -1..1, objects at 1 to 4 m
-    Why: 99.9 % of its values are spent on the first metre; unprojecting through the inverse matrix loses all digits
-    Wants: depth right to 6e-5 1/m (half a float32 step of the buffer), and the picture of exact depth to what that moves
+    """What: a float32 clip depth with near / far = 1e-6 (1 mm to 1 km), GL's -1..1, objects at 1 to
+      4 m
+    Why: 99.9 % of its values are spent on the first metre; unprojecting through the inverse matrix
+      loses all digits
+    Wants: depth right to 6e-5 1/m (half a float32 step of the buffer), and the picture of exact
+      depth to what that moves
     """
     near, far = 1e-3, 1e3
     window = (1 / near - SLANTED) / (1 / near - 1 / far) * 2 - 1
     decoded = inverse_depth_from_clip(window.astype(np.float32), near, far, ndc="minus_one_to_one")
-    # One step of a float32 just below 1 is 2^-24; the buffer's 0..2 span 1000 1/m: half a step is 1.5e-5, plus rounding of `window`.
+    # One step of a float32 just below 1 is 2^-24; the buffer's 0..2 span 1000 1/m: half a step is
+    # 1.5e-5, plus rounding of `window`.
     assert np.abs(decoded - SLANTED).max() <= 6e-5
     list(Setting(gpu, decoded, STEP).pictures(name))
 

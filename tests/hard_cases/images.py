@@ -20,7 +20,7 @@ def _of_size(gpu, name, size: tuple[int, int], shown: tuple[int, int] | None = N
 
 @hard_case()
 def one_pixel(gpu, name):
-    """What: late and shown pictures of 1x1
+    """What: rendered and shown pictures of 1x1
     Why: no neighbours, no slope, a pyramid of one level
     Wants: what the float64 twin says
     """
@@ -39,7 +39,7 @@ def one_row_and_one_column(gpu, name):
 
 @hard_case()
 def prime_sizes(gpu, name):
-    """What: a late picture of 31x23, shown at 37x41
+    """What: a rendered picture of 31x23, shown at 37x41
     Why: no tile, block or pyramid divides them
     Wants: what the float64 twin says
     """

@@ -1,4 +1,4 @@
-"""Hard motions of the head: none, tiny, through things, beside and behind them, seen through extreme fields of view."""
+"""Hard head motions: none, tiny, through, beside and behind things; extreme fields of view."""
 
 from __future__ import annotations
 
@@ -48,7 +48,8 @@ def _as_good_as_still(gpu, name, pose: Pose) -> None:
     setting = Setting(gpu, stepped_depth(), pose)
     for picture in setting.pictures(name):
         assert picture.covered[picture.decided].all(), "a hole"
-        # 1e-9 of 16 pixels a tangent at 1.25 1/m is far below the sampler's own error; bilinear looks change by that times the contrast.
+        # 1e-9 of 16 pixels a tangent at 1.25 1/m is far below the sampler's own error; bilinear
+        # looks change by that times the contrast.
         error = np.abs(picture.colour - setting.colour)[picture.decided].max(initial=0)
         assert error <= 4 * HALF + 4 * (setting.sampler_pixels + 1e-6), "speckle"
 
@@ -56,8 +57,9 @@ def _as_good_as_still(gpu, name, pose: Pose) -> None:
 @hard_case(is_warped_by_the_frame_alone)
 def motion_of_a_nanometre(gpu, name):
     """What: the head moves by 1e-9 m in each direction
-    Why: what is not exactly still takes the general path, where rounding may open cracks or flip pixels at edges
-    Wants: no hole, no speckle: the late picture, to the rounding of a half float
+    Why: what is not exactly still takes the general path, where rounding may open cracks or flip
+      pixels at edges
+    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
     """
     _as_good_as_still(gpu, name, Pose((1e-9, -1e-9, 1e-9)))
 
@@ -65,15 +67,17 @@ def motion_of_a_nanometre(gpu, name):
 @hard_case(is_warped_by_the_frame_alone)
 def turn_of_a_nanoradian(gpu, name):
     """What: the head turns by 1e-9 rad about each axis
-    Why: sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or double
-    Wants: no hole, no speckle: the late picture, to the rounding of a half float
+    Why: sin and cos of it are 0 and 1 in float32; made from quaternions the angle may vanish or
+      double
+    Wants: no hole, no speckle: the rendered picture, to the rounding of a half float
     """
     _as_good_as_still(gpu, name, turned((1, 1, 1), math.degrees(1e-9)))
 
 
 @hard_case(reads_depth)
 def points_at_and_behind_the_eye(gpu, name):
-    """What: the eye walks 1 m ahead, through a surface; rows of it end up before, just before, at, just behind and behind the eye plane
+    """What: the eye walks 1 m ahead, through a surface; rows of it end up before, just before, at,
+      just behind and behind the eye plane
     Why: w goes through 0: dividing by it mirrors and smears what is behind across the whole picture
     Wants: nothing of the rows behind the eye anywhere; what is before it where it belongs
     """
@@ -97,7 +101,7 @@ def _half_turn(gpu, name, degrees: float, axis) -> None:
 @hard_case()
 def turn_by_90_degrees(gpu, name):
     """What: the head turns by 90 degrees to the side in a view 90 degrees wide
-    Why: the border of the late picture meets the border of the shown one; w is 0 along a line
+    Why: the border of the rendered picture meets the border of the shown one; w is 0 along a line
     Wants: what the float64 twin says, no NaN along the line
     """
     _half_turn(gpu, name, 90, (0, 1, 0))
@@ -106,8 +110,9 @@ def turn_by_90_degrees(gpu, name):
 @hard_case()
 def turn_by_180_degrees(gpu, name):
     """What: the head looks straight back
-    Why: all of the late picture is behind the eye, where a homography still has an answer, upside down
-    Wants: nothing covered (`none` shows the late picture, `environment` what is behind)
+    Why: all of the rendered picture is behind the eye, where a homography still has an answer,
+      upside down
+    Wants: nothing covered (`none` shows the rendered picture, `environment` what is behind)
     """
     _half_turn(gpu, name, 180, (0.3, 1, 0.1))
 
@@ -116,12 +121,13 @@ def turn_by_180_degrees(gpu, name):
 def sky_under_translation(gpu, name):
     """What: everything infinitely far (inverse depth 0), the head moves by 0.4 m
     Why: as metres that is inf, and inf times 0 is NaN
-    Wants: the late picture bit for bit: infinity does not move
+    Wants: the rendered picture bit for bit: infinity does not move
     """
     setting = Setting(gpu, np.zeros(SIZE[::-1]), Pose((0.3, -0.2, 0.25)))
     for picture in setting.pictures(name):
         assert picture.covered[picture.decided].all()
-        # Only a head that does not move at all is looked up without a filter: a bilinear look misses the centre by the sampler's error.
+        # Only a head that does not move at all is sampled without a filter: a bilinear look
+        # misses the centre by the sampler's error.
         error = np.abs(picture.colour - setting.colour)[picture.decided].max(initial=0)
         assert error <= HALF + 4 * setting.sampler_pixels
 
@@ -140,7 +146,8 @@ def a_thousandth_and_a_million_metres(gpu, name):
 @hard_case()
 def a_million_metres_from_the_origin(gpu, name):
     """What: both eyes 2^20 m from the world's origin, 2^-10 m apart
-    Why: float32 world coordinates are 6 cm coarse there, and even a float64 matrix through the origin loses ten digits
+    Why: float32 world coordinates are 6 cm coarse there, and even a float64 matrix through the
+      origin loses ten digits
     Wants: the picture made beside the origin, bit for bit
     """
     step, far = np.array([2.0**-10, 0, -(2.0**-9)]), np.array([2.0**20, -(2.0**20), 2.0**20])
@@ -153,7 +160,8 @@ def a_million_metres_from_the_origin(gpu, name):
 
 @hard_case()
 def epipole_inside_the_picture(gpu, name):
-    """What: the eye moves so that the point it moves towards lies inside the picture, between pixel centres
+    """What: the eye moves so that the point it moves towards lies inside the picture, between pixel
+      centres
     Why: around it the epipolar directions turn through all angles and parallax vanishes
     Wants: what the float64 twin says; the neighbourhood of the epipole stays covered
     """
@@ -240,7 +248,8 @@ def field_of_view_of_120_degrees(gpu, name):
 @hard_case()
 def field_of_view_of_170_degrees(gpu, name):
     """What: a view 170 degrees wide, the head turns by 20 degrees
-    Why: tangents of 11.4: much of the late picture ends up beside and behind the shown eye, w passes 0 inside the picture
+    Why: tangents of 11.4: much of the rendered picture ends up beside and behind the shown eye, w
+      passes 0 inside the picture
     Wants: what the float64 twin says, nothing mirrored
     """
     _through_fov(
@@ -259,7 +268,8 @@ def strongly_asymmetric_field_of_view(gpu, name):
 
 @hard_case()
 def view_that_does_not_hold_its_axis(gpu, name):
-    """What: left 10, right 55, down 5, up 40 degrees: the axis lies outside the picture, as in tiled displays
+    """What: left 10, right 55, down 5, up 40 degrees: the axis lies outside the picture, as in
+      tiled displays
     Why: the principal point is at negative pixels
     Wants: what the float64 twin says
     """

@@ -79,7 +79,8 @@ def slerp_over_a_half_turn():
 
 @hard_case(None)
 def time_steps_of_nothing_a_nanosecond_and_an_hour():
-    """What: samples 0 ns, 1 ns and 3600 s apart, asked between, at and beyond them; velocities predicted from them
+    """What: samples 0 ns, 1 ns and 3600 s apart, queried between, at and beyond them; velocities
+      predicted from them
     Why: 0 divides by zero, 1 ns makes 1e9 m/s of a tremor, an hour is no motion to interpolate
     Wants: 0 refused; 1 ns exact; the hour held, not invented; predictions finite
     """
@@ -105,7 +106,8 @@ def lens(*coefficients: float, reach: float = 1.0) -> RadialLens:
 
 @hard_case(None)
 def lens_that_folds_back():
-    """What: lens polynomials that stop growing inside the panel: at 0.5, at the very rim, at 1e-3, and one that only seems to
+    """What: lens polynomials that stop growing inside the panel: at 0.5, at the very rim, at 1e-3,
+      and one that only seems to
     Why: beyond the fold two panel pixels show the same direction, and no inverse exists
     Wants: refused with the radius where it folds; the last one accepted
     """
@@ -117,9 +119,11 @@ def lens_that_folds_back():
 
 @hard_case(None)
 def lens_inverse_at_the_rim():
-    """What: the inverse of every headset's lens, and of one that all but folds at the rim, at and just inside the largest radius
+    """What: the inverse of every headset's lens, and of one that all but folds at the rim, at and
+      just inside the largest radius
     Why: where the slope of the polynomial goes to 0 Newton's method leaves the panel
-    Wants: there and back within 1e-12 of the radius where the slope is that of a lens, within 1e-7 where it all but vanishes; NaN beyond
+    Wants: there and back within 1e-12 of the radius where the slope is that of a lens, within 1e-7
+      where it all but vanishes; NaN beyond
     """
     known = [load_headset(name).lens for name in headset_names()]
     for one, error in [

@@ -1,4 +1,6 @@
-"""One late picture and one shown view, given as arrays, run through a warp and through its float64 twin."""
+"""One rendered picture and one shown view, given as arrays, run through a warp and through its
+float64 twin.
+"""
 
 from __future__ import annotations
 
@@ -18,24 +20,32 @@ HALF = 2.0**-10  # of a stored half float, which llvmpipe truncates
 
 
 def reads_depth(name: str) -> bool:
-    """Whether the warp moves things by their depth; the others (none, rotation, environment) see no parallax at all."""
+    """Whether the warp moves things by their depth.
+
+    The others (none, rotation, environment) see no parallax at all.
+    """
     return any(part.endswith(("inverse_depth", "layers", "others")) for part in parse_warp(name).entry.reads)
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
-    """Whether what it shows comes from the late picture: `environment` has pictures of its own. With settings or without."""
+    """Whether what it shows comes from the rendered picture: `environment` has pictures of its own.
+
+    With settings or without.
+    """
     return "rendered.colour" in parse_warp(name).entry.reads
 
 
 def brings_more_pictures(name: str) -> bool:
-    """Whether it shows other pictures than the late one too, which are noise here."""
+    """Whether it shows other pictures than the rendered one too, which are noise here."""
     return bool({"rendered.peeled", "rendered.others"} & set(parse_warp(name).entry.reads))
 
 
 @attrs.frozen(eq=False)
 class Picture:
-    """colour (h, w, 4) with coverage in alpha, bottom row first; decided: where rounding may not choose otherwise; maker: "shader" or
-    "twin"."""
+    """colour (h, w, 4) with coverage in alpha, bottom row first; decided.
+
+    Where rounding may not choose otherwise; maker: "shader" or "twin".
+    """
 
     maker: str
     colour: np.ndarray
@@ -47,8 +57,11 @@ class Picture:
 
 
 class Setting(World):
-    """colour: (h, w, 3) linear; inverse_depth: (h, w), whatever the case calls for; bottom row first. client: the client's own depth
-    in the shown view, by default what of the late depth lands there."""
+    """colour: (h, w, 3) linear; inverse_depth: (h, w), whatever the case calls for.
+
+    Bottom row first. client: the client's own depth in the shown view, by default what of the
+    rendered depth lands there.
+    """
 
     def __init__(
         self,
@@ -84,7 +97,10 @@ class Setting(World):
         self.colour = np.concatenate([noise * covered, covered], axis=2).astype(np.float16).astype(np.float64)
 
     def _landed(self, per_pixel: int = 8) -> np.ndarray:
-        """The nearest of what lands in each shown pixel, -1 where nothing does; each late pixel is a small square of points."""
+        """The nearest of what lands in each shown pixel, -1 where nothing does.
+
+        Each rendered pixel is a small square of points.
+        """
         out = np.full(self.shown_size[::-1], -1.0)
         usable = np.isfinite(self.inverse_depth) & (self.inverse_depth >= 0)
         y, x = np.nonzero(usable)
@@ -98,7 +114,7 @@ class Setting(World):
         return np.minimum(out, np.finfo(np.float32).max).astype(np.float32).astype(np.float64)
 
     def pictures(self, name: str) -> Iterator[Picture]:
-        """The shader's picture and the twin's, after what holds in every case was checked of both."""
+        """The shader's picture and the twin's, after the checks that hold in every case."""
         shader = Picture("shader", self.warp(self.gpu, name), np.ones(self.shown_size[::-1], bool))
         wanted = self.reference(name)
         twin = Picture("twin", wanted.colour, ~wanted.undecided)
@@ -117,7 +133,10 @@ class Setting(World):
         yield twin
 
     def _check(self, picture: Picture, name: str) -> None:
-        """Finite; coverage 0 or 1; nothing where there is no coverage; no colour brighter or darker than all that went in."""
+        """Finite; coverage 0 or 1; nothing where there is no coverage.
+
+        No colour brighter or darker than all that went in.
+        """
         colour = picture.colour[picture.decided]
         assert np.isfinite(colour).all(), f"the {picture.maker} makes NaN or Inf"
         assert set(np.unique(colour[..., 3])) <= {0.0, 1.0}

@@ -1,4 +1,7 @@
-"""Random extreme inputs: a million warp maps on the GPU against float64, and every warp on random extreme worlds."""
+"""Random extreme inputs.
+
+A million warp maps on the GPU against float64, and every warp on random extreme worlds.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ UNIT = 2.0**-24
 
 
 def random_maps(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """H (n, 3, 3), e (n, 3) and the side of the square pictures (n,): all scales of motion, turns, fields of view and sizes."""
+    """H (n, 3, 3), e (n, 3) and the side of the square pictures (n,).
+
+    All scales of motion, turns, fields of view and sizes.
+    """
     H, e, sides = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(count)
     for k in range(count):
         side = int(2 ** rng.uniform(0, 13))
@@ -53,7 +59,10 @@ def random_depths(rng: np.random.Generator, count: int) -> np.ndarray:
 def bound_and_truth(
     H: np.ndarray, e: np.ndarray, p: np.ndarray, r: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(place (n, 2), w (n,), bound (n,)): float64 places and how far float32 may be off, docs/hard-cases.md has the derivation."""
+    """(place (n, 2), w (n,), bound (n,)).
+
+    Float64 places and how far float32 may be off, docs/hard-cases.md has the derivation.
+    """
     homogeneous = np.column_stack([p, np.ones(len(p))])
     with np.errstate(all="ignore"):
         terms = np.einsum("nij,nj->ni", np.abs(H), homogeneous) + np.abs(e * r[:, None])
@@ -86,7 +95,10 @@ def on_the_gpu(gpu, tmp_path, monkeypatch, cases: np.ndarray) -> np.ndarray:
 
 
 def test_a_million_warp_maps(gpu, tmp_path, monkeypatch):
-    """No NaN or Inf anywhere; within the bound wherever the map is defined; coverage 0 wherever it is not."""
+    """No NaN or Inf anywhere; within the bound wherever the map is defined.
+
+    Coverage 0 wherever it is not.
+    """
     rng = np.random.default_rng(20261121)
     H, e, sides = (np.repeat(part, COUNT // MAPS, axis=0) for part in random_maps(rng, MAPS))
     p = (np.floor(rng.uniform(size=(COUNT, 2)) * sides[:, None])) + 0.5
@@ -109,7 +121,8 @@ def test_a_million_warp_maps(gpu, tmp_path, monkeypatch):
     both = defined & inside & np.isfinite(bound)
     error = np.abs(got[both, :2] - place[both]).max(axis=1)
     assert (error <= bound[both]).all(), f"worst {np.max(error / bound[both])} times the bound"
-    # The sweep is worth something: many maps are defined, the bound is not empty, and not a hundred times too wide.
+    # The sweep is worth something: many maps are defined, the bound is not empty, and not a hundred
+    # times too wide.
     assert both.sum() > COUNT // 10
     assert np.median(bound[both] / sides[both]) < 1e-4
     assert (error / bound[both]).max() > 0.01
@@ -122,8 +135,10 @@ EXTREME = st.sampled_from([0.0, 1e-9, 1e-3, 0.05, 1.0, 30.0])
 def random_world(
     gpu, seed: int, step: tuple, turn: float, nearest: float, sides: tuple, size: tuple[int, int]
 ) -> Setting:
-    """step: metres on each axis, turn: the most of the quaternion's three, both with random signs; nearest: 1/m, what depths are cut
-    off at, mostly; sides: degrees of the field of view."""
+    """step: metres on each axis, turn: the most of the quaternion's three, both with random signs.
+
+    nearest: 1/m, what depths are cut off at, mostly; sides: degrees of the field of view.
+    """
     rng = np.random.default_rng(seed)
     depth = np.abs(random_depths(rng, size[0] * size[1]).reshape(size[::-1]))
     depth = np.where(depth > 1e-4, np.minimum(depth, 1.0) * nearest, depth) if rng.uniform() < 0.7 else depth
@@ -135,8 +150,9 @@ def random_world(
     return Setting(gpu, depth, shown, rendered=rendered)
 
 
-# Defaults and variants; of the other words mesh:cut=vertex still has a pixel in one of 200 such worlds that its twin does not mark as
-# undecided though rounding decides it. The hard cases and the contract hold for it.
+# Defaults and variants; of the other words mesh:cut=vertex still has a pixel in one of 200 such
+# worlds that its twin does not mark as undecided though rounding decides it. The hard cases and the
+# contract hold for it.
 @pytest.mark.parametrize("name", every_warp())
 @settings(max_examples=12, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(
@@ -148,14 +164,19 @@ def random_world(
     size=st.sampled_from([(23, 17), (8, 31), (1, 5)]),
 )
 def test_every_warp_on_random_extreme_worlds(gpu, name, seed, step, turn, nearest, sides, size):
-    """What Setting.pictures checks: finite, coverage 0 or 1 and right where decided, colours within the bound and within what went in."""
+    """What Setting.pictures checks.
+
+    Finite, coverage 0 or 1 and right where decided, colours within the bound and within what went
+    in.
+    """
     for picture in random_world(gpu, seed, step, turn, nearest, sides, size).pictures(name):
         assert picture.colour.shape[:2] == size[::-1]
 
 
-# Worlds that a warp or its twin once failed on, as above: surfaces nearer than the depth buffer knows (31), slivers (239) and folded
-# pieces (the last), seams at a seventeenth of the size (174), a triangle edge on (692), a row between quarters (55), seeds behind
-# the late eye (500216), and a large cell beside what is turned away (900612).
+# Worlds that a warp or its twin once failed on, as above: surfaces nearer than the depth buffer
+# knows (31), slivers (239) and folded pieces (the last), seams at a seventeenth of the size (174),
+# a triangle edge on (692), a row between quarters (55), seeds behind the rendered eye (500216), and
+# a large cell beside what is turned away (900612).
 FAILED_ONCE = [
     (16, (1.0, 0.0, 0.0), 0.001, 2.0, (28, 11, 36, 40), (23, 17)),
     (31, (0.0, 0.0, 0.0), 0.001, 1000.0, (76, 43, 60, 61), (8, 31)),

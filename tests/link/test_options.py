@@ -18,8 +18,8 @@ MS = 1_000_000
 
 
 def test_nothing_said_is_the_latency_alone():
-    options = LinkOptions.parse()
-    assert options == LinkOptions() == LinkOptions.parse(jitter="constant", loss="none")
+    options = LinkOptions.of({})
+    assert options == LinkOptions() == LinkOptions.of({"jitter": "constant", "loss": "none"})
     assert options.is_plain
     assert options.longest_ns(7) == options.typical_ns(7) == 7
 
@@ -27,20 +27,20 @@ def test_nothing_said_is_the_latency_alone():
 def test_each_text_says_what_it_should(tmp_path):
     trace = tmp_path / "delays.csv"
     trace.write_text("5\n7\n")
-    assert LinkOptions.parse(jitter="uniform:20").delay == UniformJitter(20)
-    assert LinkOptions.parse(jitter=" normal : 1.5 ").delay == NormalJitter(1.5)
-    assert LinkOptions.parse(jitter="").delay == ConstantDelay()
-    assert LinkOptions.parse(delay_trace=trace).delay.delays_ms == (5, 7)
-    assert LinkOptions.parse(loss="p=0.02,r=0.3").loss == GilbertElliott(0.02, 0.3)
-    assert LinkOptions.parse(loss="r=0.3, bad=0.9, p=0.02, good=0.1").loss == GilbertElliott(0.02, 0.3, 0.1, 0.9)
-    assert LinkOptions.parse(loss="0.25").loss == GilbertElliott(0.25, 0.75)
-    assert LinkOptions.parse(bandwidth="50").bandwidth == Bandwidth(50, 250)
-    assert LinkOptions.parse(bandwidth="2.5,queue=100").bandwidth == Bandwidth(2.5, 100)
+    assert LinkOptions.of({"jitter": "uniform:20"}).delay == UniformJitter(20)
+    assert LinkOptions.of({"jitter": " normal : 1.5 "}).delay == NormalJitter(1.5)
+    assert LinkOptions.of({"jitter": ""}).delay == ConstantDelay()
+    assert LinkOptions.of({"delay_trace": trace}).delay.delays_ms == (5, 7)
+    assert LinkOptions.of({"loss": "p=0.02,r=0.3"}).loss == GilbertElliott(0.02, 0.3)
+    assert LinkOptions.of({"loss": "r=0.3, bad=0.9, p=0.02, good=0.1"}).loss == GilbertElliott(0.02, 0.3, 0.1, 0.9)
+    assert LinkOptions.of({"loss": "0.25"}).loss == GilbertElliott(0.25, 0.75)
+    assert LinkOptions.of({"bandwidth": "50"}).bandwidth == Bandwidth(50, 250)
+    assert LinkOptions.of({"bandwidth": "2.5,queue=100"}).bandwidth == Bandwidth(2.5, 100)
     assert not any(
-        LinkOptions.parse(**{name: text}).is_plain
+        LinkOptions.of({name: text}).is_plain
         for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
     )
-    assert LinkOptions.parse(seed=5).is_plain
+    assert LinkOptions.of({"link_seed": 5}).is_plain
 
 
 @pytest.mark.parametrize(
@@ -71,32 +71,32 @@ def test_each_text_says_what_it_should(tmp_path):
         ({"bandwidth": "50,queue=-1"}, "queue -1 ms"),
         ({"bandwidth": "50,queue=nan"}, "queue nan ms"),
         ({"bandwidth": "50,100"}, "queue=100"),
-        ({"seed": -1}, "seed -1"),
+        ({"link_seed": -1}, "seed -1"),
     ],
 )  # fmt: skip
 def test_texts_that_cannot_be_meant(given, message):
     with pytest.raises(InputError, match="wanted|did you mean|takes no number") as caught:
-        LinkOptions.parse(**given)
+        LinkOptions.of(given)
     assert message in str(caught.value)
 
 
 def test_a_trace_and_a_jitter_contradict_each_other(tmp_path):
     (tmp_path / "delays.csv").write_text("5\n")
     with pytest.raises(InputError, match="leave one of them out"):
-        LinkOptions.parse(jitter="normal:5", delay_trace=tmp_path / "delays.csv")
+        LinkOptions.of({"jitter": "normal:5", "delay_trace": tmp_path / "delays.csv"})
 
 
 @given(st.text(alphabet="0123456789.,:=-+eEprnafqu \t", max_size=20), st.sampled_from(["jitter", "loss", "bandwidth"]))
 def test_any_text_is_understood_or_refused_with_a_sentence(text, which):
     try:
-        LinkOptions.parse(**{which: text})
+        LinkOptions.of({which: text})
     except InputError as error:
         assert str(error)
 
 
 def test_a_jitter_wider_than_the_latency_is_refused_when_the_latency_is_known():
     with pytest.raises(InputError, match="before they were sent"):
-        LinkOptions.parse(jitter="uniform:20").link(10 * MS)
+        LinkOptions.of({"jitter": "uniform:20"}).link(10 * MS)
 
 
 def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
@@ -111,7 +111,7 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
                 out[link.transit.number] = link.transit.delay_ns
         return out
 
-    options = LinkOptions.parse(jitter="normal:30", loss="p=0.05,r=0.3")
+    options = LinkOptions.of({"jitter": "normal:30", "loss": "p=0.05,r=0.3"})
     assert delays(options, 0) == delays(options, 10**6)
     assert delays(options, 0) != delays(attrs.evolve(options, seed=1), 0)
     lossless = delays(attrs.evolve(options, loss=None), 0)

@@ -85,7 +85,7 @@ def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
     The loss is noticed a delay after sending, the sender hears of it another delay later, and the
     key frame takes a third.
     """
-    stream = Stream(LinkOptions.parse(loss="p=0.08,r=0.5", seed=3))
+    stream = Stream(LinkOptions.of({"loss": "p=0.08,r=0.5", "link_seed": 3}))
     link = stream.run(120)
     tally = link.tally
     assert tally.lost > 0
@@ -102,7 +102,7 @@ def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
 
 
 def test_with_jitter_the_decoder_still_gets_frames_in_order():
-    stream = Stream(LinkOptions.parse(jitter="uniform:40"))
+    stream = Stream(LinkOptions.of({"jitter": "uniform:40"}))
     link = stream.run(90)
     assert link.tally.late == link.tally.undecodable == link.tally.lost == 0
     assert stream.keys == [0]
@@ -114,7 +114,7 @@ def test_a_narrow_network_drops_frames_and_recovers():
 
     The queue fills, and what it drops calls for key frames.
     """
-    stream = Stream(LinkOptions.parse(bandwidth="0.2,queue=60"))
+    stream = Stream(LinkOptions.of({"bandwidth": "0.2,queue=60"}))
     link = stream.run(150)
     assert link.tally.dropped > 0
     assert link.tally.drawn == link.tally.dropped + link.tally.sent == 150

@@ -113,5 +113,5 @@ def test_signed_error():
 
 
 def test_shapes_must_be_pictures():
-    with pytest.raises(InputError, match="wanted"):
+    with pytest.raises(InputError, match="expected"):
         flicker(np.zeros((3, 4)), turned(0), np.zeros((3, 4)), turned(0))

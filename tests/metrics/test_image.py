@@ -54,7 +54,7 @@ def flip_of_flat_colours(reference, test) -> float:
 
 @settings(max_examples=50)
 @given(colours, colours)
-def test_flip_of_flat_colours_is_the_paper_s(reference, test):
+def test_flip_of_flat_colours_is_that_of_the_paper(reference, test):
     """A swapped channel order, or linear values taken for sRGB ones, gives another answer for almost every pair.
 
     At 5 pixels per degree flip-evaluator's kernels are a few pixels and sum to 1 within float32 (at 22 only within 1e-4);
@@ -70,7 +70,7 @@ def test_flat_colours_would_show_a_wrong_channel_order():
     assert abs(as_rgb - as_bgr) > 0.03
 
 
-def test_flip_believes_the_pixels_per_degree():
+def test_flip_uses_the_pixels_per_degree():
     """The same angles at twice the resolution look the same; a map that ignored ppd, or took its default of 67, would not."""
     coarse = [smooth((48, 40), phase) for phase in (0.0, 0.35)]
     coarse[1][12:20, 20:23] = 255
@@ -148,7 +148,7 @@ def test_holes_at_the_border_count_for_every_figure():
     assert psnr_db(shown, truth) < 25 and ssim(shown, truth) < 0.97 and flip(shown, truth, PPD)[0] > 0.01
 
 
-def test_ssim_is_the_paper_s_formula():
+def test_ssim_is_the_formula_of_the_paper():
     """Every window by hand: eq. 13 with a Gaussian of sigma 1.5 cut at 11x11, the border mirrored, the mean over all pixels."""
     shown, truth = noise(5, (14, 13)), noise(6, (14, 13))
     k = np.exp(-((np.arange(11) - 5) ** 2) / (2 * 1.5**2))

@@ -95,7 +95,7 @@ def test_counts_add_up():
 
 
 def test_sizes_must_agree():
-    with pytest.raises(InputError, match="wanted"):
+    with pytest.raises(InputError, match="expected"):
         SharedSurface(LEFT, RIGHT, FAR, FAR[:-1])
-    with pytest.raises(InputError, match="wanted"):
+    with pytest.raises(InputError, match="expected"):
         SharedSurface(LEFT, RIGHT, FAR, FAR).compare(FULL, FULL[:-1])

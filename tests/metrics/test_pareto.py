@@ -27,7 +27,7 @@ def numbered(pairs):
 
 
 @given(ROWS)
-def test_the_front_is_what_nobody_beats(pairs):
+def test_no_row_beats_one_of_the_front(pairs):
     """Against the definition itself, every pair compared."""
     rows = numbered(pairs)
     front = pareto(rows, costs)
@@ -35,7 +35,7 @@ def test_the_front_is_what_nobody_beats(pairs):
 
 
 @given(ROWS)
-def test_everybody_else_is_beaten_by_one_of_the_front(pairs):
+def test_each_other_row_is_beaten_by_one_of_the_front(pairs):
     rows = numbered(pairs)
     front = pareto(rows, costs)
     assert all(any(beats(winner[:2], row[:2]) for winner in front) for row in rows if row not in front)

@@ -89,7 +89,7 @@ def test_waiting_ends_when_a_worker_dies():
         raise AssertionError("a dead worker was waited for in vain")
 
 
-def test_where_the_error_is_comes_along_where_it_is_wanted():
+def test_regions_come_with_the_jobs_that_ask_for_them():
     wanted = attrs.evolve(job(1), regions=True)
     with QualityPool(1, PPD) as pool:
         pool.submit((0, 0), wanted)
@@ -109,7 +109,7 @@ def test_what_is_kept_keeps_its_late_picture():
     assert pool.worst == []
 
 
-def test_figures_without_their_ingredients_are_none():
+def test_figures_without_their_inputs_are_none():
     now = Compared(noise(1), noise(2), turned(0))
     values = measure(QualityJob(now), PPD).values
     assert {name for name, value in values.items() if value is None} == {"hole_share", "border_share", "flicker"}
@@ -139,7 +139,7 @@ def test_a_measurement_that_fails_is_one_clear_error(workers):
             pool.submit(5, broken)
 
 
-def test_submit_tells_of_a_failure_and_does_not_hang():
+def test_submit_raises_after_a_failure_and_does_not_hang():
     with pytest.raises(InputError, match="picture 0"), QualityPool(1, -3.0) as pool:
         for key in range(50):  # far more than the queue holds
             pool.submit(key, job(1))
@@ -197,7 +197,7 @@ def test_leaving_by_an_exception_drops_the_rest():
         pool.submit(9, job(9))
 
 
-def test_a_pool_nobody_used():
+def test_an_unused_pool():
     with QualityPool(2, PPD) as pool:
         pass
     assert pool.results == {} and pool.finish() == {}

@@ -133,5 +133,5 @@ def test_an_empty_region_has_no_error():
 def test_sizes_must_agree():
     flat = np.zeros((48, 64))
     for wrong in ((FULL[:-1], flat, flat), (FULL, flat[:-1], flat), (FULL, flat, flat[:-1])):
-        with pytest.raises(InputError, match="wanted"):
+        with pytest.raises(InputError, match="expected"):
             region_sums(noise(1, SIZE), noise(2, SIZE), *wrong)

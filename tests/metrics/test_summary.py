@@ -13,7 +13,7 @@ from hmdwarp.metrics import QUALITY, STAGES, aggregate
 numbers = st.lists(st.one_of(st.none(), st.floats(0, 1)), min_size=1, max_size=40)
 
 
-def test_shape_is_the_contract_s():
+def test_shape_is_that_of_the_contract():
     out = aggregate([])
     assert set(out["quality"]) == set(QUALITY) and set(out["time_ms"]) == set(STAGES)
     assert all(entry == {"mean": None, "p95": None} for entry in out["quality"].values())
@@ -57,6 +57,6 @@ def test_times():
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_a_figure_that_is_no_number_is_our_fault(bad):
+def test_a_figure_that_is_no_number_is_an_internal_error(bad):
     with pytest.raises(HmdwarpError, match="flip"):
         aggregate([{"flip": bad}])

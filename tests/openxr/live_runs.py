@@ -1,4 +1,7 @@
-"""`hmdwarp live` beside Monado: as a program of its own, as users start it, or in this process, with every refresh at hand."""
+"""`hmdwarp live` beside Monado.
+
+As a program of its own, as users start it, or in this process, with every refresh at hand.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import hmdwarp.run.live.run as driver
+import hmdwarp.run.live_run as driver
 from hmdwarp.display import Tick
 from hmdwarp.pipeline.loop import Refresh
 from hmdwarp.report import validate_summary
-from hmdwarp.run.live import LiveOptions
-from hmdwarp.run.live.log import LiveResult
+from hmdwarp.run import LiveOptions, LiveResult
 
 SMALL = (96, 120)
 LONG_S = 90.0  # against hanging; a machine under load is slow
@@ -31,7 +33,9 @@ def quick(**options: object) -> LiveOptions:
 
 
 class Watched:
-    """A display that remembers its ticks and what was shown for them. display: the real one, which does everything.
+    """A display that remembers its ticks and what was shown for them.
+
+    display: the real one, which does everything.
 
     before: called with each refresh that is about to be shown.
     """
@@ -60,7 +64,10 @@ class Watched:
 
 
 class Here:
-    """A run in this process. said: the sentences it told. watched: its display, once it is open. before: as Watched."""
+    """A run in this process.
+
+    said: the sentences it told. watched: its display, once it is open. before: as Watched.
+    """
 
     def __init__(self, monkeypatch, before: Callable[[Refresh], None] = lambda refresh: None) -> None:
         self.said: list[str] = []
@@ -93,7 +100,10 @@ class Here:
 
 
 class Program:
-    """A run as a program of its own. Use as a context manager. recording: the head's trace it writes."""
+    """A run as a program of its own.
+
+    Use as a context manager. recording: the head's trace it writes.
+    """
 
     def __init__(self, folder: Path, *options: str) -> None:
         self.recording = folder / "head.csv"

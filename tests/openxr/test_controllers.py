@@ -1,13 +1,19 @@
-"""Controllers of a real runtime: what is pressed becomes commands, once; after a reconnection too."""
+"""Controllers of a real runtime: what is pressed becomes commands, once.
+
+After a reconnection too.
+"""
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
-from hmdwarp.display import Command, DisplayOptions, Lost
-from hmdwarp.display.controls import CONTROLS
+from hmdwarp.display import CONTROLS, Command, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay
+from hmdwarp.display.openxr.actions import Actions
 from hmdwarp.display.openxr.session import State
+from hmdwarp.geometry import Pose
 from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs import CONTROLLERS, MessagePanel, QuestionDialog
 from hmdwarp.study.dialogs import CONTROLS as STUDY_CONTROLS
@@ -19,22 +25,54 @@ from .remote_head import RemoteHead
 pytestmark = pytest.mark.usefixtures("no_screen")
 
 
-class Hands:
-    """The display and both controllers, which are there from now on."""
+PERIOD_NS = 50_000_000  # of the runtime, 20 frames a second
+
+
+class Controllers:
+    """The display and both controllers, which are connected from now on.
+
+    What is held goes by frames as if each took PERIOD_NS, so that a busy machine changes nothing.
+    real_ns: the times that the display took for them.
+    """
 
     def __init__(self, display: OpenXrDisplay, remote: RemoteHead) -> None:
         self.display, self._remote = display, remote
+        self.real_ns: list[int] = []
+        self._count_time(display._connection.actions)
+        self._places = 0
         for hand in ("left", "right"):
-            remote.hold(hand)
+            self.set(hand)
         self.frames(3)
 
-    def hold(self, hand: str, frames: int = 8, **states: float) -> list[str]:
-        """So for some frames, at 20 a second; the names of what was asked for."""
+    def _count_time(self, actions: Actions) -> None:
+        sync = actions.sync
+
+        def counted(now_ns: int) -> None:
+            self.real_ns.append(now_ns)
+            sync(len(self.real_ns) * PERIOD_NS)
+
+        actions.sync = counted
+
+    def set(self, hand: str, **states: float) -> None:
+        """Set buttons and axes, and wait until the runtime has them.
+
+        A new place of the head goes after them on the same connection: once the runtime reports it,
+        it has them too.
+        """
+        self._places += 1
+        place = Pose((0.0, 1.6 + 0.001 * self._places, 0.0))
         self._remote.hold(hand, **states)
+        self._remote.put(place)
+        while not self.display.source.head_at(self.display.now_ns()).pose.isclose(place, 1e-4):
+            time.sleep(0.001)
+
+    def hold(self, hand: str, frames: int = 8, **states: float) -> list[str]:
+        """Set these for some frames; return the names of the requests."""
+        self.set(hand, **states)
         return [command.control for command in self.frames(frames)]
 
     def press(self, hand: str, **states: float) -> list[str]:
-        """For some frames, and let go again."""
+        """Hold these for some frames, and release them again."""
         pressed = self.hold(hand, **states)
         return pressed + self.hold(hand, **dict.fromkeys(states, 0))
 
@@ -57,7 +95,7 @@ def display(monado):
 
 @pytest.fixture
 def hands(display, remote_head):
-    return Hands(display, remote_head)
+    return Controllers(display, remote_head)
 
 
 def test_every_kind_of_controller_is_known_by_these_names(display):
@@ -76,9 +114,9 @@ def test_each_button_is_one_command(hands):
 
 def test_the_stick_steps_and_goes_on(hands):
     assert hands.press("left", thumbstick_x=0.3) == []
-    assert hands.hold("left", frames=4, thumbstick_x=-1) == ["left"]
-    on = hands.hold("left", frames=24)  # over a second more: a step each eighth of a second or so after the first half
-    assert set(on) == {"left"} and 3 <= len(on) <= 10
+    assert hands.hold("left", frames=9, thumbstick_x=-1) == ["left"]  # the last of them 400 ms after the first
+    # The next at 450 ms, then at the first frame after 120 ms each: 600, 750, 900 ms.
+    assert [hands.hold("left", frames=1) for _ in range(10)] == [["left"], [], []] * 3 + [["left"]]
     assert hands.hold("left", thumbstick_x=0) == []
     assert hands.hold("right", frames=4, thumbstick_y=1) == ["up"]
     assert hands.hold("right", frames=4, thumbstick_x=0.9, thumbstick_y=0) == ["right"]
@@ -89,9 +127,9 @@ def test_a_question_is_answered_by_hand(hands):
     asked = QuestionDialog(Ask("trial/1/acr/quality", scale, scale.items[0], "trial", 1), lambda: 0.0, CONTROLLERS)
 
     def seen(name: str, **states: float) -> None:
-        hands._remote.hold("right", **states)
+        hands.set("right", **states)
         asked.handle(hands.frames(4, asked.panel()))
-        hands._remote.hold("right", **dict.fromkeys(states, 0))
+        hands.set("right", **dict.fromkeys(states, 0))
         asked.handle(hands.frames(4, asked.panel()))
 
     seen("confirm", trigger_click=1)
@@ -103,9 +141,18 @@ def test_a_question_is_answered_by_hand(hands):
     assert (asked.value, asked.confirmed) == (4, True)
 
 
+def test_what_is_held_goes_by_the_displays_clock(hands, display):
+    hands.real_ns.clear()
+    for _ in range(5):
+        before_ns = display.now_ns()
+        hands.frames(1)
+        assert before_ns <= hands.real_ns[-1] <= display.now_ns()
+    assert hands.real_ns == sorted(set(hands.real_ns))
+
+
 def test_after_a_reconnection_they_are_heard_again(display, monado):
     with RemoteHead() as remote:
-        hands = Hands(display, remote)
+        hands = Controllers(display, remote)
         assert hands.press("right", a_click=1) == ["confirm"]
     monado.kill()
     with pytest.raises(Lost):
@@ -114,12 +161,12 @@ def test_after_a_reconnection_they_are_heard_again(display, monado):
     monado.start()
     assert display.reopen()
     with RemoteHead() as remote:
-        hands = Hands(display, remote)
+        hands = Controllers(display, remote)
         assert hands.press("right", a_click=1) == ["confirm"]
 
 
 def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, monado):
-    hands = Hands(display, remote_head)
+    hands = Controllers(display, remote_head)
     assert display._connection.session.state == State.FOCUSED
     _focus_is_elsewhere(display)
     assert hands.hold("right", a_click=1) == []
@@ -130,8 +177,9 @@ def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, m
 
 
 def _focus_is_elsewhere(display: OpenXrDisplay) -> None:
-    """Monado takes the focus away from nobody who is alone; what it answers then is
-    XR_SESSION_NOT_FOCUSED (8).
+    """Monado takes the focus away from nobody who is alone.
+
+    What it answers then is XR_SESSION_NOT_FOCUSED (8).
     """
 
     def calls(name: str, *arguments: object) -> int:

@@ -1,4 +1,7 @@
-"""What goes wrong with a runtime, and what is left of a live run then: a clear line, the recording, and the headset again if it can be."""
+"""What goes wrong with a runtime, and what is left of a live run then.
+
+A clear line, the recording, and the headset again if it can be.
+"""
 
 from __future__ import annotations
 
@@ -54,15 +57,15 @@ def test_a_second_instance_in_one_process(monado, here):
 
 def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch):
     """Monado's first frame is not to be rendered."""
-    from hmdwarp.display.openxr.frames import Frames
+    from hmdwarp.display.openxr.frame_calls import FrameCalls
 
-    seen, ended = [], Frames.end
+    seen, ended = [], FrameCalls.end
 
-    def end(frames: Frames, layer: object = None) -> None:
+    def end(frames: FrameCalls, layer: object = None) -> None:
         seen.append((bool(frames.state.should_render), layer is not None))
         ended(frames, layer)
 
-    monkeypatch.setattr(Frames, "end", end)
+    monkeypatch.setattr(FrameCalls, "end", end)
     here.run(quick(frames=3))
     assert seen[0] == (False, False)
     assert sum(layered for _, layered in seen) == 3
@@ -70,7 +73,10 @@ def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch
 
 
 def test_another_program_takes_the_headset_for_a_while(runtime, tmp_path):
-    """Monado shows the newest of two programs; the other one's session is not visible any more, and is again when the newer one ends."""
+    """Monado shows the newest of two programs.
+
+    The other one's session is not visible any more, and is again when the newer one ends.
+    """
     runtime(WOBBLING, UNSEEN).start()
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
@@ -80,7 +86,8 @@ def test_another_program_takes_the_headset_for_a_while(runtime, tmp_path):
             second.until_recorded(5)
             before = first.recorded()
             second.until_recorded(45)  # two seconds later
-            # What was on its way to the disk, for half a second at most, may still have come: 10 pictures.
+            # What was on its way to the disk, for half a second at most, may still have come: 10
+            # pictures.
             assert first.recorded() <= before + 10
             before = first.recorded()
             second.send(signal.SIGINT)

@@ -14,12 +14,12 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.gpu.timers import StageTimer
-from hmdwarp.pipeline.build import Timing, build_pipeline
+from hmdwarp.pipeline.build import Target, build_pipeline
 from hmdwarp.pipeline.loop import PoseRequest
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.pipeline.planning import plans_for
 from hmdwarp.poses import Origin, PoseSample
-from hmdwarp.scenes import SceneEffect, load_scene
+from hmdwarp.scenes import load_scene
 
 SIZE = (64, 80)
 STEP_NS = 10_000_000
@@ -69,7 +69,8 @@ def pipeline(gpu, eyes, **changes):
     plans = plans_for(options, None, scene)
     needs = plans[0].needs
     requested = PoseRequest(Turning(), None, SIZE, options.guard, needs)
-    return build_pipeline(gpu, options, scene, eyes, plans, requested, Timing(100.0, round(options.latency_ms * 1e6)))
+    target = Target(gpu, eyes, 100.0, round(options.latency_ms * 1e6))
+    return build_pipeline(options, scene, target, plans, requested)
 
 
 def shown_at(made, number: int):
@@ -91,8 +92,8 @@ def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard,
             )
             made.server.pool(SIZE).release(truth.colour)
             if warp != "none":
-                # No latency: every warp gives the late picture back. A guard band of an odd number
-                # of pixels shifts the 2x2 quads over which the level of detail of textures is
+                # No latency: every warp gives the rendered picture back. A guard band of an odd
+                # number of pixels shifts the 2x2 quads over which the level of detail of textures is
                 # taken: a few levels of 255 where they are seen aslant, never another surface (50
                 # and more).
                 off = np.abs(found - wanted).max(axis=2)
@@ -110,7 +111,7 @@ def test_one_eye_is_enough(gpu, warp):
 
 
 def test_exchanged_passes_show_what_they_would_have_shown_alone(gpu):
-    other = build_plan(SceneEffect.NONE, "iterative", "interpolate", "none", client_geometry=True)
+    other = build_plan((), "iterative", "interpolate", "none", client_geometry=True)
     with pipeline(gpu, OneEye(), warp="iterative", fill="interpolate") as made:
         wanted = download(shown_at(made, 5).eyes[0].shown.texture)
     with pipeline(gpu, OneEye(), warp="forward") as made:
@@ -126,10 +127,7 @@ def test_exchanged_passes_show_what_they_would_have_shown_alone(gpu):
 
 def test_exchanging_again_and_again_leaves_nothing_behind(gpu):
     """Whoever compares warps in a window presses the key a hundred times."""
-    plans = [
-        build_plan(SceneEffect.NONE, warp, "none", "none", client_geometry=True)
-        for warp in ("forward", "mesh", "backward")
-    ]
+    plans = [build_plan((), warp, "none", "none", client_geometry=True) for warp in ("forward", "mesh", "backward")]
     with pipeline(gpu, OneEye()) as made:
         shown_at(made, 3)
         counts = []

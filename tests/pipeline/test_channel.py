@@ -14,15 +14,15 @@ from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.gpu.textures import download
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import set_up_replay
 
 NETWORKS = {
     "plain": {},
     "jitter": {"jitter": "uniform:30"},
     "normal": {"jitter": "normal:15"},
-    "bursts": {"loss": "p=0.2,r=0.5", "seed": 3},
+    "bursts": {"loss": "p=0.2,r=0.5", "link_seed": 3},
     "narrow": {"bandwidth": "3,queue=60"},
-    "all": {"jitter": "uniform:40", "loss": "0.1", "bandwidth": "20", "seed": 1},
+    "all": {"jitter": "uniform:40", "loss": "0.1", "bandwidth": "20", "link_seed": 1},
 }
 
 
@@ -30,7 +30,7 @@ NETWORKS = {
 @pytest.mark.parametrize("network", NETWORKS)
 def test_every_frame_is_accounted_for(tmp_path, network, codec):
     told = run(
-        tmp_path, network=LinkOptions.parse(**NETWORKS[network]), coding=Coding(codec), latency_ms=60.0, seconds=1.0
+        tmp_path, network=LinkOptions.of(NETWORKS[network]), coding=Coding(codec), latency_ms=60.0, seconds=1.0
     ).summary
     frames = told["link"]["frames"]
     assert frames["drawn"] == frames["dropped"] + frames["sent"]
@@ -50,17 +50,17 @@ def test_the_client_warps_what_has_arrived(codec):
     """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within
     the code's own bound."""
     seen = []
-    with build_rig(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as rig:
-        for instant_ns, shown in rig.timetable.instants():
-            rig.loop.draw(instant_ns)
-            refresh = rig.loop.show(instant_ns) if shown else None
+    with set_up_replay(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as setup:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            refresh = setup.loop.show(instant_ns) if number >= 0 else None
             if refresh is None:
                 continue
             eye = refresh.frame.eyes[0]
-            whole = rig.server.draw(eye.view, eye.size)
+            whole = setup.server.draw(eye.view, eye.size)
             before, after = (picture_from_linear(download(x.colour)).astype(float) for x in (whole, eye))
             depths = download(whole.inverse_depth), download(eye.inverse_depth)
-            rig.server.pool(eye.size).release(whole.colour)
+            setup.server.pool(eye.size).release(whole.colour)
             seen.append(-10 * np.log10(np.mean((before - after) ** 2) / 255**2))
             assert not np.array_equal(before, after)
             assert np.abs(depths[0] - depths[1]).max() <= 0.01 * depths[0].max()
@@ -89,7 +89,7 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
 
 def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
     options = {
-        "network": LinkOptions.parse(jitter="normal:20", loss="p=0.1,r=0.5", bandwidth="8", seed=7),
+        "network": LinkOptions.of({"jitter": "normal:20", "loss": "p=0.1,r=0.5", "bandwidth": "8", "link_seed": 7}),
         "coding": Coding("h264"),
         "latency_ms": 70.0,
         "images": 3,
@@ -101,7 +101,7 @@ def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
 
 def test_a_frame_that_never_arrives_leaves_the_last_one_on_the_screen_growing_old(tmp_path):
     """A network in bursts of seconds: its first frames come through, then none for a while."""
-    network = LinkOptions.parse(loss="p=0.06,r=0.02", seed=2)
+    network = LinkOptions.of({"loss": "p=0.06,r=0.02", "link_seed": 2})
     result = run(tmp_path, network=network, latency_ms=50.0, seconds=2.0)
     rows = [row for row in rows_of(tmp_path) if row["eye"] == "0"]
     ages, drawn = ([float(row[name]) for row in rows] for name in ("age_ms", "drawn_ns"))
@@ -115,7 +115,7 @@ def test_a_frame_that_never_arrives_leaves_the_last_one_on_the_screen_growing_ol
 
 def test_a_network_that_lets_nothing_through_is_refused_in_one_line(tmp_path):
     with pytest.raises(InputError, match="no frame has arrived in time to be shown .*lost"):
-        run(tmp_path, network=LinkOptions.parse(loss="p=0,r=1,good=1"))
+        run(tmp_path, network=LinkOptions.of({"loss": "p=0,r=1,good=1"}))
     assert contents(tmp_path) == {}
 
 

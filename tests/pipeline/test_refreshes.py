@@ -17,7 +17,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.link import Link, LinkOptions
 from hmdwarp.pipeline.build import refreshes_of
 from hmdwarp.poses import PoseTrack
-from hmdwarp.run.rig import timetable
+from hmdwarp.run.schedule import schedule_of
 
 BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
 
@@ -34,9 +34,9 @@ def shown_ages(times, latency_ms: float) -> list[int | None]:
     """
     link: Link[int] = LinkOptions().link(times.link_latency_ns(small(latency_ms=latency_ms)))
     ages = []
-    for now_ns, shown in times.instants():
+    for number, now_ns in times.numbered():
         link.send(now_ns, now_ns)
-        if shown:
+        if number >= 0:
             drawn = link.newest(now_ns)
             ages.append(None if drawn is None else now_ns - drawn)
     return ages
@@ -52,9 +52,9 @@ def shown_ages(times, latency_ms: float) -> list[int | None]:
 def test_every_shown_refresh_has_its_frame_at_its_age(latency_ms, rate_hz, seconds, start_s):
     made = track(4.5)
     assume(refreshes_of(latency_ms, rate_hz) / rate_hz <= 4.5)
-    times = timetable(made, small(latency_ms=latency_ms, start_s=start_s, seconds=seconds), rate_hz)
-    instants = list(times.instants())
-    shown = [at for at, is_shown in instants if is_shown]
+    times = schedule_of(made, small(latency_ms=latency_ms, start_s=start_s, seconds=seconds), rate_hz)
+    instants = list(times.numbered())
+    shown = [at for number, at in instants if number >= 0]
     period_ns = 1e9 / rate_hz
 
     # From the start asked for, or from when a frame drawn at the trace's first instant is seen;
@@ -63,8 +63,8 @@ def test_every_shown_refresh_has_its_frame_at_its_age(latency_ms, rate_hz, secon
     assert abs(shown[0] - (made.start_ns + earliest_s * 1e9)) <= 1
     assert len(shown) == times.count and len(instants) == times.count + times.age
     # Nothing is drawn before the trace or shown after its end.
-    assert instants[0][0] >= made.start_ns - 1 and shown[-1] <= made.end_ns + 1
-    steps = np.diff([at for at, _ in instants])
+    assert instants[0][1] >= made.start_ns - 1 and shown[-1] <= made.end_ns + 1
+    steps = np.diff([at for _, at in instants])
     assert (np.abs(steps - period_ns) <= 1).all()
 
     ages = shown_ages(times, latency_ms)
@@ -78,7 +78,7 @@ def test_every_shown_refresh_has_its_frame_at_its_age(latency_ms, rate_hz, secon
 
 @given(rate_hz=st.floats(1, 1000), seconds=st.floats(0.001, 3), length_s=st.floats(1, 3))
 def test_as_many_refreshes_as_fit(rate_hz, seconds, length_s):
-    times = timetable(track(length_s), small(latency_ms=0.0, seconds=seconds), rate_hz)
+    times = schedule_of(track(length_s), small(latency_ms=0.0, seconds=seconds), rate_hz)
     wanted = min(seconds, round(length_s * 1e9) * 1e-9) * rate_hz
     assert times.count == max(1, math.floor(wanted + 1e-6))
 
@@ -98,8 +98,8 @@ def test_counts_at_the_end_of_the_trace(seconds, count):
 
     1.8 s, 108 refreshes of 60 Hz, the last one period before the end.
     """
-    times = timetable(track(2.0), small(seconds=seconds), 60.0)
-    shown = [at for at, is_shown in times.instants() if is_shown]
+    times = schedule_of(track(2.0), small(seconds=seconds), 60.0)
+    shown = [at for number, at in times.numbered() if number >= 0]
     assert len(shown) == count
     assert shown[0] == BEGIN_NS + 200_000_000
     if count == 108:
@@ -115,13 +115,13 @@ def test_counts_at_the_end_of_the_trace(seconds, count):
 def test_nothing_to_show_is_refused(options, told):
     """1999 ms is 120 refreshes after drawing at 60 Hz, 2000 ms; the last would be at 2.0167 s."""
     with pytest.raises(InputError, match=told):
-        timetable(track(2.0) if options.get("latency_ms") != 1999.0 else track(1.9995), small(**options), 60.0)
+        schedule_of(track(2.0) if options.get("latency_ms") != 1999.0 else track(1.9995), small(**options), 60.0)
 
 
 def test_a_single_sample_is_no_motion():
     one = PoseTrack(np.array([7]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), name="one")
     with pytest.raises(InputError, match="single sample"):
-        timetable(one, small(), 60.0)
+        schedule_of(one, small(), 60.0)
 
 
 @pytest.mark.parametrize(("latency_ms", "age_ms"), [(0.0, 0.0), (10.0, 1000 / 60), (50.0, 50.0), (205.0, 13000 / 60)])

@@ -10,7 +10,10 @@ from reference._rays import Array
 
 @attrs.frozen
 class Behind:
-    """Inverse depths in 1/m; one that is not known is np.inf, nearer than all others. tolerance, floor: as the fills' settings."""
+    """Inverse depths in 1/m; one that is not known is np.inf, nearer than all others.
+
+    tolerance, floor: as the fills' settings.
+    """
 
     tolerance: float
     floor: float
@@ -20,7 +23,10 @@ class Behind:
         return farthest + self.tolerance * (farthest + self.floor)
 
     def share(self, depth: Array, farthest: Array) -> Array:
-        """1 for what is as far as `farthest` or farther; nearer, with x tolerances between them, 1 / (1 + x^4), and 0 beyond x = 100."""
+        """1 for what is as far as `farthest` or farther.
+
+        Nearer, with x tolerances between them, 1 / (1 + x^4), and 0 beyond x = 100.
+        """
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             x = np.maximum(depth - farthest, 0) / (self.tolerance * (farthest + self.floor) + 1e-12)
             x = np.where(depth == farthest, 0.0, x)  # both unknown

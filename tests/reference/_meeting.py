@@ -1,7 +1,9 @@
-"""Where shown rays meet the surface that a picture with depth holds: for the twins of the warps that gather from several pictures.
+"""Where shown rays meet the surface that a picture with depth holds.
 
-Points on a ray are found by projecting world points, guesses by sorting where drawn pixels land. Where a decision hangs on less than
-rounding may change, the pixel is undecided.
+For the twins of the warps that gather from several pictures.
+
+Points on a ray are found by projecting world points, guesses by sorting where drawn pixels land.
+Where a decision hangs on less than rounding may change, the pixel is undecided.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from scipy import ndimage
 
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from reference.picture import LatePicture, ReferencePicture, sample_covered
+from reference.picture import ReferencePicture, RenderedPicture, sample_covered
 
 Mask = NDArray[np.bool_]
 MOST_STEP = 0.5  # pixels
@@ -26,9 +28,12 @@ SAME, FARTHEST = (
 
 @attrs.frozen(eq=False)
 class Rays:
-    """The rays of the shown pixels as lines in a rendered picture: the pixel of a point at rendered inverse depth r is start + r * along.
+    """The rays of the shown pixels as lines in a rendered picture.
 
-    ahead: whether the ray goes to where the rendered eye looks. error: pixels, of a place on the line.
+    The pixel of a point at rendered inverse depth r is start + r * along.
+
+    ahead: whether the ray goes to where the rendered eye looks. error: pixels, of a place on the
+    line.
     """
 
     shown: View
@@ -44,7 +49,8 @@ class Rays:
         none = np.zeros(shown_size[::-1])
         rays, moved = world_directions(shown, shown_size), shown.pose.position_m - view.pose.position_m
         start, _, w = project(rays, moved, none, view, size)
-        # A second point, so far away that it moves by a thousandth of the tangent: the line is through both.
+        # A second point, so far away that it moves by a thousandth of the tangent: the line is
+        # through both.
         far = none + 1e-3 / (np.linalg.norm(moved) + 1e-6) * np.maximum(w, 1e-6)
         point, depth, _ = project(rays, moved, far, view, size)
         return cls(shown, shown_size, view, size, start, (point - start) / depth[..., None], w > 0)
@@ -55,8 +61,11 @@ class Rays:
         return project(world_directions(self.shown, self.shown_size), moved, shown_depth, self.view, self.size)[1]
 
     def shown_depth(self, place: Array, depth: Array) -> tuple[Array, Mask]:
-        """The way back: points of the rendered view, brought into the world, seen from the shown eye; NaN behind it. And whether they lie
-        so close to its plane that rounding may put them on either side."""
+        """The way back.
+
+        Points of the rendered view, brought into the world, seen from the shown eye; NaN behind it.
+        And whether they lie so close to its plane that rounding may put them on either side.
+        """
         left, right, down, up = self.view.fov.tangents
         x = left + place[..., 0] / self.size[0] * (right - left)
         y = down + place[..., 1] / self.size[1] * (up - down)
@@ -66,7 +75,10 @@ class Rays:
         return seen, np.abs(w) <= 64 * FLOAT32_UNIT * (1 + depth * np.linalg.norm(moved))
 
     def error(self, shown_depth: Array) -> Array:
-        """(h, w): pixels by which the shader's place of a point may be off: it adds two more products and a quotient to the bound's."""
+        """(h, w): pixels by which the shader's place of a point may be off.
+
+        It adds two more products and a quotient to the bound's.
+        """
         bound = pixel_error_bound(
             WarpMap.between(self.shown, self.shown_size, self.view, self.size), self.shown_size, np.abs(shown_depth)
         )
@@ -75,8 +87,11 @@ class Rays:
 
 @attrs.frozen(eq=False)
 class Meetings:
-    """depth: in the shown view, -1 where a ray meets nothing. look: where its colour is looked for. connected (h, w, 2). rendered_depth: of
-    the point in the picture's own view. place_error: pixels."""
+    """depth: in the shown view, -1 where a ray meets nothing.
+
+    look: where its colour is looked for. connected (h, w, 2). rendered_depth: of the point in the
+    picture's own view. place_error: pixels.
+    """
 
     depth: Array
     rendered_depth: Array
@@ -95,9 +110,10 @@ def is_depth(inverse_depth: Array) -> Mask:
     return (inverse_depth >= 0) & (inverse_depth < 1e30)
 
 
-def guesses(picture: LatePicture, shown: View, shown_size: tuple[int, int]) -> tuple[list[Array], Mask]:
-    """Of what lands in each shown pixel and those around it the nearest, the nearest in the pixel itself, and the farthest: shown inverse
-    depths, -1 for nothing. And where rounding may decide."""
+def guesses(picture: RenderedPicture, shown: View, shown_size: tuple[int, int]) -> tuple[list[Array], Mask]:
+    """Of what lands in each shown pixel and those around it the nearest, the nearest in the pixel
+    itself, and the farthest: shown inverse depths, -1 for nothing. And where rounding may decide.
+    """
     size = picture.inverse_depth.shape[1::-1]
     drawn = (picture.inverse_depth >= 0) & (picture.inverse_depth <= np.finfo(np.float32).max)
     own = np.where(drawn, picture.inverse_depth, 0)
@@ -128,8 +144,10 @@ def _may_land(pixels: Array, error: Array, shown_size: tuple[int, int]) -> Mask:
     return marked
 
 
-def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
-    """One step from a guess (shown inverse depth) to the plane of the texel that the ray is over at that depth."""
+def meet(picture: RenderedPicture, rays: Rays, guess: Array) -> Meetings:
+    """One step from a guess (shown inverse depth) to the plane of the texel that the ray is over at
+    that depth.
+    """
     guess_known = guess >= 0
     r = rays.rendered_depth(np.where(guess_known, guess, 0))
     with np.errstate(invalid="ignore", over="ignore"):
@@ -138,7 +156,8 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
     usable = guess_known & rays.ahead & np.isfinite(p).all(axis=-1) & np.isfinite(r)
     p, r = np.where(usable[..., None], p, 0.5), np.where(usable, r, 0)
     at = np.clip(p, 0, rays.size)
-    # Texels left and right of, below and above the nearest corner of four; the own one is on p's side of it.
+    # Texels left and right of, below and above the nearest corner of four; the own one is on p's
+    # side of it.
     corner = np.floor(at + 0.5).astype(int)
     upper = p >= corner
     own_texel, beside_texel = corner + np.where(upper, 0, -1), corner + np.where(upper, -1, 0)
@@ -167,7 +186,8 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
             np.where(np.isfinite(place), place, 0), np.where(np.isfinite(r_met), r_met, 0)
         )
         met = usable & is_depth(own) & (moved <= MOST_STEP) & inside & np.isfinite(shown_depth)
-        # Borders between texels decide which is met; their middles, to which side it slants, which matters if the step leads away.
+        # Borders between texels decide which is met; their middles, to which side it slants, which
+        # matters if the step leads away.
         from_border, from_middle = (np.abs(q - np.round(q)).min(axis=-1) for q in (p, p - 0.5))
         unsure = usable & (
             (from_border <= error)
@@ -183,7 +203,7 @@ def meet(picture: LatePicture, rays: Rays, guess: Array) -> Meetings:
     )
 
 
-def _held(picture: LatePicture, texel: NDArray[np.int64]) -> Array:
+def _held(picture: RenderedPicture, texel: NDArray[np.int64]) -> Array:
     high, wide = picture.inverse_depth.shape
     return picture.inverse_depth[np.clip(texel[..., 1], 0, high - 1), np.clip(texel[..., 0], 0, wide - 1)]
 
@@ -203,7 +223,9 @@ def _from_border(place: Array, size: tuple[int, int]) -> Array:
 
 
 def is_nearer(depth: Array, other: Array) -> tuple[Mask, Mask]:
-    """Whether `depth` is nearer than `other` (-1: nothing) by more than rounding, and whether that is a close call."""
+    """Whether `depth` is nearer than `other` (-1: nothing) by more than rounding, and whether that
+    is a close call.
+    """
     beyond = depth * (1 - SAME) - other - FARTHEST
     close = np.abs(beyond) <= SAME / 4 * np.maximum(depth, other) + FARTHEST / 4
     return np.where(other < 0, depth >= 0, beyond > 0), close & (depth >= 0) & (other >= 0)
@@ -233,7 +255,7 @@ class Found:
     looked: ReferencePicture
 
 
-def met_by(picture: LatePicture, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> Found:
+def met_by(picture: RenderedPicture, shown: View, shown_size: tuple[int, int], sampler_pixels: float) -> Found:
     rays = Rays.between(shown, shown_size, picture.view, picture.inverse_depth.shape[1::-1])
     tried, unsure = guesses(picture, shown, shown_size)
     found = first_of([meet(picture, rays, guess) for guess in tried])

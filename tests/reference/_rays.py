@@ -1,4 +1,6 @@
-"""Pixels to rays to pixels, through the world, and how far a float32 evaluation of the warp map may be off."""
+"""Pixels to rays to pixels, through the world, and how far a float32 evaluation of the warp map may
+be off.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +16,11 @@ FLOAT32_UNIT = 2.0**-24  # half the distance from 1 to the next float32
 
 @attrs.frozen(eq=False)
 class Places:
-    """Where in the shown view a picture looks, if not at the pixel centres: pixels (h, w, 2). error: how far off a shader's place may
-    be, in pixels; rounding: by how much more than one map's its arithmetic may round."""
+    """Where in the shown view a picture looks, if not at the pixel centres: pixels (h, w, 2).
+
+    error: how far off a shader's place may be, in pixels; rounding: by how much more than one map's
+    its arithmetic may round.
+    """
 
     pixels: Array
     error: Array | float = 0.0
@@ -23,7 +28,9 @@ class Places:
 
 
 def world_directions(view: View, size: tuple[int, int], at: Array | None = None) -> Array:
-    """(h, w, 3) directions in the world through the pixel centres, or the pixels `at`, of length 1 along the view axis."""
+    """(h, w, 3) directions in the world through the pixel centres, or the pixels `at`, of length 1
+    along the view axis.
+    """
     rays = view.rays(size) if at is None else rays_through(view, size, at)
     return rays @ view.pose.rotation.as_matrix().T
 
@@ -43,10 +50,11 @@ def rays_through(view: View, size: tuple[int, int], at: Array) -> Array:
 def project(
     directions: Array, offset_m: Array, inverse_depth: Array, view: View, size: tuple[int, int]
 ) -> tuple[Array, Array, Array]:
-    """Where points at eye + direction / inverse_depth appear in `view`, whose eye lies at eye - offset_m.
+    """Where points at eye + direction / inverse_depth appear in `view`, whose eye lies at eye -
+    offset_m.
 
-    Returns pixel (..., 2), inverse depth there (...) and w (...), the depth ratio; NaN pixels where w <= 0. Points are scaled by
-    inverse_depth, so that infinitely far ones (0) are directions.
+    Returns pixel (..., 2), inverse depth there (...) and w (...), the depth ratio; NaN pixels where
+    w <= 0. Points are scaled by inverse_depth, so that infinitely far ones (0) are directions.
     """
     scaled = directions + offset_m * inverse_depth[..., None]
     in_eye = scaled @ view.pose.rotation.as_matrix()  # rotates world to eye: row vectors times R are R^T times columns
@@ -62,12 +70,16 @@ def project(
 def pixel_error_bound(
     warp: WarpMap, size: tuple[int, int], inverse_depth: Array, places: Places | None = None
 ) -> Array:
-    """(h, w): how far, in pixels, the float32 evaluation of `warp` may lie from the exact one at each pixel of a (w, h) picture.
+    """(h, w).
 
-    Standard model: an inner product of four float32 terms with rounded entries is off by at most 6 u times the sum of the
-    absolute terms (Higham 2002, section 3.1: 4 for the sum, 1 for the product, 1 for the entry); the row stepping of the
-    shaders adds one more addition and one product (2 u). Dividing by w adds the relative error of w and 1 u. An error of the place
-    itself is carried by the map's derivative, (H_xy - position H_w) / w.
+    How far, in pixels, the float32 evaluation of `warp` may lie from the exact one at each pixel of
+    a (w, h) picture.
+
+    Standard model: an inner product of four float32 terms with rounded entries is off by at most 6
+    u times the sum of the absolute terms (Higham 2002, section 3.1: 4 for the sum, 1 for the
+    product, 1 for the entry); the row stepping of the shaders adds one more addition and one
+    product (2 u). Dividing by w adds the relative error of w and 1 u. An error of the place itself
+    is carried by the map's derivative, (H_xy - position H_w) / w.
     """
     if places is None:
         places = Places(pixel_centres(size))
@@ -78,7 +90,8 @@ def pixel_error_bound(
     with np.errstate(divide="ignore", invalid="ignore"):
         w = np.abs(q[..., 2])
         position = np.abs(q[..., :2]) / w[..., None]
-        # The denominator may itself be smaller by its error; below that the point is as good as beside the eye.
+        # The denominator may itself be smaller by its error; below that the point is as good as
+        # beside the eye.
         safe = np.where(w > 2 * error[..., 2], w - error[..., 2], np.nan)
         bound = (error[..., :2] + position * error[..., 2:]) / safe[..., None] + FLOAT32_UNIT * position
         stretch = (np.abs(warp.H[:2, :2]).sum(axis=-1) + position * np.abs(warp.H[2, :2]).sum()) / safe[..., None]

@@ -1,4 +1,7 @@
-"""The late picture as a surface, and shown rays drawn into it: what the twins of the gathers that search the late depth share."""
+"""The rendered picture as a surface, and shown rays drawn into it.
+
+What the twins of the gathers that search the rendered depth share.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,13 @@ LEAST_RUN = 0.25  # of 1 - slope . along
 
 
 @attrs.frozen(eq=False)
-class RaysInLate:
-    """Where shown rays appear in the late picture: at inverse depth r (of the late eye) at start + r * along, pixels.
+class RaysInRendered:
+    """Where shown rays appear in the rendered picture.
 
-    lead: the rays' component along the late eye's axis; ahead_m: how far the shown eye stands before the late one along that axis.
-    start_error, along_error: how far float32 may be off.
+    At inverse depth r (of the rendered eye) at start + r * along, pixels.
+
+    lead: the rays' component along the rendered eye's axis; ahead_m: how far the shown eye stands
+    before the rendered one along that axis. start_error, along_error: how far float32 may be off.
     """
 
     start: Array
@@ -36,13 +41,16 @@ class RaysInLate:
         shown: View,
         shown_size: tuple[int, int],
         directions: Array | None = None,
-    ) -> RaysInLate:
-        """Through the pixel centres of the shown view, or along `directions` (..., 3) of length 1 along its axis."""
+    ) -> RaysInRendered:
+        """Through the pixel centres of the shown view, or along `directions` (..., 3) of length 1
+        along its axis.
+        """
         rays = world_directions(shown, shown_size) if directions is None else directions
         moved = shown.pose.position_m - rendered.pose.position_m
         axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
         lead, ahead = rays @ axis, float(axis @ moved)
-        # A point of late inverse depth r lies at the length t = (1/r - ahead) / lead; scaled by r lead: no division, so no case for r = 0.
+        # A point of rendered inverse depth r lies at the length t = (1/r - ahead) / lead; scaled by
+        # r lead: no division, so no case for r = 0.
         start, at_one = (project(rays * (1 - r * ahead), moved, r * lead, rendered, size)[0] for r in (0.0, 1.0))
         warp = WarpMap.between(shown, shown_size, rendered, size)
         along = at_one - start
@@ -66,8 +74,12 @@ class RaysInLate:
 
 @attrs.frozen(eq=False)
 class Found:
-    """The surface at some places: inverse depth there, its slope (1/m per pixel), the texel's centre, whether it is connected along x
-    and y; known; unsure: whether rounding may choose another texel or call neighbours connected."""
+    """The surface at some places.
+
+    Inverse depth there, its slope (1/m per pixel), the texel's centre, whether it is connected
+    along x and y; known; unsure: whether rounding may choose another texel or call neighbours
+    connected.
+    """
 
     depth: Array
     slope: Array
@@ -78,8 +90,11 @@ class Found:
 
 
 @attrs.frozen(eq=False)
-class LateSurface:
-    """A late inverse depth (h, w); neighbours are connected if they differ by at most tolerance * (the farther's + floor)."""
+class RenderedSurface:
+    """A rendered inverse depth (h, w).
+
+    Neighbours are connected if they differ by at most tolerance * (the farther's + floor).
+    """
 
     inverse_depth: Array
     tolerance: float
@@ -122,6 +137,6 @@ class LateSurface:
         return Found(own + (slopes * off).sum(axis=-1), slopes, centre, np.stack(connected, axis=-1), own >= 0, close)
 
 
-def run_of(found: Found, rays: RaysInLate) -> Array:
+def run_of(found: Found, rays: RaysInRendered) -> Array:
     """How fast a ray comes nearer to the plane it is at, per inverse depth; at least LEAST_RUN."""
     return np.maximum(1 - (found.slope * rays.along).sum(axis=-1), LEAST_RUN)

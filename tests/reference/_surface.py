@@ -1,4 +1,7 @@
-"""The surface that a depth picture stands for: triangles between pixel centres, cut where surfaces part."""
+"""The surface that a depth picture stands for.
+
+Triangles between pixel centres, cut where surfaces part.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ from reference._rays import FLOAT32_UNIT, Array
 
 STRAIGHT = 0.25  # as shaders/warps/mesh_blocks.comp
 MOST = 1e12  # 1/m
-OVERLAP = 1 / 64  # late pixels by which pieces of a cut cell reach over its border, as shaders/warps/mesh_pieces.vert
+# rendered pixels by which pieces of a cut cell reach over its border, as
+# shaders/warps/mesh_pieces.vert
+OVERLAP = 1 / 64
 # Corners of a cell as (row, column), and its edges as pairs of corners.
 CORNERS = ((0, 0), (0, 1), (1, 0), (1, 1))
 BELOW, ABOVE, LEFT, RIGHT = (0, 1), (2, 3), (0, 2), (1, 3)
@@ -20,8 +25,12 @@ HALVES = ((0, 1, 2), (2, 1, 3))
 
 @attrs.frozen(eq=False)
 class Surface:
-    """n triangles. corners (n, 3, 3): x, y in late pixels and inverse depth. owner (n, 2): the pixel centre whose colour it has, or NaN;
-    towards (n, 2): which way along x, y the colour may change from there, 0 for not. doubtful (n,): rounding may have made it, or not."""
+    """n triangles.
+
+    corners (n, 3, 3): x, y in rendered pixels and inverse depth. owner (n, 2): the pixel centre
+    whose colour it has, or NaN; towards (n, 2): which way along x, y the colour may change from
+    there, 0 for not. doubtful (n,): rounding may have made it, or not.
+    """
 
     corners: Array
     owner: Array
@@ -31,7 +40,10 @@ class Surface:
 
 @attrs.frozen(eq=False)
 class Joins:
-    """Which neighbours are one surface. along_x (h+2, w+1), along_y (h+1, w+2): of the picture with its border repeated once."""
+    """Which neighbours are one surface.
+
+    along_x (h+2, w+1), along_y (h+1, w+2): of the picture with its border repeated once.
+    """
 
     along_x: np.ndarray
     along_y: np.ndarray
@@ -44,7 +56,10 @@ def known_depth(inverse_depth: Array) -> Array:
 
 
 def surface(inverse_depth: Array, steepest: tuple[float, float], *, cut_by_slope: bool) -> Surface:
-    """All triangles of a late picture, by cells from the bottom left; steepest as in client/warps/_mesh.py."""
+    """All triangles of a rendered picture, by cells from the bottom left.
+
+    Steepest as in client/warp_kinds/mesh.py.
+    """
     depth = known_depth(inverse_depth)
     strict, lenient = (_joins(depth, steepest, cut_by_slope, sign) for sign in (-1, 1))
     padded = np.pad(depth, 1, mode="edge")
@@ -97,7 +112,9 @@ def _edges(joins: Joins, j: int, i: int) -> tuple[bool, ...]:
 def _cell(
     i: int, j: int, values: tuple, edges: tuple[bool, ...], shape: tuple[int, int], *, doubtful: bool
 ) -> list[tuple]:
-    """Triangles of the cell between the centres of pixels (i-1, j-1) and (i, j), its part outside the picture cut off."""
+    """Triangles of the cell between the centres of pixels (i-1, j-1) and (i, j), its part outside
+    the picture cut off.
+    """
     nowhere = (np.nan, np.nan)
 
     def place(x: float, y: float) -> tuple[float, float]:
@@ -129,7 +146,9 @@ def _cell(
 
 
 def _reaching_out(values_at: dict, x: int, y: int) -> list[tuple[tuple[float, float], float]]:
-    """Places and values of a quarter in rows from below, its outer sides moved out by OVERLAP on the surface they belong to."""
+    """Places and values of a quarter in rows from below, its outer sides moved out by OVERLAP on
+    the surface they belong to.
+    """
     out = []
     for (px, py), value in sorted(values_at.items(), key=lambda item: item[0][::-1]):
         slope_x = (value - values_at[0.5, py]) if px == x else 0.0
@@ -140,7 +159,10 @@ def _reaching_out(values_at: dict, x: int, y: int) -> list[tuple[tuple[float, fl
 
 
 def _middle(one: int, joined: list[tuple[int, int]], values: tuple) -> float:
-    """Inverse depth at the middle of the cell on the surface of corner `one`: the mean of opposite corners, as far as they belong to it."""
+    """Inverse depth at the middle of the cell on the surface of corner `one`.
+
+    The mean of opposite corners, as far as they belong to it.
+    """
     group = {one}
     for _ in range(3):
         group |= {corner for pair in joined if group & set(pair) for corner in pair}

@@ -1,4 +1,7 @@
-"""Twin of a warp that looks through the lens itself: the lens's ray for each colour of each panel pixel, handed to the warp's own twin."""
+"""Twin of a warp that looks through the lens itself.
+
+The lens's ray for each colour of each panel pixel, handed to the warp's own twin.
+"""
 
 from __future__ import annotations
 
@@ -8,27 +11,30 @@ import numpy as np
 from hmdwarp.geometry import View
 from hmdwarp.headsets import COLOURS, Headset
 from reference._rays import FLOAT32_UNIT, Array, Places
-from reference.picture import Asked, ReferencePicture, near_edge
+from reference.picture import ReferencePicture, TwinInputs, near_edge
 from reference.scanout import Twin, scanned_out
 
 
 def fused(
-    asked: Asked, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None
+    inputs: TwinInputs, twin: Twin, headset: Headset, eye: int, panel_size: tuple[int, int], last: View | None = None
 ) -> ReferencePicture:
-    """The panel picture (h, w, 4) that `twin`'s warp makes in one resample; black where the lens shows more than the shown view.
+    """The panel picture (h, w, 4) that `twin`'s warp makes in one resample.
 
-    last: the view of the panel's last row, if rows light up one after the other. tolerance is that of the worst of the three colours;
-    undecided is a pixel of which any colour is.
+    Black where the lens shows more than the shown view.
+
+    last: the view of the panel's last row, if rows light up one after the other. tolerance is that
+    of the worst of the three colours; undecided is a pixel of which any colour is.
     """
     out = np.zeros((*panel_size[::-1], 4))
     tolerance, undecided = np.zeros(panel_size[::-1]), np.zeros(panel_size[::-1], bool)
     for channel, colour in enumerate(COLOURS):
-        pixels, error = looked_at(headset, eye, panel_size, asked, colour)
-        # One more product and addition than for a pixel centre, and a map at the lens's axis: 4 more units of the same terms.
-        looking = attrs.evolve(asked, places=Places(pixels, error, rounding=1.5))
+        pixels, error = looked_at(headset, eye, panel_size, inputs, colour)
+        # One more product and addition than for a pixel centre, and a map at the lens's axis: 4
+        # more units of the same terms.
+        looking = attrs.evolve(inputs, places=Places(pixels, error, rounding=1.5))
         seen = twin(looking) if last is None else scanned_out(looking, last, twin)
-        inside = ((pixels >= 0) & (pixels < np.array(asked.shown_size))).all(axis=-1)
-        close = near_edge(pixels, asked.shown_size, error)
+        inside = ((pixels >= 0) & (pixels < np.array(inputs.shown_size))).all(axis=-1)
+        close = near_edge(pixels, inputs.shown_size, error)
         for target in (channel, 3) if colour == "green" else (channel,):
             out[..., target] = np.where(inside, seen.colour[..., target], 0)
         tolerance = np.maximum(tolerance, seen.tolerance)
@@ -37,13 +43,15 @@ def fused(
 
 
 def looked_at(
-    headset: Headset, eye: int, panel_size: tuple[int, int], asked: Asked, colour: str
+    headset: Headset, eye: int, panel_size: tuple[int, int], inputs: TwinInputs, colour: str
 ) -> tuple[Array, Array]:
-    """(h, w, 2) the pixel of the shown view where each panel pixel sees that colour, in polar form; (h, w) a float32 shader's error.
+    """(h, w, 2) the pixel of the shown view where each panel pixel sees that colour, in polar form.
 
-    A place on the lens is a product and a sum of rounded numbers (4 units of their absolute values); nine Horner steps and their
-    products are 2 * 9 + 4 units of the polynomial's absolute terms, and carry the place's error by its slope; the steps to pixels
-    add 6 units of their terms.
+    (h, w) a float32 shader's error.
+
+    A place on the lens is a product and a sum of rounded numbers (4 units of their absolute
+    values); nine Horner steps and their products are 2 * 9 + 4 units of the polynomial's absolute
+    terms, and carry the place's error by its slope; the steps to pixels add 6 units of their terms.
     """
     lens = headset.lens
     scale, offset = headset.lens_from_panel(eye, panel_size)
@@ -52,8 +60,8 @@ def looked_at(
     radius, angle = np.hypot(on_lens[..., 0], on_lens[..., 1]), np.arctan2(on_lens[..., 1], on_lens[..., 0])
     along = lens.tangent_from_lens(np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
     tangent = np.stack([along * np.cos(angle), along * np.sin(angle)], axis=-1)
-    left, right, down, up = asked.shown.fov.tangents
-    low, per_tangent = np.array([left, down]), np.array(asked.shown_size) / np.array([right - left, up - down])
+    left, right, down, up = inputs.shown.fov.tangents
+    low, per_tangent = np.array([left, down]), np.array(inputs.shown_size) / np.array([right - left, up - down])
 
     k = np.abs(lens.coefficients[colour]) * lens.tangent_per_unit
     powers = radius[..., None] ** (2 * np.arange(len(k)))

@@ -6,26 +6,28 @@ import numpy as np
 
 from hmdwarp.geometry import Pose, View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, project
-from reference.picture import Asked, ReferencePicture, near_edge, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 
-def none(asked: Asked) -> ReferencePicture:
-    """The late picture at the same angles from the view axis."""
-    return _through_infinity(asked, View(asked.rendered.pose, asked.shown.fov))
+def none(inputs: TwinInputs) -> ReferencePicture:
+    """The rendered picture at the same angles from the view axis."""
+    return _through_infinity(inputs, View(inputs.rendered.pose, inputs.shown.fov))
 
 
-def rotation(asked: Asked) -> ReferencePicture:
-    """Each shown pixel's direction, looked up in the late picture."""
-    shown = asked.shown
-    return _through_infinity(asked, View(Pose(asked.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov))
+def rotation(inputs: TwinInputs) -> ReferencePicture:
+    """Each shown pixel's direction, looked up in the rendered picture."""
+    shown = inputs.shown
+    return _through_infinity(
+        inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov)
+    )
 
 
-def _through_infinity(asked: Asked, shown: View) -> ReferencePicture:
-    size, rendered = asked.size, asked.rendered
-    far = np.zeros(asked.shape)
-    pixels, _, _ = project(asked.directions(shown), np.zeros(3), far, rendered, size)
-    bound = asked.map_error(WarpMap.between(shown, asked.shown_size, rendered, size), far)
-    return sample_covered(asked.colour, pixels, bound, asked.sampler_pixels)
+def _through_infinity(inputs: TwinInputs, shown: View) -> ReferencePicture:
+    size, rendered = inputs.size, inputs.rendered
+    far = np.zeros(inputs.shape)
+    pixels, _, _ = project(inputs.directions(shown), np.zeros(3), far, rendered, size)
+    bound = inputs.map_error(WarpMap.between(shown, inputs.shown_size, rendered, size), far)
+    return sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
 
 
 def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
@@ -37,15 +39,15 @@ def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
     return float(samples[(len(samples) + 1) // 2 - 1]) if len(samples) else 0.0
 
 
-def planar(asked: Asked) -> ReferencePicture:
-    """Each shown ray, met with the plane at the median depth before the late eye."""
-    rendered, shown, shown_size, size = asked.rendered, asked.shown, asked.shown_size, asked.size
-    r = median_inverse_depth(asked.inverse_depth)
-    rays = asked.directions(shown)
+def planar(inputs: TwinInputs) -> ReferencePicture:
+    """Each shown ray, met with the plane at the median depth before the rendered eye."""
+    rendered, shown, shown_size, size = inputs.rendered, inputs.shown, inputs.shown_size, inputs.size
+    r = median_inverse_depth(inputs.inverse_depth)
+    rays = inputs.directions(shown)
     moved = shown.pose.position_m - rendered.pose.position_m
-    # Along the late eye's axis the ray has climbed (axis . ray) per unit length; it meets the plane at depth 1/r after
-    # length t with axis . (moved + t ray) = 1/r. As inverse lengths, so that r = 0 needs no case:
-    # 1/t = (axis . ray) r / (1 - r axis . moved).
+    # Along the rendered eye's axis the ray has climbed (axis . ray) per unit length; it meets the
+    # plane at depth 1/r after length t with axis . (moved + t ray) = 1/r. As inverse lengths, so
+    # that r = 0 needs no case: 1/t = (axis . ray) r / (1 - r axis . moved).
     axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
     past = 1 - r * (axis @ moved)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -53,55 +55,59 @@ def planar(asked: Asked) -> ReferencePicture:
         pixels, _, _ = project(rays, moved, inverse_length, rendered, size)
         towards = (rays @ axis) / past > 0
     pixels = np.where(towards[..., None], pixels, np.nan)
-    bound = asked.map_error(
+    bound = inputs.map_error(
         WarpMap.between(shown, shown_size, rendered, size), np.abs(np.nan_to_num(inverse_length, posinf=0, neginf=0))
     )
     # The shader's form cancels by up to 1 + 2 r |moved| before it divides by past.
     grown = 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
-    return sample_covered(asked.colour, pixels, grown, asked.sampler_pixels)
+    return sample_covered(inputs.colour, pixels, grown, inputs.sampler_pixels)
 
 
-def backward(asked: Asked) -> ReferencePicture:
-    """Each shown point, looked up in the late picture where the late depth there agrees with the point's own.
+def backward(inputs: TwinInputs) -> ReferencePicture:
+    """Each shown point, looked up in the rendered picture where the rendered depth there agrees
+    with the point's own.
 
-    Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever the colour is looked for.
+    Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever
+    the colour is looked for.
     """
     rendered, shown, shown_size, size, settings = (
-        asked.rendered,
-        asked.shown,
-        asked.shown_size,
-        asked.size,
-        asked.settings,
+        inputs.rendered,
+        inputs.shown,
+        inputs.shown_size,
+        inputs.size,
+        inputs.settings,
     )
-    own = asked.own_depth()
+    own = inputs.own_depth()
     known = own >= 0
     own = np.where(known, own, 0)
     moved = shown.pose.position_m - rendered.pose.position_m
-    pixels, _, _ = project(asked.directions(shown), moved, own, rendered, size)
-    centres, expected, _ = project(asked.at_centres().directions(shown), moved, own, rendered, size)
+    pixels, _, _ = project(inputs.directions(shown), moved, own, rendered, size)
+    centres, expected, _ = project(inputs.at_centres().directions(shown), moved, own, rendered, size)
     both_ahead = known & ~np.isnan(pixels).any(axis=-1) & ~np.isnan(centres).any(axis=-1)
     pixels = np.where(both_ahead[..., None], pixels, np.nan)
-    bound = asked.map_error(WarpMap.between(shown, shown_size, rendered, size), own)
+    bound = inputs.map_error(WarpMap.between(shown, shown_size, rendered, size), own)
     at, agree, undecided = _where_depth_agrees(
-        asked.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
+        inputs.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
     )
     looked = sample_covered(
-        asked.colour, np.where(agree[..., None], at, np.nan), bound, asked.sampler_pixels, least=0.0
+        inputs.colour, np.where(agree[..., None], at, np.nan), bound, inputs.sampler_pixels, least=0.0
     )
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known
-    undecided = (undecided & known & ~outside) | edge | asked.near_another_pixel()
+    undecided = (undecided & known & ~outside) | edge | inputs.near_another_pixel()
     return ReferencePicture(looked.colour, looked.tolerance, undecided)
 
 
 def _where_depth_agrees(
     inverse_depth: Array, pixels: Array, centres: Array, expected: Array, error: Array, tolerance: float, floor: float
 ):
-    """The place, or the centre of the one of two texels that agrees; whether any agrees; where rounding may decide.
+    """The place, or the centre of the one of two texels that agrees; whether any agrees.
 
-    The two texels: the one that the centre of the shown pixel falls into, and of the other three of the place's bilinear footprint the
-    one not beside it.
+    Where rounding may decide.
+
+    The two texels: the one that the centre of the shown pixel falls into, and of the other three of
+    the place's bilinear footprint the one not beside it.
     """
     corner = np.floor(np.nan_to_num(pixels) - 0.5).astype(int)
     texel = np.floor(np.nan_to_num(centres)).astype(int)
@@ -109,7 +115,8 @@ def _where_depth_agrees(
     near, near_close = _agrees(inverse_depth, texel, expected, tolerance, floor)
     far, far_close = _agrees(inverse_depth, across, expected, tolerance, floor)
     at = np.where((near & far)[..., None], pixels, np.where(near[..., None], texel, across) + 0.5)
-    # The centre may fall into the next texel, or the place into the other half of its own, where the other three texels are others.
+    # The centre may fall into the next texel, or the place into the other half of its own, where
+    # the other three texels are others.
     within = np.nan_to_num(centres) - texel
     from_border = np.minimum(within, 1 - within).min(axis=-1) <= error
     middle = np.nan_to_num(pixels) - np.round(np.nan_to_num(pixels) - 0.5) - 0.5
@@ -118,13 +125,17 @@ def _where_depth_agrees(
 
 
 def _agrees(inverse_depth: Array, texel: Array, expected: Array, tolerance: float, floor: float):
-    """Whether the texel lies inside the picture and holds the expected depth; and whether that is a close call."""
+    """Whether the texel lies inside the picture and holds the expected depth.
+
+    And whether that is a close call.
+    """
     most = np.array(inverse_depth.shape[1::-1]) - 1
     clipped = np.clip(texel, 0, most)
     inside = (texel == clipped).all(axis=-1)
     held = inverse_depth[clipped[..., 1], clipped[..., 0]]
     limit = tolerance * (np.nan_to_num(expected) + floor)
     difference = np.abs(held - expected)
-    # 16 u covers the division by w and the products of the comparison, relative to the larger of both depths.
+    # 16 u covers the division by w and the products of the comparison, relative to the larger of
+    # both depths.
     close = np.abs(difference - limit) <= 16 * FLOAT32_UNIT * (np.abs(held) + np.nan_to_num(expected) + limit) + 1e-30
     return inside & (difference <= limit), inside & close

@@ -9,7 +9,9 @@ from reference._rays import Array
 
 
 def interpolate(colour: Array, minimum_count: int) -> Array:
-    """(h, w, 4) with coverage in alpha to the same with each empty pixel that has enough covered neighbours filled."""
+    """(h, w, 4) with coverage in alpha to the same with each empty pixel that has enough covered
+    neighbours filled.
+    """
     padded = np.pad(colour, ((1, 1), (1, 1), (0, 0)))
     windows = sliding_window_view(padded, (3, 3), axis=(0, 1)).reshape(*colour.shape, 9)
     covered = windows[..., 3, :] > 0

@@ -6,8 +6,8 @@ import numpy as np
 
 from hmdwarp.geometry import WarpMap
 from reference._rays import FLOAT32_UNIT, project
-from reference._rendered_surface import LEAST_RUN, Array, Bools, LateSurface, RaysInLate, run_of
-from reference.picture import Asked, ReferencePicture, near_edge, sample_covered
+from reference._rendered_surface import LEAST_RUN, Array, Bools, RaysInRendered, RenderedSurface, run_of
+from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 BLOCK = 4
 SAME_SURFACE = 0.9
@@ -17,12 +17,15 @@ FARTHEST_BITS, NEAREST_BITS = (
 )
 
 
-def iterative(asked: Asked) -> ReferencePicture:
-    """Each shown ray meets the late surface where its guess no longer moves; what still moves is a hole."""
-    settings, size = asked.settings, asked.size
-    surface = LateSurface(asked.inverse_depth, settings.tolerance, settings.floor)
-    rays = RaysInLate.of(asked.rendered, size, asked.shown, asked.shown_size)
-    r, r_error, unsure = first_guess(asked, surface) if settings.seed == "forward" else _nothing(rays.lead)
+def iterative(inputs: TwinInputs) -> ReferencePicture:
+    """Each shown ray meets the rendered surface where its guess no longer moves.
+
+    What still moves is a hole.
+    """
+    settings, size = inputs.settings, inputs.size
+    surface = RenderedSurface(inputs.inverse_depth, settings.tolerance, settings.floor)
+    rays = RaysInRendered.of(inputs.rendered, size, inputs.shown, inputs.shown_size)
+    r, r_error, unsure = first_guess(inputs, surface) if settings.seed == "forward" else _nothing(rays.lead)
     for _ in range(settings.steps - settings.slanted):
         r, r_error, unsure = _plain_look(surface, rays, r, r_error, unsure)
     for _ in range(settings.slanted):
@@ -40,20 +43,27 @@ def iterative(asked: Asked) -> ReferencePicture:
     moved = np.abs(change) * length
     met = found.known & (moved <= settings.converged)
     unsure |= found.known & (np.abs(moved - settings.converged) <= 2 * length * r_error + 16 * FLOAT32_UNIT * moved)
-    return _coloured(asked, rays, r, met, np.where(found.connected, pixels, found.centre), pixels, error, unsure)
+    return _coloured(inputs, rays, r, met, np.where(found.connected, pixels, found.centre), pixels, error, unsure)
 
 
 def _coloured(
-    asked: Asked, rays: RaysInLate, r: Array, met: Bools, at: Array, pixels: Array, error: Array, unsure: Bools
+    inputs: TwinInputs,
+    rays: RaysInRendered,
+    r: Array,
+    met: Bools,
+    at: Array,
+    pixels: Array,
+    error: Array,
+    unsure: Bools,
 ) -> ReferencePicture:
-    size = asked.size
+    size = inputs.size
     with np.errstate(invalid="ignore"):
         ahead = (rays.lead > 0) & (r * rays.ahead_m < 1)
         inside = ((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
-    # Beside the late eye, and beside the shown one, float32 may take either side.
+    # Beside the rendered eye, and beside the shown one, float32 may take either side.
     beside = (np.abs(rays.lead) <= 1e-5) | (np.abs(r * rays.ahead_m - 1) <= 1e-5)
     seen = met & ahead & inside
-    looked = sample_covered(asked.colour, np.where(seen[..., None], at, np.nan), error, asked.sampler_pixels)
+    looked = sample_covered(inputs.colour, np.where(seen[..., None], at, np.nan), error, inputs.sampler_pixels)
     edge = near_edge(pixels, size, error) & (rays.lead > 0)
     return ReferencePicture(
         looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside
@@ -65,7 +75,7 @@ def _nothing(like: Array) -> tuple[Array, Array, Bools]:
 
 
 def _plain_look(
-    surface: LateSurface, rays: RaysInLate, r: Array, r_error: Array, unsure: Bools
+    surface: RenderedSurface, rays: RaysInRendered, r: Array, r_error: Array, unsure: Bools
 ) -> tuple[Array, Array, Bools]:
     """The depth of the texel where the guess appears, unless the guess agrees with it."""
     place, error = rays.place(r), rays.place_error(r, r_error)
@@ -80,16 +90,19 @@ def _plain_look(
     )
 
 
-def first_guess(asked: Asked, surface: LateSurface) -> tuple[Array, Array, Bools]:
-    """(h, w) per shown pixel: the guess of its cell, its error, and whether another block may win there."""
-    keys, texels, unsure = _in_front(asked)
+def first_guess(inputs: TwinInputs, surface: RenderedSurface) -> tuple[Array, Array, Bools]:
+    """(h, w) per shown pixel.
+
+    The guess of its cell, its error, and whether another block may win there.
+    """
+    keys, texels, unsure = _in_front(inputs)
     high, wide = keys.shape
-    left, right, down, up = asked.shown.fov.tangents
-    w, h = asked.shown_size
+    left, right, down, up = inputs.shown.fov.tangents
+    w, h = inputs.shown_size
     across, upwards = ((np.arange(n) + 0.5) * BLOCK for n in (wide, high))
     x, y = np.meshgrid(left + across * (right - left) / w, down + upwards * (up - down) / h)
-    directions = np.stack([x, y, -np.ones_like(x)], axis=-1) @ asked.shown.pose.rotation.as_matrix().T
-    rays = RaysInLate.of(asked.rendered, asked.size, asked.shown, asked.shown_size, directions)
+    directions = np.stack([x, y, -np.ones_like(x)], axis=-1) @ inputs.shown.pose.rotation.as_matrix().T
+    rays = RaysInRendered.of(inputs.rendered, inputs.size, inputs.shown, inputs.shown_size, directions)
     place = texels + np.where(texels % BLOCK < BLOCK // 2, 0.75, 0.25)
     found = surface.at(place, np.zeros(keys.shape))
     # Where the ray through the cell's centre meets the plane through the texel.
@@ -104,24 +117,28 @@ def first_guess(asked: Asked, surface: LateSurface) -> tuple[Array, Array, Bools
     return np.where(some, r, 0.0)[per_pixel], np.where(some, r_error, 0.0)[per_pixel], unsure[per_pixel]
 
 
-def _in_front(asked: Asked) -> tuple[Array, Array, Bools]:
-    """Per cell of shown pixels: the largest key of the blocks that land there (0: none), its late texel, whether rounding may change it."""
-    wide, high = asked.size
-    cells = tuple(-(-n // BLOCK) for n in asked.shown_size)
+def _in_front(inputs: TwinInputs) -> tuple[Array, Array, Bools]:
+    """Per cell of shown pixels.
+
+    The largest key of the blocks that land there (0: none), its rendered texel, whether rounding
+    may change it.
+    """
+    wide, high = inputs.size
+    cells = tuple(-(-n // BLOCK) for n in inputs.shown_size)
     padded = np.zeros((-(-high // BLOCK) * BLOCK, -(-wide // BLOCK) * BLOCK))
-    padded[:high, :wide] = asked.inverse_depth
-    bits = [(n - 1).bit_length() for n in asked.size]
+    padded[:high, :wide] = inputs.inverse_depth
+    bits = [(n - 1).bit_length() for n in inputs.size]
     least, most = np.zeros((2, cells[1], cells[0]), np.int64)
     for row in range(0, padded.shape[0], BLOCK):
         for column in range(0, padded.shape[1], BLOCK):
             block = padded[row : row + BLOCK, column : column + BLOCK]
-            _splat_block(asked, block, column, row, bits, cells, least, most)
+            _splat_block(inputs, block, column, row, bits, cells, least, most)
     texel = most & (2 ** sum(bits) - 1)
     return most, np.stack([texel & (2 ** bits[0] - 1), texel >> bits[0]], axis=-1), least != most
 
 
 def _splat_block(
-    asked: Asked,
+    inputs: TwinInputs,
     block: Array,
     column: int,
     row: int,
@@ -137,7 +154,7 @@ def _splat_block(
     farthest = max(block[block >= 0].min(), SAME_SURFACE * nearest)
     y, x = np.unravel_index(block.argmax(), block.shape)
     key = ((code - FARTHEST_BITS) << 4) >> sum(bits) << sum(bits) | (int(y + row) << bits[0]) | int(x + column)
-    low, high, error, sure = _box(asked, column, row, nearest, farthest)
+    low, high, error, sure = _box(inputs, column, row, nearest, farthest)
     if low is None:
         if not sure:
             most[:] = np.maximum(most, key)
@@ -152,9 +169,12 @@ def _splat_block(
             np.maximum(part, key, out=part)
 
 
-def _box(asked: Asked, column: int, row: int, nearest: float, farthest: float):
-    """What a block covers of the shown picture: lowest and highest pixel, their error; None where it reaches beside the shown eye."""
-    rendered, wide, high = asked.rendered, *asked.size
+def _box(inputs: TwinInputs, column: int, row: int, nearest: float, farthest: float):
+    """What a block covers of the shown picture: lowest and highest pixel, their error.
+
+    None where it reaches beside the shown eye.
+    """
+    rendered, wide, high = inputs.rendered, *inputs.size
     left, right, down, up = rendered.fov.tangents
     corners = np.array([(column + dx, row + dy) for dy in (0, BLOCK) for dx in (0, BLOCK)], float)
     tangents = np.stack(
@@ -163,13 +183,13 @@ def _box(asked: Asked, column: int, row: int, nearest: float, farthest: float):
     rays = np.tile(tangents @ rendered.pose.rotation.as_matrix().T, (2, 1))
     own = np.repeat([nearest, farthest], 4)
     pixels, _, w = project(
-        rays, rendered.pose.position_m - asked.shown.pose.position_m, own, asked.shown, asked.shown_size
+        rays, rendered.pose.position_m - inputs.shown.pose.position_m, own, inputs.shown, inputs.shown_size
     )
     if (w <= 0).any():
         return None, None, None, bool((w < -1e-4).any())
-    warp = WarpMap.between(rendered, asked.size, asked.shown, asked.shown_size)
+    warp = WarpMap.between(rendered, inputs.size, inputs.shown, inputs.shown_size)
     terms = np.tile(np.column_stack([corners, np.ones(4)]), (2, 1)) @ np.abs(warp.H).T + own[:, None] * np.abs(warp.e)
-    pixels = np.clip(pixels, -BLOCK, np.array([-(-n // BLOCK) * BLOCK + BLOCK for n in asked.shown_size]))
+    pixels = np.clip(pixels, -BLOCK, np.array([-(-n // BLOCK) * BLOCK + BLOCK for n in inputs.shown_size]))
     # As pixel_error_bound; what is cut off beyond the shown picture needs no digits.
     error = 10 * FLOAT32_UNIT * (terms[:, :2] + np.abs(pixels) * terms[:, 2:]) / w[:, None]
     return pixels.min(axis=0), pixels.max(axis=0), error.max(), bool((w > 1e-4).all())

@@ -1,21 +1,24 @@
-"""Twin of the layered warp: every ray against every layer, the nearest meeting that was uncovered stays."""
+"""Twin of the layered warp.
+
+Every ray against every layer, the nearest meeting that was uncovered stays.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from reference._meeting import Mask, Meetings, Rays, is_depth, is_nearer, met_by
-from reference.picture import Asked, LatePicture, ReferencePicture
+from reference.picture import ReferencePicture, RenderedPicture, TwinInputs
 
 
-def layered(asked: Asked) -> ReferencePicture:
+def layered(inputs: TwinInputs) -> ReferencePicture:
     """The layers one after the other; of equals the earlier stays."""
-    front = LatePicture(asked.colour, asked.inverse_depth, asked.rendered)
-    shape = asked.shown_size[::-1]
+    front = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
+    shape = inputs.shown_size[::-1]
     colour, tolerance, depth = np.zeros((*shape, 4)), np.zeros(shape), np.full(shape, -1.0)
     undecided = np.zeros(shape, bool)
-    for number, layer in enumerate((front, *asked.layers[: asked.settings.layers - 1])):
-        one = met_by(layer, asked.shown, asked.shown_size, asked.sampler_pixels)
+    for number, layer in enumerate((front, *inputs.layers[: inputs.settings.layers - 1])):
+        one = met_by(layer, inputs.shown, inputs.shown_size, inputs.sampler_pixels)
         found, looked = one.meetings, one.looked
         free, unsure = (
             (np.ones(shape, bool), np.zeros(shape, bool)) if number == 0 else _uncovered(front, one.rays, found)
@@ -35,8 +38,10 @@ def layered(asked: Asked) -> ReferencePicture:
     return ReferencePicture(colour, tolerance, undecided)
 
 
-def _uncovered(front: LatePicture, rays: Rays, found: Meetings) -> tuple[Mask, Mask]:
-    """Whether what covers the found place in the visible layer lies on the shown ray within the picture; and where that is uncertain."""
+def _uncovered(front: RenderedPicture, rays: Rays, found: Meetings) -> tuple[Mask, Mask]:
+    """Whether what covers the found place in the visible layer lies on the shown ray within the
+    picture; and where that is uncertain.
+    """
     place = np.where(found.met[..., None], np.nan_to_num(found.place), 0)
     x, y = np.clip(np.floor(place).astype(int), 0, np.array(rays.size) - 1).transpose(2, 0, 1)
     depth = front.inverse_depth[y, x]

@@ -11,7 +11,10 @@ from reference._rays import Array
 
 
 def radial(shown: Array, fov: Fov, headset: Headset, eye: int, panel_size: tuple[int, int]) -> Array:
-    """(h, w, 4) shown picture, bottom row first, to the (h, w, 4) panel picture; black where the lens shows more than was rendered."""
+    """(h, w, 4) shown picture, bottom row first, to the (h, w, 4) panel picture.
+
+    Black where the lens shows more than was rendered.
+    """
     high, wide = shown.shape[:2]
     scale, offset = headset.lens_from_panel(eye, panel_size)
     x, y = (np.arange(n) + 0.5 for n in panel_size)

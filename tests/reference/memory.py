@@ -1,4 +1,7 @@
-"""Twins of the fills that gather from other pictures, and of what makes the memory forget: rays and points through the world, sorting."""
+"""Twins of the fills that gather from other pictures, and of what makes the memory forget.
+
+Rays and points through the world, sorting.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from hmdwarp.geometry import View, WarpMap
 from reference._meeting import DEPTH_FLOOR, Found, Mask, Rays, first_of, guesses, meet
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
 from reference.multi import _confidence, _is_better
-from reference.picture import LatePicture, ReferencePicture, sample_covered
+from reference.picture import ReferencePicture, RenderedPicture, sample_covered
 
 SETTLED = 1e30  # a depth that nothing stands before
 LARGEST = 65504.0  # of a half float
@@ -29,15 +32,18 @@ def fill_from(
     colour: Array,
     inverse_depth: Array,
     shown: View,
-    pictures: tuple[LatePicture, ...],
+    pictures: tuple[RenderedPicture, ...],
     *,
     newest: bool,
     sampler_pixels: float,
     cell: int = 1,
     halved: bool = False,
 ) -> Filled:
-    """The shown picture, its holes filled from `pictures` in turn. newest: the first of them is not overruled by the others.
-    cell: shown pixels on each axis that share their guesses. halved: guesses come from the nearest of each 2 x 2 pixels alone."""
+    """The shown picture, its holes filled from `pictures` in turn.
+
+    newest: the first of them is not overruled by the others. cell: shown pixels on each axis that
+    share their guesses. halved: guesses come from the nearest of each 2 x 2 pixels alone.
+    """
     high, wide = colour.shape[:2]
     out, depth_out, tolerance = colour.copy(), inverse_depth.copy(), np.zeros((high, wide))
     empty = colour[..., 3] == 0
@@ -70,7 +76,12 @@ def _nearest_of_blocks(depth: Array) -> Array:
 
 
 def _met_by(
-    picture: LatePicture, guessed: LatePicture, shown: View, size: tuple[int, int], cell: int, sampler_pixels: float
+    picture: RenderedPicture,
+    guessed: RenderedPicture,
+    shown: View,
+    size: tuple[int, int],
+    cell: int,
+    sampler_pixels: float,
 ) -> Found:
     """As _meeting.met_by, with guesses for cells of the shown picture instead of its pixels."""
     cells = (-(-size[0] // cell), -(-size[1] // cell))
@@ -86,10 +97,11 @@ def _met_by(
     return Found(rays, tried[0][here], found, attrs.evolve(looked, undecided=looked.undecided & found.met))
 
 
-def forgotten(kept: LatePicture, rendered: LatePicture) -> tuple[Mask, Mask]:
+def forgotten(kept: RenderedPicture, rendered: RenderedPicture) -> tuple[Mask, Mask]:
     """Which pixels of a kept picture the newest one disproves, and which are too close to call.
 
-    Each kept pixel is a point in the world; the newest picture's extremes around where it sees that point come from rank filters.
+    Each kept pixel is a point in the world; the newest picture's extremes around where it sees that
+    point come from rank filters.
     """
     size = rendered.inverse_depth.shape[1::-1]
     known = kept.inverse_depth >= 0
@@ -106,7 +118,8 @@ def forgotten(kept: LatePicture, rendered: LatePicture) -> tuple[Mask, Mask]:
     own = kept.colour[..., :3]
     recoloured = ((own < low - margin) | (own > high + margin)).any(axis=-1)
     gone = inside & ((nearest < expected - limit) | (same & recoloured))
-    # Another cell may be looked at within the pixel's error of an even border; limits within rounding are close calls.
+    # Another cell may be looked at within the pixel's error of an even border; limits within
+    # rounding are close calls.
     border = np.abs(pixels / 2 - np.round(pixels / 2)).min(axis=-1) * 2
     unit = 64 * FLOAT32_UNIT * (expected + 1)
     close = np.minimum.reduce(
@@ -119,8 +132,11 @@ def forgotten(kept: LatePicture, rendered: LatePicture) -> tuple[Mask, Mask]:
     return gone, known & np.nan_to_num(unsure, nan=1).astype(bool)
 
 
-def _extremes(rendered: LatePicture) -> tuple[Array, Array, Array, Array]:
-    """Per cell of 2 x 2 pixels with one more around: nearest (infinite if any is unknown) and farthest depth, lowest and highest colour."""
+def _extremes(rendered: RenderedPicture) -> tuple[Array, Array, Array, Array]:
+    """Per cell of 2 x 2 pixels with one more around.
+
+    Nearest (infinite if any is unknown) and farthest depth, lowest and highest colour.
+    """
     depth = rendered.inverse_depth
     window = {"size": 4, "mode": "nearest", "origin": -1}  # from one before an even pixel to two after it
     low, high = (

@@ -1,7 +1,10 @@
-"""Twins of the mesh warps: each shown ray is met with every triangle it may hit, in the world; the nearest hit is seen.
+"""Twins of the mesh warps: each shown ray is met with every triangle it may hit, in the world.
 
-A triangle's corners are points at eye + direction / inverse depth; scaled by their inverse depths they are vectors that exist for
-infinitely far corners too. A ray that is the sum of the three with weights of one sign hits it, and the weights say where.
+The nearest hit is seen.
+
+A triangle's corners are points at eye + direction / inverse depth; scaled by their inverse depths
+they are vectors that exist for infinitely far corners too. A ray that is the sum of the three with
+weights of one sign hits it, and the weights say where.
 """
 
 from __future__ import annotations
@@ -13,36 +16,45 @@ from scipy import ndimage
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, project
 from reference._surface import OVERLAP, Surface, known_depth, surface
-from reference.picture import Asked, ReferencePicture, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, sample_covered
 
-# The rasteriser moves corners to 1/256 of a pixel (GL asks for 1/16, all that exists has 1/256 and rounds), each axis by half of
-# that, and the corners themselves are float32: in all less than 1/256 on each axis.
+# The rasteriser moves corners to 1/256 of a pixel (GL asks for 1/16, all that exists has 1/256 and
+# rounds), each axis by half of that, and the corners themselves are float32: in all less than 1/256
+# on each axis.
 EDGE_PIXELS = 1 / 256
-# The depth buffer keeps 19 bits of the significand, and what was interpolated in float32 is off by less than that again.
+# The depth buffer keeps 19 bits of the significand, and what was interpolated in float32 is off by
+# less than that again.
 DEPTH_RELATIVE, DEPTH_LEAST = 2.0**-17, 2.0**-19
 DEPTH_MOST = 2.0**11  # 1/m; what is nearer is as near to it
 LEAST_ALPHA = 0.5
 
 
-def mesh(asked: Asked) -> ReferencePicture:
-    """The nearest triangle on each shown ray, and the late colour where it is hit."""
-    return _seen(asked, asked.settings.cut)
+def mesh(inputs: TwinInputs) -> ReferencePicture:
+    """The nearest triangle on each shown ray, and the rendered colour where it is hit."""
+    return _seen(inputs, inputs.settings.cut)
 
 
-def mesh_adaptive(asked: Asked) -> ReferencePicture:
-    """As mesh: what merging may move, the tolerance, is added to what a place and an edge may be off by.
+def mesh_adaptive(inputs: TwinInputs) -> ReferencePicture:
+    """As mesh.
 
-    Where large cells reach over pieces of cut ones, by at most twice the tolerance and 1/32, the colour may be the large cell's.
+    What merging may move, the tolerance, is added to what a place and an edge may be off by.
+
+    Where large cells reach over pieces of cut ones, by at most twice the tolerance and 1/32, the
+    colour may be the large cell's.
     """
-    tolerance = asked.settings.tolerance
-    return _seen(asked, "slope", tolerance, min(2 * tolerance + 1 / 32, 0.5))
+    tolerance = inputs.settings.tolerance
+    return _seen(inputs, "slope", tolerance, min(2 * tolerance + 1 / 32, 0.5))
 
 
 @attrs.frozen(eq=False)
 class _Hits:
-    """Pairs of a triangle and a shown pixel whose ray hits it. pixel, triangle (n,): indices. place (n, 2): late pixels, where the
-    colour is. depth (n,): shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,): late pixels per
-    shown one. doubtful (n,): rounding may unmake it. sure (n,): the ray stays within it however the rasteriser moves its edges."""
+    """Pairs of a triangle and a shown pixel whose ray hits it.
+
+    pixel, triangle (n,): indices. place (n, 2): rendered pixels, where the colour is. depth (n,):
+    shown inverse depth, slope (n,): what it changes by in a shown pixel on both axes. scale (n,):
+    rendered pixels per shown one. doubtful (n,): rounding may unmake it. sure (n,): the ray stays
+    within it however the rasteriser moves its edges.
+    """
 
     pixel: np.ndarray
     triangle: np.ndarray
@@ -57,34 +69,38 @@ class _Hits:
         return _Hits(*(getattr(self, field.name)[which] for field in attrs.fields(_Hits)))
 
     def coloured_by_owner(self, triangles: Surface) -> _Hits:
-        """Places on pieces of a cut cell move to where the colour may be taken: their pixel's centre, or along a joined edge from it."""
+        """Places on pieces of a cut cell move to where the colour may be taken.
+
+        Their pixel's centre, or along a joined edge from it.
+        """
         owner, towards = triangles.owner[self.triangle], triangles.towards[self.triangle]
         away = towards * np.maximum((self.place - owner) * towards, 0)
         away[np.arange(len(away)), np.argmin(np.abs(away), axis=1)] = 0
         return attrs.evolve(self, place=np.where(np.isnan(owner), self.place, owner + away))
 
 
-def _seen(asked: Asked, cut: str, tolerance: float = 0.0, overlap: float = 0.0) -> ReferencePicture:
-    rendered, size = asked.rendered, asked.size
-    limits = _steepest(rendered, size, asked.settings.steepest_deg)
-    triangles = surface(asked.inverse_depth, limits, cut_by_slope=cut != "vertex")
+def _seen(inputs: TwinInputs, cut: str, tolerance: float = 0.0, overlap: float = 0.0) -> ReferencePicture:
+    rendered, size = inputs.rendered, inputs.size
+    limits = _steepest(rendered, size, inputs.settings.steepest_deg)
+    triangles = surface(inputs.inverse_depth, limits, cut_by_slope=cut != "vertex")
 
     def hits(offset: tuple[float, float], grown: float = 0.0, reach: float = 0.0) -> _Hits:
-        found = _hits(asked, triangles, np.array(offset), grown, reach)
+        found = _hits(inputs, triangles, np.array(offset), grown, reach)
         if cut != "slope":
             return _nearest_first(
-                _coloured(asked.colour, _without_sheets(asked, triangles, found, limits, np.array(offset)))
+                _coloured(inputs.colour, _without_sheets(inputs, triangles, found, limits, np.array(offset)))
             )
-        return _nearest_first(_coloured(asked.colour, found.coloured_by_owner(triangles)))
+        return _nearest_first(_coloured(inputs.colour, found.coloured_by_owner(triangles)))
 
     edge = EDGE_PIXELS + tolerance
-    # Where merging moves nothing the rasteriser still does, and a crack may be narrower than what merging may move.
+    # Where merging moves nothing the rasteriser still does, and a crack may be narrower than what
+    # merging may move.
     beside = [hits((x, y)) for far in sorted({EDGE_PIXELS, edge}) for x in (-far, far) for y in (-far, far)]
     centre = hits((0.0, 0.0))
     pieces = ~np.isnan(triangles.owner[centre.triangle, 0])
-    picture = _picture(asked, centre, beside, edge, centre.scale * tolerance + pieces * overlap)
+    picture = _picture(inputs, centre, beside, edge, centre.scale * tolerance + pieces * overlap)
     around = hits((0.0, 0.0), edge, overlap)
-    unsure = _grazed(asked, centre, around, edge) | _ajar(asked, centre, around, triangles)
+    unsure = _grazed(inputs, centre, around, edge) | _ajar(inputs, centre, around, triangles)
     return attrs.evolve(picture, undecided=picture.undecided | unsure.reshape(picture.undecided.shape))
 
 
@@ -94,34 +110,37 @@ def _steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[
     return tuple(np.tan(np.deg2rad(angle_deg)) * np.array([(right - left) / size[0], (up - down) / size[1]]))
 
 
-def _in_shown_pixels(asked: Asked, corners: Array) -> Array:
+def _in_shown_pixels(inputs: TwinInputs, corners: Array) -> Array:
     """(n, 3, 3) corners as homogeneous pixels of the shown view, through the world."""
-    left, right, down, up = asked.rendered.fov.tangents
-    x = left + (right - left) * corners[..., 0] / asked.size[0]
-    y = down + (up - down) * corners[..., 1] / asked.size[1]
-    directions = np.stack([x, y, -np.ones_like(x)], axis=-1) @ asked.rendered.pose.rotation.as_matrix().T
-    moved = asked.rendered.pose.position_m - asked.shown.pose.position_m
-    eye = (directions + corners[..., 2:] * moved) @ asked.shown.pose.rotation.as_matrix()
-    left, right, down, up = asked.shown.fov.tangents
+    left, right, down, up = inputs.rendered.fov.tangents
+    x = left + (right - left) * corners[..., 0] / inputs.size[0]
+    y = down + (up - down) * corners[..., 1] / inputs.size[1]
+    directions = np.stack([x, y, -np.ones_like(x)], axis=-1) @ inputs.rendered.pose.rotation.as_matrix().T
+    moved = inputs.rendered.pose.position_m - inputs.shown.pose.position_m
+    eye = (directions + corners[..., 2:] * moved) @ inputs.shown.pose.rotation.as_matrix()
+    left, right, down, up = inputs.shown.fov.tangents
     w = -eye[..., 2]
     u, v = (eye[..., 0] - left * w) / (right - left), (eye[..., 1] - down * w) / (up - down)
-    return np.stack([u * asked.shown_size[0], v * asked.shown_size[1], w], axis=-1)
+    return np.stack([u * inputs.shown_size[0], v * inputs.shown_size[1], w], axis=-1)
 
 
-def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0, reach: float = 0.0) -> _Hits:
-    """Rays through the shown pixels' centres moved by `offset` pixels; triangles with each edge `grown` pixels farther out, and whole
-    cells as if each were part of a large one, which reaches `reach` late pixels over its border."""
-    corners = _in_shown_pixels(asked, triangles.corners)
+def _hits(inputs: TwinInputs, triangles: Surface, offset: Array, grown: float = 0.0, reach: float = 0.0) -> _Hits:
+    """Rays through the shown pixels' centres moved by `offset` pixels.
+
+    Triangles with each edge `grown` pixels farther out, and whole cells as if each were part of a
+    large one, which reaches `reach` rendered pixels over its border.
+    """
+    corners = _in_shown_pixels(inputs, triangles.corners)
     whole = np.isnan(triangles.owner[:, 0])
-    which, pixels = _pairs(corners, asked.shown_size, offset, grown, reach * whole)
-    ray = _rays(asked, pixels, offset)
+    which, pixels = _pairs(corners, inputs.shown_size, offset, grown, reach * whole)
+    ray = _rays(inputs, pixels, offset)
     a, b, c = (corners[which, k] for k in range(3))
     lines = np.stack(
         [np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1
     )  # through the edges; opposite each corner
     volume = np.einsum("nk,nk->n", a, lines[:, 0])
     values = triangles.corners[which]
-    turned = np.abs(volume) <= _volume_error(asked, values, corners[which], lines)  # it may face the eye, or not
+    turned = np.abs(volume) <= _volume_error(inputs, values, corners[which], lines)  # it may face the eye, or not
     faces = (volume > 0) | (turned & (grown > 0))
     spans = np.einsum("nek,nk->ne", lines, ray)  # weights times volume: their signs hold whichever way it turns
     total = spans.sum(axis=1)
@@ -143,27 +162,31 @@ def _hits(asked: Asked, triangles: Surface, offset: Array, grown: float = 0.0, r
     return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which] | turned, sure).only(kept)
 
 
-def _volume_error(asked: Asked, points: Array, corners: Array, lines: Array) -> Array:
-    """(n,): what a triangle's volume may be off by, whose sign says which way it faces: each corner's error, of float32 as in
-    docs/hard-cases.md and of the rasteriser, times the area that the other two span."""
-    warp = WarpMap.between(asked.rendered, asked.size, asked.shown, asked.shown_size)
+def _volume_error(inputs: TwinInputs, points: Array, corners: Array, lines: Array) -> Array:
+    """(n,): what a triangle's volume may be off by, whose sign says which way it faces.
+
+    Each corner's error, of float32 as in docs/hard-cases.md and of the rasteriser, times the area
+    that the other two span.
+    """
+    warp = WarpMap.between(inputs.rendered, inputs.size, inputs.shown, inputs.shown_size)
     places = np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
     error = 8 * FLOAT32_UNIT * (places @ np.abs(warp.H).T + points[..., 2:] * np.abs(warp.e))
     error[..., :2] += EDGE_PIXELS * np.abs(corners[..., 2:])
     return np.einsum("nek,nek->n", error, np.abs(lines))
 
 
-def _rays(asked: Asked, pixels: np.ndarray, offset: Array) -> Array:
+def _rays(inputs: TwinInputs, pixels: np.ndarray, offset: Array) -> Array:
     """Homogeneous shown pixels."""
-    wide = asked.shown_size[0]
+    wide = inputs.shown_size[0]
     return np.stack([pixels % wide + 0.5 + offset[0], pixels // wide + 0.5 + offset[1], np.ones(len(pixels))], axis=-1)
 
 
 def _pairs(
     corners: Array, shown_size: tuple[int, int], offset: Array, grown: float, reach: Array
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles and the pixels of the box around each, grown by pixels and by twice (perspective) `reach` (n,) times itself; all pixels
-    where a corner lies behind the eye."""
+    """Triangles and the pixels of the box around each, grown by pixels and by twice (perspective)
+    `reach` (n,) times itself; all pixels where a corner lies behind the eye.
+    """
     wide, high = shown_size
     before = (corners[..., 2] > 0).all(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -183,18 +206,23 @@ def _pairs(
     return which, y * wide + x
 
 
-def _without_sheets(asked: Asked, triangles: Surface, hits: _Hits, limits: tuple[float, float], offset: Array) -> _Hits:
-    """Without what has another depth than its nearest pixel and lies more than half a pixel from it at that pixel's own depth; what
-    has another depth and is nearer than that gets the pixel's own colour."""
-    rendered, size = asked.rendered, asked.size
+def _without_sheets(
+    inputs: TwinInputs, triangles: Surface, hits: _Hits, limits: tuple[float, float], offset: Array
+) -> _Hits:
+    """Without what has another depth than its nearest pixel and lies more than half a pixel from it
+    at that pixel's own depth; what has another depth and is nearer than that gets the pixel's own
+    colour.
+    """
+    rendered, size = inputs.rendered, inputs.size
     pixel = np.clip(np.floor(hits.place).astype(int), 0, np.array(size) - 1)
-    own = known_depth(asked.inverse_depth)[pixel[:, 1], pixel[:, 0]]
-    # The surface's late depth at the hit, from the shown one: by the ray's length along both views' axes.
-    left, right, down, up = asked.shown.fov.tangents
-    places = _rays(asked, hits.pixel, offset)[:, :2] / np.array(asked.shown_size)
+    own = known_depth(inputs.inverse_depth)[pixel[:, 1], pixel[:, 0]]
+    # The surface's rendered depth at the hit, from the shown one: by the ray's length along both
+    # views' axes.
+    left, right, down, up = inputs.shown.fov.tangents
+    places = _rays(inputs, hits.pixel, offset)[:, :2] / np.array(inputs.shown_size)
     tangents = places * np.array([right - left, up - down]) + np.array([left, down])
-    rays = np.concatenate([tangents, -np.ones((len(tangents), 1))], axis=1) @ asked.shown.pose.rotation.as_matrix().T
-    moved = asked.shown.pose.position_m - rendered.pose.position_m
+    rays = np.concatenate([tangents, -np.ones((len(tangents), 1))], axis=1) @ inputs.shown.pose.rotation.as_matrix().T
+    moved = inputs.shown.pose.position_m - rendered.pose.position_m
     axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
     _, surface_depth, _ = project(rays, moved, hits.depth, rendered, size)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -217,7 +245,7 @@ def _without_sheets(asked: Asked, triangles: Surface, hits: _Hits, limits: tuple
 
 
 def _coloured(colour: Array, hits: _Hits) -> _Hits:
-    """Without hits on what the late picture did not draw."""
+    """Without hits on what the rendered picture did not draw."""
     looked = ndimage.map_coordinates(
         colour[..., 3], [hits.place[:, 1] - 0.5, hits.place[:, 0] - 0.5], order=1, mode="nearest"
     )
@@ -237,12 +265,15 @@ def _winners(hits: _Hits, count: int) -> np.ndarray:
     return winner
 
 
-def _picture(asked: Asked, hits: _Hits, beside: list[_Hits], edge: float, merged: Array) -> ReferencePicture:
-    """What the rays hit; undecided where a ray moved by what edges may be off hits another surface, or the next is as near.
+def _picture(inputs: TwinInputs, hits: _Hits, beside: list[_Hits], edge: float, merged: Array) -> ReferencePicture:
+    """What the rays hit.
 
-    merged (n,): by how many late pixels each hit's place may be off where cells were merged.
+    Undecided where a ray moved by what edges may be off hits another surface, or the next is as
+    near.
+
+    merged (n,): by how many rendered pixels each hit's place may be off where cells were merged.
     """
-    shape = asked.shown_size[::-1]
+    shape = inputs.shown_size[::-1]
     count = shape[0] * shape[1]
     winner = _winners(hits, count)
     seen = winner >= 0
@@ -253,9 +284,9 @@ def _picture(asked: Asked, hits: _Hits, beside: list[_Hits], edge: float, merged
         hits.scale[winner[seen]],
         hits.triangle[winner[seen]],
     )
-    # Places are interpolated as place / w and 1 / w from the picture's corner: a few roundings of the place itself and of its
-    # slope times the shown place, in each.
-    error = 16 * FLOAT32_UNIT * (max(asked.size) + max(asked.shown_size) * scale)
+    # Places are interpolated as place / w and 1 / w from the picture's corner: a few roundings of
+    # the place itself and of its slope times the shown place, in each.
+    error = 16 * FLOAT32_UNIT * (max(inputs.size) + max(inputs.shown_size) * scale)
     error[seen] += merged[winner[seen]]
     undecided, beneath = _nearly_as_near(hits, winner, edge, count)
     error = np.maximum(error, beneath)
@@ -271,15 +302,17 @@ def _picture(asked: Asked, hits: _Hits, beside: list[_Hits], edge: float, merged
         error = np.maximum(error, _nearly_as_near(moved, other, edge, count)[1])
         changed = both & (triangle != moved.triangle[np.maximum(other, 0)] if len(moved.pixel) else both)
         error = np.where(changed, np.maximum(error, apart), error)
-    out = sample_covered(asked.colour, place.reshape(*shape, 2), error.reshape(shape), asked.sampler_pixels)
-    # Where nothing is hit nothing is near the late picture's border either.
+    out = sample_covered(inputs.colour, place.reshape(*shape, 2), error.reshape(shape), inputs.sampler_pixels)
+    # Where nothing is hit nothing is near the rendered picture's border either.
     unsure = out.undecided & seen.reshape(shape)
     return ReferencePicture(out.colour, out.tolerance, undecided.reshape(shape) | unsure)
 
 
 def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) -> tuple[np.ndarray, Array]:
-    """Pixels where a hit elsewhere in the late picture, or a doubtful one, is as near as the nearest to the depth buffer; and how far
-    from the nearest's place others are that lie on the same surface, where pieces of it overlap."""
+    """Pixels where a hit elsewhere in the rendered picture, or a doubtful one, is as near as the
+    nearest to the depth buffer; and how far from the nearest's place others are that lie on the
+    same surface, where pieces of it overlap.
+    """
     best = winner[hits.pixel]
     apart = np.abs(hits.place - hits.place[best]).max(axis=1)
     elsewhere = _elsewhere(apart, hits.scale, hits.scale[best], edge)
@@ -292,21 +325,30 @@ def _nearly_as_near(hits: _Hits, winner: np.ndarray, edge: float, count: int) ->
 
 
 def _elsewhere(apart: Array, scale: Array, other_scale: Array, edge: float) -> np.ndarray:
-    """Whether two places of the late picture are not one that was moved; a tolerance covers two pixels around, so one at the most."""
+    """Whether two places of the rendered picture are not one that was moved.
+
+    A tolerance covers two pixels around, so one at the most.
+    """
     return apart > np.minimum(2 * edge * (scale + other_scale) + 1e-3, 1.0)
 
 
 def _as_near(hits: _Hits, others: _Hits, index: np.ndarray, edge: float) -> np.ndarray:
-    """Whether the depth buffer may find a hit as near as another, others[index]. A triangle that is moved takes its depth along, and is
-    off by what the depth changes by in as much."""
+    """Whether the depth buffer may find a hit as near as another, others[index].
+
+    A triangle that is moved takes its depth along, and is off by what the depth changes by in as
+    much.
+    """
     least = (others.depth - edge * others.slope)[index] * (1 - DEPTH_RELATIVE) - DEPTH_LEAST
     return hits.depth + edge * hits.slope >= np.minimum(least, DEPTH_MOST)
 
 
-def _grazed(asked: Asked, hits: _Hits, around: _Hits, edge: float) -> np.ndarray:
-    """(h * w,): pixels that a triangle beside them may reach, though the four moved rays may miss it: slivers are thinner than the box
-    between them."""
-    count = asked.shown_size[0] * asked.shown_size[1]
+def _grazed(inputs: TwinInputs, hits: _Hits, around: _Hits, edge: float) -> np.ndarray:
+    """(h * w,).
+
+    Pixels that a triangle beside them may reach, though the four moved rays may miss it: slivers
+    are thinner than the box between them.
+    """
+    count = inputs.shown_size[0] * inputs.shown_size[1]
     winner = _winners(hits, count)
     best = winner[around.pixel]
     out = np.zeros(count, bool)
@@ -319,10 +361,13 @@ def _grazed(asked: Asked, hits: _Hits, around: _Hits, edge: float) -> np.ndarray
     return out
 
 
-def _ajar(asked: Asked, hits: _Hits, around: _Hits, triangles: Surface) -> np.ndarray:
-    """(h * w,): pixels at a seam that may stand open: pieces share no corners with what is beside them and reach over it by OVERLAP late
-    pixels, which closes the seam only where that is more than the rasteriser moves both."""
-    count = asked.shown_size[0] * asked.shown_size[1]
+def _ajar(inputs: TwinInputs, hits: _Hits, around: _Hits, triangles: Surface) -> np.ndarray:
+    """(h * w,): pixels at a seam that may stand open.
+
+    Pieces share no corners with what is beside them and reach over it by OVERLAP rendered pixels,
+    which closes the seam only where that is more than the rasteriser moves both.
+    """
+    count = inputs.shown_size[0] * inputs.shown_size[1]
     closed = np.zeros(count, bool)
     closed[hits.pixel[hits.sure]] = True
     open_ = ~np.isnan(triangles.owner[around.triangle, 0]) & (2 * EDGE_PIXELS * around.scale >= OVERLAP)

@@ -1,7 +1,10 @@
-"""Twin of the motion pass: rays from the late eye against the squares that moving pixels cover, moved in the world.
+"""Twin of the motion pass.
 
-Each moving pixel is a square on the surface it shows. Its corners are put into the world, moved there (a body's by its poses, the rest by
-its velocity), and met by rays; nowhere is a warp map or a rasteriser.
+Rays from the rendered eye against the squares that moving pixels cover, moved in the world.
+
+Each moving pixel is a square on the surface it shows. Its corners are put into the world, moved
+there (a body's by its poses, the rest by its velocity), and met by rays; nowhere is a warp map or a
+rasteriser.
 """
 
 from __future__ import annotations
@@ -20,9 +23,11 @@ from reference.raycast import cast_triangles
 
 Array = NDArray[np.float64]
 
-# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis, before it says which centres are covered.
+# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis, before it says
+# which centres are covered.
 SNAP_PX = 1 / 256
-# Two surfaces closer than this (1/m) may come out in either order: 24 bits of depth for 0 to 50 1/m, twice.
+# Two surfaces closer than this (1/m) may come out in either order: 24 bits of depth for 0 to 50
+# 1/m, twice.
 DEPTH_STEP = 2 * 50 * 2.0**-24
 TEAR_PX = 2.0  # pixels by which neighbours on one surface may move apart
 SOFT = -1  # what the ids of deforming pixels are replaced by
@@ -30,10 +35,13 @@ SOFT = -1  # what the ids of deforming pixels are replaced by
 
 @attrs.frozen(eq=False)
 class MotionAsked:
-    """A late picture and how it moves: colour (h, w, 4), inverse_depth (h, w), ids (h, w) with 0 for what stands still, view.
+    """A rendered picture and how it moves.
 
-    poses: of each body when it was drawn and when it is shown. way_m: (h, w, 3) along the eye's axes, how far each pixel of what deforms
-    goes by itself; NaN where nothing does. steepest: part of itself by which the inverse depth of one surface changes from pixel to pixel.
+    Colour (h, w, 4), inverse_depth (h, w), ids (h, w) with 0 for what stands still, view.
+
+    poses: of each body when it was drawn and when it is shown. way_m: (h, w, 3) along the eye's
+    axes, how far each pixel of what deforms goes by itself; NaN where nothing does. steepest: part
+    of itself by which the inverse depth of one surface changes from pixel to pixel.
     """
 
     colour: Array
@@ -50,7 +58,10 @@ class MotionAsked:
         return self.colour.shape[1::-1]
 
     def keys(self) -> NDArray[np.int64]:
-        """(h, w) what each pixel moves with: 0 nothing, SOFT, or its body; a body beyond the table or at rest is nothing."""
+        """(h, w) what each pixel moves with: 0 nothing, SOFT, or its body.
+
+        A body beyond the table or at rest is nothing.
+        """
         moves = [not drawn.isclose(shown, 1e-12) for drawn, shown in self.poses]
         known = np.isin(self.ids, 1 + np.flatnonzero(moves))
         keys = np.where(known, self.ids, 0)
@@ -61,24 +72,30 @@ class MotionAsked:
 
 @attrs.frozen(eq=False)
 class MovedPicture:
-    """What the pass should leave: the picture, and its inverse depth with its own tolerance (h, w)."""
+    """What the pass should leave.
+
+    The picture, and its inverse depth with its own tolerance (h, w).
+    """
 
     picture: ReferencePicture
     inverse_depth: Array
     depth_tolerance: Array
 
 
-def moved_picture(asked: MotionAsked) -> MovedPicture:
-    """Everything that moves, moved; holes where it was. What a place within SNAP_PX shows otherwise is tolerance, or undecided."""
-    squares = _Squares.of(asked)
-    exact = _looked(asked, squares, np.zeros(2))
+def moved_picture(inputs: MotionAsked) -> MovedPicture:
+    """Everything that moves, moved; holes where it was.
+
+    What a place within SNAP_PX shows otherwise is tolerance, or undecided.
+    """
+    squares = _Squares.of(inputs)
+    exact = _looked(inputs, squares, np.zeros(2))
     beside = [
-        _looked(asked, squares, SNAP_PX * np.array(offset)) for offset in product((-1, 0, 1), repeat=2) if any(offset)
+        _looked(inputs, squares, SNAP_PX * np.array(offset)) for offset in product((-1, 0, 1), repeat=2) if any(offset)
     ]
     spread = np.max([np.abs(one.colour - exact.colour)[..., :3].max(axis=-1) for one in beside], axis=0)
     deep = np.max([np.abs(one.inverse_depth - exact.inverse_depth) for one in beside], axis=0)
     other = np.any(
-        [(one.owner != exact.owner) & ~_touching(one.owner, exact.owner, asked.size[0]) for one in beside], axis=0
+        [(one.owner != exact.owner) & ~_touching(one.owner, exact.owner, inputs.size[0]) for one in beside], axis=0
     )
     undecided = other | np.any([one.near_tie for one in (exact, *beside)], axis=0)
     moved = exact.owner >= 0
@@ -97,8 +114,11 @@ def _touching(a: NDArray[np.int64], b: NDArray[np.int64], wide: int) -> NDArray[
 
 @attrs.frozen(eq=False)
 class _Squares:
-    """Two triangles for each moving pixel that still face the eye: corners (m, 3, 3) in the world, moved; their late pixels (m, 3, 2) and
-    inverse depths (m, 3); owner (m,) index of the pixel."""
+    """Two triangles for each moving pixel that still face the eye.
+
+    Corners (m, 3, 3) in the world, moved; their rendered pixels (m, 3, 2) and inverse depths (m,
+    3); owner (m,) index of the pixel.
+    """
 
     corners: Array
     pixels: Array
@@ -106,38 +126,41 @@ class _Squares:
     owner: NDArray[np.int64]
 
     @classmethod
-    def of(cls, asked: MotionAsked) -> _Squares:
-        keys, found = asked.keys(), []
+    def of(cls, inputs: MotionAsked) -> _Squares:
+        keys, found = inputs.keys(), []
         for row, column in np.argwhere(keys):
-            square = [_corner(asked, keys, row, column, dx, dy) for dy in (0, 1) for dx in (0, 1)]
-            found += [([square[k] for k in ks], row * asked.size[0] + column) for ks in ((0, 1, 2), (2, 1, 3))]
+            square = [_corner(inputs, keys, row, column, dx, dy) for dy in (0, 1) for dx in (0, 1)]
+            found += [([square[k] for k in ks], row * inputs.size[0] + column) for ks in ((0, 1, 2), (2, 1, 3))]
         parts = [np.array([[corner[k] for corner in three] for three, _ in found]) for k in range(3)]
         world, pixels, depths = (part.reshape(-1, 3, *tail) for part, tail in zip(parts, ((3,), (2,), ()), strict=True))
         owner = np.array([one for _, one in found], np.int64)
         normal = np.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0])
-        faces = np.einsum("ij,ij->i", normal, world[:, 0] - asked.view.pose.position_m) < 0
+        faces = np.einsum("ij,ij->i", normal, world[:, 0] - inputs.view.pose.position_m) < 0
         return cls(world[faces], pixels[faces], depths[faces], owner[faces])
 
 
-def _corner(asked: MotionAsked, keys: NDArray, row: int, column: int, dx: int, dy: int) -> tuple[Array, Array, float]:
-    """A corner of a pixel's square: its place in the world after the motion, its late pixel, its inverse depth."""
+def _corner(inputs: MotionAsked, keys: NDArray, row: int, column: int, dx: int, dy: int) -> tuple[Array, Array, float]:
+    """A corner of a pixel's square.
+
+    Its place in the world after the motion, its rendered pixel, its inverse depth.
+    """
     around = [(row + dy - 1 + b, column + dx - 1 + a) for a in (0, 1) for b in (0, 1)]
-    members = _surface(asked, keys, (row, column), around)
-    inverse_depth = float(np.mean([asked.inverse_depth[at] for at in members]))
+    members = _surface(inputs, keys, (row, column), around)
+    inverse_depth = float(np.mean([inputs.inverse_depth[at] for at in members]))
     pixel = np.array([column + dx, row + dy], np.float64)
-    eye = asked.view.pose
-    point = eye.transform(rays_through(asked.view, asked.size, pixel) / inverse_depth)
+    eye = inputs.view.pose
+    point = eye.transform(rays_through(inputs.view, inputs.size, pixel) / inverse_depth)
     key = keys[row, column]
     if key == SOFT:
-        point = point + eye.rotation.apply(np.mean([asked.way_m[at] for at in members], axis=0))
+        point = point + eye.rotation.apply(np.mean([inputs.way_m[at] for at in members], axis=0))
     else:
-        drawn, shown = asked.poses[key - 1]
+        drawn, shown = inputs.poses[key - 1]
         point = shown.transform(drawn.inverse().transform(point))
     return point, pixel, inverse_depth
 
 
 def _surface(
-    asked: MotionAsked, keys: NDArray, start: tuple[int, int], around: list[tuple[int, int]]
+    inputs: MotionAsked, keys: NDArray, start: tuple[int, int], around: list[tuple[int, int]]
 ) -> list[tuple[int, int]]:
     """Those of the pixels `around` a corner that are reached from `start` over joined sides."""
     reached, waiting = [start], [start]
@@ -145,38 +168,43 @@ def _surface(
         at = waiting.pop()
         for other in around:
             beside = abs(other[0] - at[0]) + abs(other[1] - at[1]) == 1
-            if other not in reached and beside and _joined(asked, keys, at, other):
+            if other not in reached and beside and _joined(inputs, keys, at, other):
                 reached.append(other)
                 waiting.append(other)
     return reached
 
 
-def _joined(asked: MotionAsked, keys: NDArray, a: tuple[int, int], b: tuple[int, int]) -> bool:
-    wide, high = asked.size
+def _joined(inputs: MotionAsked, keys: NDArray, a: tuple[int, int], b: tuple[int, int]) -> bool:
+    wide, high = inputs.size
     if not (0 <= b[0] < high and 0 <= b[1] < wide) or keys[a] == 0 or keys[a] != keys[b]:
         return False
-    allowed = asked.steepest[0] * abs(a[1] - b[1]) + asked.steepest[1] * abs(a[0] - b[0])
-    near, far = asked.inverse_depth[a], asked.inverse_depth[b]
+    allowed = inputs.steepest[0] * abs(a[1] - b[1]) + inputs.steepest[1] * abs(a[0] - b[0])
+    near, far = inputs.inverse_depth[a], inputs.inverse_depth[b]
     if abs(near - far) > allowed * min(near, far):
         return False
-    return keys[a] != SOFT or bool(np.abs(_strain(asked, a, b)).max() <= TEAR_PX)
+    return keys[a] != SOFT or bool(np.abs(_strain(inputs, a, b)).max() <= TEAR_PX)
 
 
-def _strain(asked: MotionAsked, a: tuple[int, int], b: tuple[int, int]) -> Array:
+def _strain(inputs: MotionAsked, a: tuple[int, int], b: tuple[int, int]) -> Array:
     """(2,) pixels by which two neighbours move apart."""
-    left, right, down, up = asked.view.fov.tangents
+    left, right, down, up = inputs.view.fov.tangents
     places = []
     for row, column in (a, b):
         at = np.array([column + 0.5, row + 0.5])
-        point = rays_through(asked.view, asked.size, at) / asked.inverse_depth[row, column] + asked.way_m[row, column]
+        point = (
+            rays_through(inputs.view, inputs.size, at) / inputs.inverse_depth[row, column] + inputs.way_m[row, column]
+        )
         share = (point[:2] / -point[2] - (left, down)) / (right - left, up - down)
-        places.append(share * asked.size - at)
+        places.append(share * inputs.size - at)
     return places[1] - places[0]
 
 
 @attrs.frozen(eq=False)
 class _Look:
-    """What rays met: colour (h, w, 4), inverse depth (h, w), owner (h, w): index of the moving pixel, -1 for what stands still."""
+    """What rays met: colour (h, w, 4), inverse depth (h, w), owner (h, w).
+
+    Index of the moving pixel, -1 for what stands still.
+    """
 
     colour: Array
     inverse_depth: Array
@@ -184,38 +212,39 @@ class _Look:
     near_tie: NDArray[np.bool_]
 
 
-def _looked(asked: MotionAsked, squares: _Squares, offset_px: Array) -> _Look:
-    keys, (wide, high) = asked.keys(), asked.size
+def _looked(inputs: MotionAsked, squares: _Squares, offset_px: Array) -> _Look:
+    keys, (wide, high) = inputs.keys(), inputs.size
     centres = np.stack(np.meshgrid(np.arange(wide) + 0.5, np.arange(high) + 0.5), axis=-1) + offset_px
-    rays = world_directions(asked.view, asked.size, centres).reshape(-1, 3)
-    still = np.where(keys == 0, asked.inverse_depth, -1.0)
-    colour = np.where((keys == 0)[..., None], asked.colour, 0.0)
+    rays = world_directions(inputs.view, inputs.size, centres).reshape(-1, 3)
+    still = np.where(keys == 0, inputs.inverse_depth, -1.0)
+    colour = np.where((keys == 0)[..., None], inputs.colour, 0.0)
     owner = np.full((high, wide), -1, np.int64)
     near_tie = np.zeros((high, wide), bool)
     if not len(squares.owner):
         return _Look(colour, still, owner, near_tie)
-    hits = cast_triangles(squares.corners, asked.view.pose.position_m, rays)
+    hits = cast_triangles(squares.corners, inputs.view.pose.position_m, rays)
     met = hits.inverse_depth.reshape(high, wide)
     near_tie = (hits.shape.reshape(high, wide) >= 0) & (np.abs(met - still) <= DEPTH_STEP)
     depth = still.copy()
     for index in np.flatnonzero((hits.shape >= 0) & (hits.inverse_depth >= still.ravel())):
         row, column = divmod(int(index), wide)
         which, (u, v) = hits.shape[index], hits.uv[index]
-        # Weights in space to weights in the late picture: a corner counts there for its inverse depth.
+        # Weights in space to weights in the rendered picture: a corner counts there for its inverse
+        # depth.
         weights = np.array([1 - u - v, u, v]) / squares.depths[which]
         place = weights @ squares.pixels[which] / weights.sum()
         owner[row, column], depth[row, column] = squares.owner[which], met[row, column]
-        colour[row, column] = _bilinear(asked, keys, divmod(int(squares.owner[which]), wide), place)
+        colour[row, column] = _bilinear(inputs, keys, divmod(int(squares.owner[which]), wide), place)
     return _Look(colour, depth, owner, near_tie)
 
 
-def _bilinear(asked: MotionAsked, keys: NDArray, own: tuple[int, int], place: Array) -> Array:
+def _bilinear(inputs: MotionAsked, keys: NDArray, own: tuple[int, int], place: Array) -> Array:
     """At `place` (x, y), among those of the four nearest pixels that show the owner's surface."""
     x, y = np.clip(place - (own[1] + 0.5, own[0] + 0.5), -0.5, 0.5)
     total, share = np.zeros(4), 0.0
     for dy, dx in product((0, 1), repeat=2):
         at = (own[0] + dy * (-1 if y < 0 else 1), own[1] + dx * (-1 if x < 0 else 1))
         weight = (abs(x) if dx else 1 - abs(x)) * (abs(y) if dy else 1 - abs(y))
-        if (dx, dy) == (0, 0) or _joined(asked, keys, own, at):
-            total, share = total + weight * asked.colour[at], share + weight
+        if (dx, dy) == (0, 0) or _joined(inputs, keys, own, at):
+            total, share = total + weight * inputs.colour[at], share + weight
     return np.append(total[:3] / share, 1.0)

@@ -1,4 +1,7 @@
-"""What a twin hands back: the picture, how far a shader may be off, and where rounding alone may decide otherwise."""
+"""What a twin hands back.
+
+The picture, how far a shader may be off, and where rounding alone may decide otherwise.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,8 @@ Array = NDArray[np.float64]
 
 HALF_UNIT = 2.0**-10  # relative error of a stored rgba16f value: GL leaves the rounding open, and llvmpipe truncates
 HALF_SMALLEST = 2.0**-24  # the smallest denormal half float
-# A GPU's bilinear sampler rounds the place to 1/256 pixel (8 fraction bits); llvmpipe computes it in float32.
+# A GPU's bilinear sampler rounds the place to 1/256 pixel (8 fraction bits); llvmpipe computes it
+# in float32.
 GPU_SAMPLER_PIXELS = 1 / 256
 
 
@@ -29,8 +33,10 @@ def _with_none_as_minus_one(inverse_depth: Array) -> Array:
 
 
 @attrs.frozen(eq=False)
-class LatePicture:
-    """colour (h, w, 4) premultiplied linear with coverage in alpha, inverse_depth (h, w) in 1/m, -1 for none, and their view."""
+class RenderedPicture:
+    """colour (h, w, 4) premultiplied linear with coverage in alpha, inverse_depth (h, w) in 1/m, -1
+    for none, and their view.
+    """
 
     colour: Array
     inverse_depth: Array = attrs.field(converter=_with_none_as_minus_one)
@@ -38,13 +44,16 @@ class LatePicture:
 
 
 @attrs.frozen(eq=False)
-class Asked:
-    """What a twin is asked: the late picture and its view, the shown view and its (w, h), and what else the warp reads.
+class TwinInputs:
+    """What a twin is inputs.
 
-    colour, inverse_depth as in LatePicture. client_inverse_depth: (h, w) of the shown size. layers: pictures of the late view, nearest
-    first. cube: (3n, 2n, 4) as geometry.cube lays it out. others: further late pictures. settings: the warp's. sampler_pixels: how
-    far, in pixels, the sampler may place a bilinear look beside where it was asked for. places: where the shown view is looked at, if
-    not at its pixel centres; the picture asked for then has their shape.
+    The rendered picture and its view, the shown view and its (w, h), and what else the warp reads.
+
+    colour, inverse_depth as in RenderedPicture. client_inverse_depth: (h, w) of the shown size.
+    layers: pictures of the rendered view, nearest first. cube: (3n, 2n, 4) as geometry.cube lays it
+    out. others: further rendered pictures. settings: the warp's. sampler_pixels: how far, in
+    pixels, the sampler may place a bilinear look beside where it should be. places: where the shown
+    view is looked at, if not at its pixel centres; the result then has their shape.
     """
 
     colour: Array
@@ -53,42 +62,48 @@ class Asked:
     shown: View
     shown_size: tuple[int, int]
     client_inverse_depth: Array | None = None
-    layers: tuple[LatePicture, ...] = ()
+    layers: tuple[RenderedPicture, ...] = ()
     cube: Array | None = None
-    others: tuple[LatePicture, ...] = ()
+    others: tuple[RenderedPicture, ...] = ()
     settings: Any = None
     sampler_pixels: float = GPU_SAMPLER_PIXELS
     places: Places | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(h, w) of the picture asked for."""
+        """(h, w) of the result."""
         return self.shown_size[::-1] if self.places is None else self.places.pixels.shape[:2]
 
     def directions(self, view: View) -> Array:
-        """(h, w, 3) directions in the world that `view`, of the shown size, is asked about."""
+        """(h, w, 3) directions in the world that `view`, of the shown size, looks in."""
         return world_directions(view, self.shown_size, None if self.places is None else self.places.pixels)
 
     def map_error(self, warp: WarpMap, inverse_depth: Array) -> Array:
-        """(h, w): how far a shader's late pixels may be off, see pixel_error_bound."""
+        """(h, w): how far a shader's rendered pixels may be off, see pixel_error_bound."""
         return pixel_error_bound(warp, self.shown_size, inverse_depth, self.places)
 
     def own_depth(self) -> Array:
-        """(h, w): the client's own inverse depth at the nearest pixel of each place; -1 beside the shown picture."""
+        """(h, w): the client's own inverse depth at the nearest pixel of each place.
+
+        -1 beside the shown picture.
+        """
         if self.places is None:
             return self.client_inverse_depth
         place = np.nan_to_num(self.places.pixels, nan=-1.0, posinf=-1.0, neginf=-1.0)
         nearest = np.floor(np.clip(place, -1, np.array(self.shown_size))).astype(int)
         return np.pad(self.client_inverse_depth, 1, constant_values=-1)[nearest[..., 1] + 1, nearest[..., 0] + 1]
 
-    def at_centres(self) -> Asked:
-        """The same, asked about the centres of the shown pixels that its places lie in."""
+    def at_centres(self) -> TwinInputs:
+        """The same for the centres of the shown pixels that its places lie in."""
         if self.places is None:
             return self
         return attrs.evolve(self, places=attrs.evolve(self.places, pixels=np.floor(self.places.pixels) + 0.5))
 
     def near_another_pixel(self) -> Array:
-        """(h, w): whether a place lies within its error of another pixel, whose depth a shader may then take."""
+        """(h, w).
+
+        Whether a place lies within its error of another pixel, whose depth a shader may then take.
+        """
         if self.places is None:
             return np.zeros(self.shape, bool)
         from_border = np.abs(self.places.pixels - np.round(self.places.pixels)).min(axis=-1)
@@ -96,14 +111,17 @@ class Asked:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) of the late picture."""
+        """(w, h) of the rendered picture."""
         return self.colour.shape[1::-1]
 
 
 @attrs.frozen(eq=False)
 class ReferencePicture:
-    """colour (h, w, 4) with coverage in alpha, bottom row first; tolerance (h, w), absolute, for the three colours;
-    undecided (h, w): pixels whose coverage or source a rounding error within the bound may change."""
+    """colour (h, w, 4) with coverage in alpha, bottom row first.
+
+    Tolerance (h, w), absolute, for the three colours; undecided (h, w): pixels whose coverage or
+    source a rounding error within the bound may change.
+    """
 
     colour: Array
     tolerance: Array
@@ -113,11 +131,13 @@ class ReferencePicture:
 def sample_covered(
     colour: Array, pixels: Array, position_error: Array, sampler_pixels: float = GPU_SAMPLER_PIXELS, least: float = 0.5
 ) -> ReferencePicture:
-    """Bilinear look at `pixels` (h, w, 2) of a premultiplied picture, by SciPy's interpolation, averaged over what is covered.
+    """Bilinear look at `pixels` (h, w, 2) of a premultiplied picture, by SciPy's interpolation,
+    averaged over what is covered.
 
-    position_error (h, w): pixels; sampler_pixels: what the sampler adds to it; least: the weight of covered texels from which the
-    result counts as covered. The colour may be off by the place's error times the steepest change nearby, over the coverage it is
-    normalised with, and by the rounding of the stored result.
+    position_error (h, w): pixels; sampler_pixels: what the sampler adds to it; least: the weight of
+    covered texels from which the result counts as covered. The colour may be off by the place's
+    error times the steepest change nearby, over the coverage it is normalised with, and by the
+    rounding of the stored result.
     """
     outside = ~((pixels >= 0) & (pixels < np.array(colour.shape[1::-1]))).all(axis=-1)
     place = np.where(np.isnan(pixels), 0.0, pixels) - 0.5
@@ -149,7 +169,10 @@ def near_edge(pixels: Array, size: tuple[int, int], error: Array) -> NDArray[np.
 
 
 def _contrast_near(colour: Array, coords: list[Array]) -> Array:
-    """Largest difference within the 4x4 texels around each place, per channel: bounds the slope a moved look can meet."""
+    """Largest difference within the 4x4 texels around each place, per channel.
+
+    Bounds the slope a moved look can meet.
+    """
     spread = ndimage.maximum_filter(colour, size=(5, 5, 1), mode="nearest") - ndimage.minimum_filter(
         colour, size=(5, 5, 1), mode="nearest"
     )

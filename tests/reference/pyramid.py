@@ -1,4 +1,8 @@
-"""Twin of the fill `pyramid`: whole levels at once, as windows over arrays, and their completion by recursion from the picture upwards."""
+"""Twin of the fill `pyramid`.
+
+Whole levels at once, as windows over arrays, and their completion by recursion from the picture
+upwards.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +19,11 @@ KERNEL = np.outer([1, 3, 3, 1], [1, 3, 3, 1]) / 64
 
 @attrs.frozen
 class Chosen:
-    """The fill's settings and constants: holes, tolerance and floor in `behind`; the share a farthest one must have, on levels (the
-    first is 0) up to local_levels and from there on; what the border of a mere crack counts there."""
+    """The fill's settings and constants: holes, tolerance and floor in `behind`.
+
+    The share a farthest one must have, on levels (the first is 0) up to local_levels and from there
+    on; what the border of a mere crack counts there.
+    """
 
     least_holes: float
     behind: Behind
@@ -32,7 +39,9 @@ class Chosen:
 
 @attrs.frozen(eq=False)
 class Level:
-    """colour (h, w, 3), weight, depth (np.inf: not known), share of holes, and how much borders on them (h, w), of one level."""
+    """colour (h, w, 3), weight, depth (np.inf: not known), share of holes, and how much borders on
+    them (h, w), of one level.
+    """
 
     colour: Array
     weight: Array
@@ -42,7 +51,9 @@ class Level:
 
 
 def pyramid(colour: Array, inverse_depth: Array, chosen: Chosen) -> tuple[Array, Array]:
-    """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with every hole filled, if anything is covered."""
+    """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with every hole
+    filled, if anything is covered.
+    """
     covered = colour[..., 3] > 0
     picture = Level(colour[..., :3], covered * 1.0, known_or_infinite(inverse_depth), ~covered * 1.0, covered * 1.0)
     guess = _completed(picture, chosen, -1)
@@ -51,7 +62,9 @@ def pyramid(colour: Array, inverse_depth: Array, chosen: Chosen) -> tuple[Array,
 
 
 def _completed(level: Level, chosen: Chosen, number: int) -> Level:
-    """The level (-1: the picture) with what it has not, or should not have, taken from the level above it, itself completed."""
+    """The level (-1: the picture) with what it has not, or should not have, taken from the level
+    above it, itself completed.
+    """
     is_picture, behind = number < 0, chosen.behind
     if level.weight.size == 1 and not is_picture:
         return level
@@ -106,7 +119,9 @@ def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -
 
 
 def _farthest_of_enough(depth: Array, borders: Array, behind: Behind, least: float) -> Array:
-    """Of (..., n) depths the farthest that, with all that is as far, makes up enough of the borders; np.inf where there is none."""
+    """Of (..., n) depths the farthest that, with all that is as far, makes up enough of the
+    borders; np.inf where there is none.
+    """
     as_far = depth[..., None, :] <= behind.limit(depth)[..., None]
     share = np.einsum("...kn,...n->...k", as_far, borders)
     enough = (borders > 0) & (share > 0) & (share >= least * borders.sum(axis=-1)[..., None])
@@ -143,7 +158,10 @@ def _windows(values: Array, outside: float) -> Array:
 
 
 def _enlarged(above: Level, shape: tuple[int, int], behind: Behind, least: float) -> Level:
-    """What the level above says at each texel of a level of that shape: bilinear, of the farthest alone."""
+    """What the level above says at each texel of a level of that shape.
+
+    Bilinear, of the farthest alone.
+    """
     rows, columns = (_two_nearest(n, m) for n, m in zip(shape, above.weight.shape, strict=True))
     pairs = [
         (y, x, a * b)
@@ -164,7 +182,10 @@ def _enlarged(above: Level, shape: tuple[int, int], behind: Behind, least: float
 
 
 def _two_nearest(count: int, above: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of each of `count` texels in a row: the texel above it, and the one beside that which it is nearest to."""
+    """Of each of `count` texels in a row.
+
+    The texel above it, and the one beside that which it is nearest to.
+    """
     place = np.arange(count)
     own = place // 2
     return own, np.clip(own + np.where(place % 2, 1, -1), 0, above - 1)

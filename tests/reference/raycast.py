@@ -1,7 +1,10 @@
-"""Rays against shapes in float64: what the server should have drawn, found without matrices or rasterising.
+"""Rays against shapes in float64.
 
-Directions come from `_rays.world_directions`: of length 1 along the view axis, so that 1/t is inverse depth.
-Source for triangles: Moeller and Trumbore 1997, Fast, Minimum Storage Ray/Triangle Intersection.
+What the server should have drawn, found without matrices or rasterising.
+
+Directions come from `_rays.world_directions`: of length 1 along the view axis, so that 1/t is
+inverse depth. Source for triangles: Moeller and Trumbore 1997, Fast, Minimum Storage Ray/Triangle
+Intersection.
 """
 
 from __future__ import annotations
@@ -15,9 +18,13 @@ Array = NDArray[np.float64]
 
 @attrs.frozen(eq=False)
 class Hits:
-    """What each ray met first: `inverse_depth` in 1/m along the eye's -z (0: nothing), `shape` index (-1: nothing), surface `uv`.
+    """What each ray met first.
 
-    cosine: |cosine| between ray and surface, 1 where nothing was met; small near silhouettes of round things.
+    `inverse_depth` in 1/m along the eye's -z (0: nothing), `shape` index (-1: nothing), surface
+    `uv`.
+
+    cosine: |cosine| between ray and surface, 1 where nothing was met; small near silhouettes of
+    round things.
     """
 
     inverse_depth: Array
@@ -47,7 +54,9 @@ def nearest(*found: Hits) -> Hits:
 
 
 def cast_quads(quads: ArrayLike, eye: Array, rays: Array) -> Hits:
-    """Rays (n, 3) from `eye` against quads given as (centre, right, up) half edges, shape (k, 3, 3). uv runs -1..1 on the quad."""
+    """Rays (n, 3) from `eye` against quads given as (centre, right, up) half edges, shape (k, 3,
+    3). uv runs -1..1 on the quad.
+    """
     out = _empty(len(rays))
     for index, (centre, right, up) in enumerate(np.asarray(quads, np.float64)):
         normal = np.cross(right, up)
@@ -64,7 +73,10 @@ def cast_quads(quads: ArrayLike, eye: Array, rays: Array) -> Hits:
 
 
 def cast_spheres(spheres: ArrayLike, eye: Array, rays: Array) -> Hits:
-    """Rays (n, 3) from `eye`, outside all spheres, against spheres (k, 4): centre and radius. uv is not set."""
+    """Rays (n, 3) from `eye`, outside all spheres, against spheres (k, 4): centre and radius.
+
+    uv is not set.
+    """
     out = _empty(len(rays))
     squared = np.einsum("ij,ij->i", rays, rays)
     for index, (*centre, radius) in enumerate(np.asarray(spheres, np.float64)):
@@ -81,7 +93,10 @@ def cast_spheres(spheres: ArrayLike, eye: Array, rays: Array) -> Hits:
 
 
 def cast_triangles(corners: ArrayLike, eye: Array, rays: Array) -> Hits:
-    """Rays (n, 3) from `eye` against triangles (m, 3, 3), both sides. uv are the barycentric weights of corners 1 and 2."""
+    """Rays (n, 3) from `eye` against triangles (m, 3, 3), both sides.
+
+    uv are the barycentric weights of corners 1 and 2.
+    """
     corners = np.asarray(corners, np.float64)
     start, edge_1, edge_2 = corners[:, 0] - eye, corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     out = _empty(len(rays))

@@ -1,4 +1,7 @@
-"""What mirrors add to a picture, by rays through the world; and where a ball's image stands, by two neighbouring rays."""
+"""What mirrors add to a picture, by rays through the world.
+
+And where a ball's image stands, by two neighbouring rays.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,18 @@ from reference.raycast import Hits, cast_quads, cast_spheres, nearest
 Array = NDArray[np.float64]
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
 FAR_M = 1e9  # stands for infinitely far
-# A look's place is some 30 float32 operations on pixels up to a few thousand, more where the ray grazes the mirror.
+# A look's place is some 30 float32 operations on pixels up to a few thousand, more where the ray
+# grazes the mirror.
 PLACE_ERROR_PX = 4e-3
 
 
 @attrs.frozen(eq=False)
 class MirrorPictures:
-    """Bottom row first. picture, surface, seen (h, w, 4), seen_inverse_depth (h, w), all of `view`; surface and seen as in
-    frame.Reflection."""
+    """Bottom row first.
+
+    picture, surface, seen (h, w, 4), seen_inverse_depth (h, w), all of `view`; surface and seen as
+    in frame.Reflection.
+    """
 
     picture: Array
     surface: Array
@@ -34,10 +41,13 @@ class MirrorPictures:
 
 
 def with_reflection(pictures: MirrorPictures, mirrors: Sequence[Mirror], *, glossy: bool = True) -> ReferencePicture:
-    """The picture with what its mirrors show. glossy: whether disturbed normals turn the mirrored rays.
+    """The picture with what its mirrors show.
 
-    A ray is mirrored at the disturbed normal, goes on in the real world for as long as the undisturbed one does, and what it meets is seen
-    where its mirror image stands. Source: Schlick 1994 for how much of it is seen.
+    glossy: whether disturbed normals turn the mirrored rays.
+
+    A ray is mirrored at the disturbed normal, goes on in the real world for as long as the
+    undisturbed one does, and what it meets is seen where its mirror image stands. Source: Schlick
+    1994 for how much of it is seen.
     """
     view, size = pictures.view, pictures.picture.shape[1::-1]
     rays = world_directions(view, size).reshape(-1, 3)
@@ -153,7 +163,8 @@ def _look(
     with np.errstate(divide="ignore", invalid="ignore"):
         tangents = np.stack([in_eye[:, 0], in_eye[:, 1], -in_eye[:, 2]], axis=1) / -in_eye[:, 2:]
     pixels = (tangents @ pictures.view.fov.pixel_from_tangent(size).T)[:, :2].reshape(*size[::-1], 2)
-    # Beside the picture the shader's sampler continues its border, which the twin's counts as nothing.
+    # Beside the picture the shader's sampler continues its border, which the twin's counts as
+    # nothing.
     near_border = ((pixels < 1) | (pixels > np.array(size) - 1)).any(axis=-1) | ~np.isfinite(pixels).all(axis=-1)
     found = sample_covered(pictures.seen, pixels, np.full(size[::-1], PLACE_ERROR_PX))
     return attrs.evolve(found, undecided=found.undecided | near_border)
@@ -164,10 +175,12 @@ def _mirrored(rays: Array, normals: Array) -> Array:
 
 
 def image_by_two_rays(away_m: float, radius_m: float, incidence_rad: float, step: float = 1e-5) -> float:
-    """How far behind a ball's surface the image of a point stands, seen at two places of the ball `step` radians apart.
+    """How far behind a ball's surface the image of a point stands, seen at two places of the ball
+    `step` radians apart.
 
-    In the plane of the two rays: from a point `away_m` from the surface along the mirrored ray, light goes to either place and is thrown
-    back there; where the two lines of sight meet behind the surface is the image.
+    In the plane of the two rays: from a point `away_m` from the surface along the mirrored ray,
+    light goes to either place and is thrown back there; where the two lines of sight meet behind
+    the surface is the image.
     """
 
     def normal_at(angle: float) -> Array:

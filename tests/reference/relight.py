@@ -1,4 +1,8 @@
-"""Twin of fill `relight`: planes by solving for three of their points, blocks by reshaping, samples one after the other over all holes."""
+"""Twin of fill `relight`.
+
+Planes by solving for three of their points, blocks by reshaping, samples one after the other over
+all holes.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +20,9 @@ FLOOR = 0.02  # 1/m
 class Relit:
     """What the fill goes by; all pictures (h, w, ..) bottom row first, rgb linear.
 
-    warped: (h, w, 4), coverage in alpha. inverse_depth: its depth, -1 unknown. albedo, lit, model_inverse_depth: the model's. offsets:
-    (n, 2) whole pixels. The rest: as the shader's uniforms of these names.
+    warped: (h, w, 4), coverage in alpha. inverse_depth: its depth, -1 unknown. albedo, lit,
+    model_inverse_depth: the model's. offsets: (n, 2) whole pixels. The rest: as the shader's
+    uniforms of these names.
     """
 
     fov: Fov
@@ -46,21 +51,21 @@ class Relit:
         return np.stack(np.meshgrid(x, y), axis=-1)
 
 
-def relight(asked: Relit) -> Array:
+def relight(inputs: Relit) -> Array:
     """(h, w, 4) without holes."""
-    lights = _lights(asked)
-    rows, columns = np.nonzero(asked.warped[..., 3] == 0)
-    depth = asked.model_inverse_depth[rows, columns]
-    tangent = asked.tangents[rows, columns]
-    normal = _normals(tangent, depth, *_beside(asked, rows, columns))
+    lights = _lights(inputs)
+    rows, columns = np.nonzero(inputs.warped[..., 3] == 0)
+    depth = inputs.model_inverse_depth[rows, columns]
+    tangent = inputs.tangents[rows, columns]
+    normal = _normals(tangent, depth, *_beside(inputs, rows, columns))
     point = _points(tangent, depth)
     seen, plain = np.zeros((len(rows), 3)), np.zeros((len(rows), 3))
-    high, wide = asked.inverse_depth.shape
-    for x, y in asked.offsets:
+    high, wide = inputs.inverse_depth.shape
+    for x, y in inputs.offsets:
         inside = (rows + y >= 0) & (rows + y < high) & (columns + x >= 0) & (columns + x < wide)
-        at = np.where(inside, rows + y, 0) // asked.block, np.where(inside, columns + x, 0) // asked.block
+        at = np.where(inside, rows + y, 0) // inputs.block, np.where(inside, columns + x, 0) // inputs.block
         way = (lights.point[at] - point) * (depth + FLOOR)[:, None]
-        distance, off = np.linalg.norm(way, axis=1) / asked.near, (way * normal).sum(axis=1) / asked.off_plane
+        distance, off = np.linalg.norm(way, axis=1) / inputs.near, (way * normal).sum(axis=1) / inputs.off_plane
         weight = (
             inside
             * np.maximum((normal * lights.normal[at]).sum(axis=1), 0) ** 4
@@ -69,16 +74,19 @@ def relight(asked: Relit) -> Array:
         )
         seen += weight[:, None] * lights.seen[at]
         plain += weight[:, None] * lights.plain[at]
-    out = asked.warped.copy()
-    of_model = asked.model_weight * asked.lit[rows, columns, :3]
-    out[rows, columns, :3] = (asked.albedo[rows, columns, :3] * seen + of_model) / (plain + asked.model_weight)
+    out = inputs.warped.copy()
+    of_model = inputs.model_weight * inputs.lit[rows, columns, :3]
+    out[rows, columns, :3] = (inputs.albedo[rows, columns, :3] * seen + of_model) / (plain + inputs.model_weight)
     out[rows, columns, 3] = 1
     return out
 
 
 @attrs.frozen(eq=False)
 class _Lights:
-    """Of each block: mean colour, mean albedo, (x, y, z) in metres, unit normal; (rows, columns, 3) each."""
+    """Of each block: mean colour, mean albedo, (x, y, z) in metres, unit normal.
+
+    (rows, columns, 3) each.
+    """
 
     seen: Array
     plain: Array
@@ -86,35 +94,35 @@ class _Lights:
     normal: Array
 
 
-def _lights(asked: Relit) -> _Lights:
-    shown, model = asked.inverse_depth, asked.model_inverse_depth
-    agree = (shown >= 0) & (np.abs(shown - model) <= asked.same_depth * (np.minimum(shown, model) + FLOOR))
-    depth = _blocks(np.where(agree, model, np.nan), asked.block, np.nan)
+def _lights(inputs: Relit) -> _Lights:
+    shown, model = inputs.inverse_depth, inputs.model_inverse_depth
+    agree = (shown >= 0) & (np.abs(shown - model) <= inputs.same_depth * (np.minimum(shown, model) + FLOOR))
+    depth = _blocks(np.where(agree, model, np.nan), inputs.block, np.nan)
     with np.errstate(all="ignore"):
         farthest = np.where(np.isnan(depth), np.inf, depth).min(axis=(2, 3), keepdims=True)
-        counts = depth <= farthest + asked.same_surface * (farthest + FLOOR)
+        counts = depth <= farthest + inputs.same_surface * (farthest + FLOOR)
     depth = np.where(counts, depth, np.nan)
     number = np.maximum(counts.sum(axis=(2, 3)), 1)[..., None]
 
     def total(picture: Array) -> Array:
-        return np.where(counts[..., None], _blocks(picture, asked.block, 0.0), 0).sum(axis=(2, 3))
+        return np.where(counts[..., None], _blocks(picture, inputs.block, 0.0), 0).sum(axis=(2, 3))
 
-    tangent = total(asked.tangents) / number
+    tangent = total(inputs.tangents) / number
     mean = np.nansum(depth, axis=(2, 3)) / number[..., 0]
-    step = asked.tangents[-1, -1] - asked.tangents[0, 0]
+    step = inputs.tangents[-1, -1] - inputs.tangents[0, 0]
     high, wide = shown.shape
-    step = step / np.maximum([wide - 1, high - 1], 1) if min(wide, high) > 1 else _one_pixel(asked)
+    step = step / np.maximum([wide - 1, high - 1], 1) if min(wide, high) > 1 else _one_pixel(inputs)
     ahead, above = (_mean_slope(np.diff(depth, axis=axis)) for axis in (3, 2))
     normal = _normals(tangent, mean, (step[0], mean + ahead), (step[1], mean + above))
-    area = asked.block**2
+    area = inputs.block**2
     return _Lights(
-        total(asked.warped[..., :3]) / area, total(asked.albedo[..., :3]) / area, _points(tangent, mean), normal
+        total(inputs.warped[..., :3]) / area, total(inputs.albedo[..., :3]) / area, _points(tangent, mean), normal
     )
 
 
-def _one_pixel(asked: Relit) -> Array:
-    left, right, down, up = asked.fov.tangents
-    high, wide = asked.inverse_depth.shape
+def _one_pixel(inputs: Relit) -> Array:
+    left, right, down, up = inputs.fov.tangents
+    high, wide = inputs.inverse_depth.shape
     return np.array([(right - left) / wide, (up - down) / high])
 
 
@@ -137,11 +145,15 @@ def _points(tangent: Array, depth: Array) -> Array:
     return np.concatenate([tangent, -np.ones((*depth.shape, 1))], axis=-1) / (depth + FLOOR)[..., None]
 
 
-def _beside(asked: Relit, rows: Array, columns: Array) -> tuple[tuple[float, Array], tuple[float, Array]]:
-    """For x and y: the way to the neighbour whose inverse depth is nearer to the pixel's own, and what that is, prolonged through it."""
+def _beside(inputs: Relit, rows: Array, columns: Array) -> tuple[tuple[float, Array], tuple[float, Array]]:
+    """For x and y.
+
+    The way to the neighbour whose inverse depth is nearer to the pixel's own, and what that is,
+    prolonged through it.
+    """
     found = []
-    for axis, (at, step) in enumerate(zip((columns, rows), _one_pixel(asked), strict=True)):
-        picture = asked.model_inverse_depth if axis == 0 else asked.model_inverse_depth.T
+    for axis, (at, step) in enumerate(zip((columns, rows), _one_pixel(inputs), strict=True)):
+        picture = inputs.model_inverse_depth if axis == 0 else inputs.model_inverse_depth.T
         across = rows if axis == 0 else columns
         own, last = picture[across, at], picture.shape[1] - 1
         back, ahead = own - picture[across, np.maximum(at - 1, 0)], picture[across, np.minimum(at + 1, last)] - own
@@ -151,7 +163,10 @@ def _beside(asked: Relit, rows: Array, columns: Array) -> tuple[tuple[float, Arr
 
 
 def _normals(tangent: Array, depth: Array, beside: tuple[float, Array], above: tuple[float, Array]) -> Array:
-    """Unit normals of planes through three points each: m . (x, y, -1) is their inverse depth, so m solves three equations."""
+    """Unit normals of planes through three points each: m .
+
+    (x, y, -1) is their inverse depth, so m solves three equations.
+    """
     corner = np.concatenate([tangent, -np.ones((*depth.shape, 1))], axis=-1)
     rows = np.stack([corner, corner + [beside[0], 0, 0], corner + [0, above[0], 0]], axis=-2)
     solved = np.linalg.solve(rows, np.stack([depth, beside[1], above[1]], axis=-1)[..., None])[..., 0]

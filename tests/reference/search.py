@@ -7,8 +7,8 @@ import numpy as np
 from scipy import ndimage
 
 from reference._rays import FLOAT32_UNIT
-from reference._rendered_surface import Array, Bools, LateSurface, RaysInLate
-from reference.picture import Asked, ReferencePicture, near_edge, sample_covered
+from reference._rendered_surface import Array, Bools, RaysInRendered, RenderedSurface
+from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 NEAREST = 2.0**11  # 1/m
 STRIDE = 1e-3  # pixels by which the shader steps over each border
@@ -16,11 +16,13 @@ LEAST_FACING = 1e-3
 LEAST_RUN = 1e-9  # pixels per 1/m
 
 
-def search(asked: Asked) -> ReferencePicture:
-    """Each shown ray to the first quarter texel whose plane it meets within, or `gap` pixels beside."""
-    settings, size = asked.settings, asked.size
-    surface = LateSurface(asked.inverse_depth, settings.tolerance, settings.floor)
-    rays = RaysInLate.of(asked.rendered, size, asked.shown, asked.shown_size)
+def search(inputs: TwinInputs) -> ReferencePicture:
+    """Each shown ray to the first quarter texel whose plane it meets within, or `gap` pixels
+    beside.
+    """
+    settings, size = inputs.settings, inputs.size
+    surface = RenderedSurface(inputs.inverse_depth, settings.tolerance, settings.floor)
+    rays = RaysInRendered.of(inputs.rendered, size, inputs.shown, inputs.shown_size)
     along = np.nan_to_num(rays.along)
     run = np.where(np.abs(along) < LEAST_RUN, LEAST_RUN, along)
     first, last = _segment(rays, run, size)
@@ -39,12 +41,13 @@ def search(asked: Asked) -> ReferencePicture:
     meets = crosses & (facing > LEAST_FACING) & (r <= near + slack) & (r >= far - slack) & (r * rays.ahead_m < 1)
 
     pixels_per_r = np.abs(run).max(axis=-1)[..., None]
-    reached = np.minimum(first, max(asked.inverse_depth.max(), 0.0))  # nearer than that nothing is met
+    reached = np.minimum(first, max(inputs.inverse_depth.max(), 0.0))  # nearer than that nothing is met
     error = 3 * STRIDE + 4 * rays.place_error(reached, np.zeros(first.shape))[..., None]
     margin = np.minimum(np.abs(r - near - slack), np.abs(r - far + slack)) * pixels_per_r
-    # A slice thinner than the stride may be stepped over; a plane prolonged into the gap may leave the bounds of its block.
+    # A slice thinner than the stride may be stepped over; a plane prolonged into the gap may leave
+    # the bounds of its block.
     thin = meets & ((near - far) * pixels_per_r <= error)
-    beyond = meets & _beyond_bounds(asked.inverse_depth, surface.texel(middle), r)
+    beyond = meets & _beyond_bounds(inputs.inverse_depth, surface.texel(middle), r)
     at_limit = (np.abs(facing - LEAST_FACING) <= 1e-4) | (np.abs(r * rays.ahead_m - 1) <= 1e-5)
     close = crosses & ((margin <= error) | found.unsure | at_limit)
     hit = np.argmax(meets, axis=-1)
@@ -52,7 +55,7 @@ def search(asked: Asked) -> ReferencePicture:
     until = np.arange(near.shape[-1]) <= np.where(any_hit, hit, near.shape[-1])[..., None]
     unsure = ((close | thin | beyond) & until).any(axis=-1)
     taken = (_taken(values, hit) for values in (np.maximum(r, 0), found.slope, found.connected, found.centre, facing))
-    return _coloured(asked, rays, _Hits(any_hit, *taken), unsure)
+    return _coloured(inputs, rays, _Hits(any_hit, *taken), unsure)
 
 
 @attrs.frozen(eq=False)
@@ -73,16 +76,22 @@ def _taken(values: Array, index: Array) -> Array:
     return np.take_along_axis(values, picked, axis=2)[:, :, 0]
 
 
-def _segment(rays: RaysInLate, run: Array, size: tuple[int, int]) -> tuple[Array, Array]:
-    """(h, w) each: the largest and the smallest inverse depth at which the ray lies in the late picture, before the shown eye."""
+def _segment(rays: RaysInRendered, run: Array, size: tuple[int, int]) -> tuple[Array, Array]:
+    """(h, w) each.
+
+    The largest and the smallest inverse depth at which the ray lies in the rendered picture, before
+    the shown eye.
+    """
     start = np.nan_to_num(rays.start)
     borders = np.stack([-start / run, (np.array(size) - start) / run])
     nearest = min(NEAREST, 1 / rays.ahead_m) if rays.ahead_m > 0 else NEAREST
     return np.minimum(borders.max(axis=0).min(axis=-1), nearest), np.maximum(borders.min(axis=0).max(axis=-1), 0)
 
 
-def _crossings(rays: RaysInLate, run: Array, size: tuple[int, int], first: Array, last: Array) -> Array:
-    """(h, w, n) inverse depths, falling, at which each ray crosses the lines that part texels into quarters, from first to last."""
+def _crossings(rays: RaysInRendered, run: Array, size: tuple[int, int], first: Array, last: Array) -> Array:
+    """(h, w, n) inverse depths, falling, at which each ray crosses the lines that part texels into
+    quarters, from first to last.
+    """
     start = np.nan_to_num(rays.start)
     lines = [(np.arange(2 * n + 1) / 2 - start[..., axis, None]) / run[..., axis, None] for axis, n in enumerate(size)]
     every = np.concatenate([*lines, first[..., None], last[..., None]], axis=-1)
@@ -98,7 +107,7 @@ def _beyond_bounds(inverse_depth: Array, texel: Array, r: Array) -> Bools:
     return (r > nearest[y, x] * (1 + 1e-5)) | (r < farthest[y, x] * (1 - 1e-5))
 
 
-def _coloured(asked: Asked, rays: RaysInLate, hits: _Hits, unsure: Bools) -> ReferencePicture:
+def _coloured(inputs: TwinInputs, rays: RaysInRendered, hits: _Hits, unsure: Bools) -> ReferencePicture:
     pixels = rays.place(hits.r)
     own_error = rays.place_error(hits.r, np.zeros(hits.r.shape))
     r_error = (4 * FLOAT32_UNIT * np.abs(hits.r) + np.abs(hits.slope).sum(axis=-1) * own_error) / np.maximum(
@@ -106,10 +115,10 @@ def _coloured(asked: Asked, rays: RaysInLate, hits: _Hits, unsure: Bools) -> Ref
     )
     error = rays.place_error(hits.r, 2 * r_error)
     with np.errstate(invalid="ignore"):
-        seen = hits.some & ((pixels >= 0) & (pixels < np.array(asked.size))).all(axis=-1)
+        seen = hits.some & ((pixels >= 0) & (pixels < np.array(inputs.size))).all(axis=-1)
     at = np.where(hits.connected, pixels, hits.centre)
-    looked = sample_covered(asked.colour, np.where(seen[..., None], at, np.nan), error, asked.sampler_pixels)
-    edge = hits.some & near_edge(pixels, asked.size, error)
+    looked = sample_covered(inputs.colour, np.where(seen[..., None], at, np.nan), error, inputs.sampler_pixels)
+    edge = hits.some & near_edge(pixels, inputs.size, error)
     beside = np.abs(rays.lead) <= 1e-5
     return ReferencePicture(
         looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside

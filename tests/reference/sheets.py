@@ -1,4 +1,7 @@
-"""Twin of sheets that are blended: every ray against every triangle, what it meets sorted by distance, light added up on the way."""
+"""Twin of sheets that are blended.
+
+Every ray against every triangle, what it meets sorted by distance, light added up on the way.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +16,10 @@ Array = NDArray[np.float64]
 
 @attrs.frozen(eq=False)
 class Sheet:
-    """Triangles (m, 3, 3) in metres in the world, all of one kind: colour (3,) of its own light, the share that it stops, and the tint
-    (3,) of what passes."""
+    """Triangles (m, 3, 3) in metres in the world, all of one kind.
+
+    Colour (3,) of its own light, the share that it stops, and the tint (3,) of what passes.
+    """
 
     corners: Array = attrs.field(converter=lambda value: np.asarray(value, np.float64))
     colour: Array = attrs.field(converter=lambda value: np.asarray(value, np.float64))
@@ -24,7 +29,11 @@ class Sheet:
 
 @attrs.frozen(eq=False)
 class Seen:
-    """Along each of n rays: veil (n, 3), passing (n, 3), inverse_depth (n,) of the nearest sheet, -1 for none; count (n,) of sheets met."""
+    """Along each of n rays.
+
+    Veil (n, 3), passing (n, 3), inverse_depth (n,) of the nearest sheet, -1 for none; count (n,) of
+    sheets met.
+    """
 
     veil: Array
     passing: Array
@@ -32,12 +41,17 @@ class Seen:
     count: NDArray[np.int64]
 
     def over(self, behind: Array) -> Array:
-        """(n, 3): what one sees, given the light behind them all. Source: Porter and Duff 1984, Compositing Digital Images."""
+        """(n, 3): what one sees, given the light behind them all.
+
+        Source: Porter and Duff 1984, Compositing Digital Images.
+        """
         return self.veil + self.passing * behind
 
 
 def look_through(sheets: Sequence[Sheet], eye: ArrayLike, rays: Array, behind: ArrayLike = -1.0) -> Seen:
-    """Rays (n, 3) of length 1 along the view axis from `eye`, up to what lies at inverse depth `behind` (n,), in 1/m; -1: nothing."""
+    """Rays (n, 3) of length 1 along the view axis from `eye`, up to what lies at inverse depth
+    `behind` (n,), in 1/m; -1: nothing.
+    """
     met = [[] for _ in rays]
     limit = np.broadcast_to(np.asarray(behind, np.float64), len(rays))
     for sheet in sheets:
@@ -56,7 +70,10 @@ def look_through(sheets: Sequence[Sheet], eye: ArrayLike, rays: Array, behind: A
 
 
 def _meets(corners: Array, eye: Array, rays: Array) -> Array:
-    """(n,) inverse depth at which each ray meets the sheet, 0 where it does not. Source: Moeller and Trumbore 1997."""
+    """(n,) inverse depth at which each ray meets the sheet, 0 where it does not.
+
+    Source: Moeller and Trumbore 1997.
+    """
     best = np.zeros(len(rays))
     for a, b, c in corners:
         edge_1, edge_2, start = b - a, c - a, eye - a

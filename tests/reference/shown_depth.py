@@ -1,4 +1,8 @@
-"""Twin of the shown depth: late points put into the world, looked at from the shown eye, carried along by the warp's own twin."""
+"""Twin of the shown depth.
+
+Rendered points put into the world, looked at from the shown eye, carried along by the warp's own
+twin.
+"""
 
 from __future__ import annotations
 
@@ -9,26 +13,28 @@ import numpy as np
 
 from hmdwarp.geometry import View
 from reference._rays import Array, project, world_directions
-from reference.picture import HALF_UNIT, Asked, LatePicture, ReferencePicture
+from reference.picture import HALF_UNIT, ReferencePicture, RenderedPicture, TwinInputs
 
 LARGEST_HALF = 65504.0
 
 
-def shown_depth(asked: Asked, twin: Callable[[Asked], ReferencePicture]) -> ReferencePicture:
-    """The warp's answer on pictures that hold in red what inverse depth in 1/m each pixel has for the shown eye; coverage 0: not known."""
-    own = LatePicture(asked.colour, asked.inverse_depth, asked.rendered)
+def shown_depth(inputs: TwinInputs, twin: Callable[[TwinInputs], ReferencePicture]) -> ReferencePicture:
+    """The warp's answer on pictures that hold in red what inverse depth in 1/m each pixel has for
+    the shown eye; coverage 0: not known.
+    """
+    own = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
     swapped = attrs.evolve(
-        asked,
-        colour=_as_colour(own, asked.shown),
-        layers=tuple(attrs.evolve(layer, colour=_as_colour(layer, asked.shown)) for layer in asked.layers),
-        others=tuple(attrs.evolve(other, colour=_as_colour(other, asked.shown)) for other in asked.others),
+        inputs,
+        colour=_as_colour(own, inputs.shown),
+        layers=tuple(attrs.evolve(layer, colour=_as_colour(layer, inputs.shown)) for layer in inputs.layers),
+        others=tuple(attrs.evolve(other, colour=_as_colour(other, inputs.shown)) for other in inputs.others),
     )
     found = twin(swapped)
     stored_once_more = HALF_UNIT * np.abs(found.colour[..., 0])
     return attrs.evolve(found, tolerance=found.tolerance + 2 * stored_once_more)
 
 
-def _as_colour(picture: LatePicture, shown: View) -> Array:
+def _as_colour(picture: RenderedPicture, shown: View) -> Array:
     size = picture.inverse_depth.shape[::-1]
     offset_m = picture.view.pose.position_m - shown.pose.position_m
     _, depth, w = project(

@@ -1,4 +1,7 @@
-"""Twin of the splat warp: each drawn pixel is a patch of a plane in the world, and each shown ray is met with it."""
+"""Twin of the splat warp.
+
+Each drawn pixel is a patch of a plane in the world, and each shown ray is met with it.
+"""
 
 from __future__ import annotations
 
@@ -10,31 +13,38 @@ from numpy.typing import NDArray
 
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, pixel_error_bound, project, world_directions
-from reference.picture import HALF_SMALLEST, HALF_UNIT, Asked, ReferencePicture
+from reference.picture import HALF_SMALLEST, HALF_UNIT, ReferencePicture, TwinInputs
 
 NEAREST = 2.0**20  # 1/m
-WIDEST = 3.0  # late pixels averaged over on each axis
+WIDEST = 3.0  # rendered pixels averaged over on each axis
 SHARPNESS = 0.6667
 UNKNOWN = 1e30  # how far off the depth of a pixel without one is
 CORNERS = [(-1, -1), (-1, 1), (1, -1), (1, 1)]
 
 
-def splat(asked: Asked) -> ReferencePicture:
-    """Of all patches that a shown ray meets the nearest; its colours averaged over what the shown pixel covers there.
+def splat(inputs: TwinInputs) -> ReferencePicture:
+    """Of all patches that a shown ray meets the nearest.
 
-    Undecided: where rounding decides whether a patch is met, whether two drawn pixels hang together, or which ones agree in depth.
+    Its colours averaged over what the shown pixel covers there.
+
+    Undecided: where rounding decides whether a patch is met, whether two drawn pixels hang
+    together, or which ones agree in depth.
     """
-    nearest, depth_error, undecided = _met(asked)
-    return _fetched(asked, nearest, depth_error, undecided)
+    nearest, depth_error, undecided = _met(inputs)
+    return _fetched(inputs, nearest, depth_error, undecided)
 
 
-# --- depth forward ------------------------------------------------------------------------------------------------------------
+# --- depth forward ------------------------------------------------------------------------------
 
 
 @attrs.frozen(eq=False)
 class _Patches:
-    """Of each drawn pixel with depth: its centre (n, 2) in late pixels, its ray (n, 3) in the world, inverse depth (n,) and its steps
-    (n, 2) per pixel, where it lands (n, 2), the error of that in pixels (n,), and whether rounding decides its steps (n,)."""
+    """Of each drawn pixel with depth.
+
+    Its centre (n, 2) in rendered pixels, its ray (n, 3) in the world, inverse depth (n,) and its
+    steps (n, 2) per pixel, where it lands (n, 2), the error of that in pixels (n,), and whether
+    rounding decides its steps (n,).
+    """
 
     centre: Array
     ray: Array
@@ -48,25 +58,28 @@ class _Patches:
         return _Patches(*(value[chosen] for value in attrs.astuple(self, recurse=False)))
 
 
-def _met(asked: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """(h, w) nearest inverse depth of the patches each shown ray meets, -1 for none; its error; where rounding decides."""
-    wide, high = asked.shown_size
-    patches = _patches(asked)
-    grid = _ray_steps(asked.rendered, asked.size)
-    number, x, y = _pairs(asked, patches, grid)
+def _met(inputs: TwinInputs) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """(h, w) nearest inverse depth of the patches each shown ray meets, -1 for none; its error.
+
+    Where rounding decides.
+    """
+    wide, high = inputs.shown_size
+    patches = _patches(inputs)
+    grid = _ray_steps(inputs.rendered, inputs.size)
+    number, x, y = _pairs(inputs, patches, grid)
     chosen = patches[number]
     planes = _planes(chosen, grid)
-    moved = asked.shown.pose.position_m - asked.rendered.pose.position_m
-    rays = world_directions(asked.shown, asked.shown_size)[y, x]
+    moved = inputs.shown.pose.position_m - inputs.rendered.pose.position_m
+    rays = world_directions(inputs.shown, inputs.shown_size)[y, x]
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = -(planes[:, :3] * rays).sum(1) / (planes[:, :3] @ moved + planes[:, 3])
     inverse = np.where(np.abs(inverse) < 1e12, inverse, np.nan)  # a patch seen edge-on
-    place, _, w = project(rays, moved, inverse, asked.rendered, asked.size)
+    place, _, w = project(rays, moved, inverse, inputs.rendered, inputs.size)
     beside = np.abs(place - chosen.centre).max(axis=1)
-    margin, per_pixel = _margins(asked, chosen, grid)
+    margin, per_pixel = _margins(inputs, chosen, grid)
     inverse = np.maximum(inverse, 0)
     depth_error = per_pixel * margin + 16 * FLOAT32_UNIT * np.abs(inverse)
-    half = 0.5 + asked.settings.overlap
+    half = 0.5 + inputs.settings.overlap
     valid = (w > 0) & (inverse <= NEAREST * (1 + 1e-6)) & np.isfinite(beside)
     slot = y * wide + x
 
@@ -86,26 +99,26 @@ def _met(asked: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
     return tuple(value.reshape(high, wide) for value in (found, error, undecided))
 
 
-def _patches(asked: Asked) -> _Patches:
-    depth, rendered, shown, size = asked.inverse_depth, asked.rendered, asked.shown, asked.size
+def _patches(inputs: TwinInputs) -> _Patches:
+    depth, rendered, shown, size = inputs.inverse_depth, inputs.rendered, inputs.shown, inputs.size
     known = (depth >= 0) & np.isfinite(depth)
     own = np.where(known, depth, 0)
     rays, back = world_directions(rendered, size), rendered.pose.position_m - shown.pose.position_m
-    landing, _, w = project(rays, back, own, shown, asked.shown_size)
+    landing, _, w = project(rays, back, own, shown, inputs.shown_size)
 
     def opened(other: Array) -> Array:
         """Pixels from where each drawn pixel lands to where it would with another depth."""
         return np.nan_to_num(
-            np.abs(project(rays, back, other, shown, asked.shown_size)[0] - landing).max(axis=-1), nan=np.inf
+            np.abs(project(rays, back, other, shown, inputs.shown_size)[0] - landing).max(axis=-1), nan=np.inf
         )
 
     steps, shaky = zip(
-        *(_steps(np.where(known, depth, np.nan), opened, axis, asked.settings) for axis in (1, 0)), strict=True
+        *(_steps(np.where(known, depth, np.nan), opened, axis, inputs.settings) for axis in (1, 0)), strict=True
     )
     steps = np.stack(steps, axis=-1)
     steep = np.abs(steps).sum(axis=-1) > own
     steps[steep] *= (own[steep] / np.abs(steps[steep]).sum(axis=-1))[:, None]
-    error = pixel_error_bound(WarpMap.between(rendered, size, shown, asked.shown_size), size, own)
+    error = pixel_error_bound(WarpMap.between(rendered, size, shown, inputs.shown_size), size, own)
     drawn = known & (w > 0)
     y, x = np.nonzero(drawn)
     return _Patches(
@@ -122,7 +135,10 @@ def _patches(asked: Asked) -> _Patches:
 def _steps(
     depth: Array, opened: Callable[[Array], Array], axis: int, settings: object
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """The change of inverse depth to the next pixel along an axis: the mean of those that hang together; and close calls."""
+    """The change of inverse depth to the next pixel along an axis.
+
+    The mean of those that hang together; and close calls.
+    """
     edge = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(depth, edge, constant_values=np.nan)
     total, count, shaky = np.zeros(depth.shape), np.zeros(depth.shape, int), np.zeros(depth.shape, bool)
@@ -149,12 +165,16 @@ def _ray_steps(view: View, size: tuple[int, int]) -> Array:
 
 
 def _at(patches: _Patches, grid: Array, x: float, y: float) -> tuple[Array, Array]:
-    """The rays and inverse depths of the points (x, y) late pixels beside the centres, on their planes."""
+    """The rays and inverse depths of the points (x, y) rendered pixels beside the centres, on their
+    planes.
+    """
     return patches.ray + x * grid[0] + y * grid[1], patches.inverse_depth + patches.steps @ np.array([x, y])
 
 
 def _planes(patches: _Patches, grid: Array) -> Array:
-    """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the late eye: what all four minors give."""
+    """(n, 4) the plane through three points of each patch, as (ray, inverse depth) around the
+    rendered eye: what all four minors give.
+    """
     points = [
         np.concatenate([ray, r[:, None]], axis=1)
         for ray, r in (_at(patches, grid, *d) for d in ((0, 0), (0.5, 0), (0, 0.5)))
@@ -164,18 +184,20 @@ def _planes(patches: _Patches, grid: Array) -> Array:
 
 
 def _pairs(
-    asked: Asked, patches: _Patches, grid: Array
+    inputs: TwinInputs, patches: _Patches, grid: Array
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Patch number and shown pixel of all pairs where the patch might be met, at most `reach` from where it lands."""
-    back, half = asked.rendered.pose.position_m - asked.shown.pose.position_m, 0.55 + asked.settings.overlap
+    """Patch number and shown pixel of all pairs where the patch might be met, at most `reach` from
+    where it lands.
+    """
+    back, half = inputs.rendered.pose.position_m - inputs.shown.pose.position_m, 0.55 + inputs.settings.overlap
     corners = [_at(patches, grid, half * x, half * y) for x, y in CORNERS]
-    seen = [project(ray, back, r, asked.shown, asked.shown_size)[0] for ray, r in corners]
+    seen = [project(ray, back, r, inputs.shown, inputs.shown_size)[0] for ray, r in corners]
     extent = np.max([np.abs(one - patches.landing) for one in seen], axis=0)
-    reach = float(asked.settings.reach)
+    reach = float(inputs.settings.reach)
     extent = np.where(np.isnan(extent), reach, np.minimum(extent, reach))
     landing = np.clip(patches.landing, -1e6, 1e6)
     low = np.maximum(np.ceil(landing - extent - 0.5), 0).astype(np.int64)
-    high = np.minimum(np.floor(landing + extent - 0.5), np.array(asked.shown_size) - 1).astype(np.int64)
+    high = np.minimum(np.floor(landing + extent - 0.5), np.array(inputs.shown_size) - 1).astype(np.int64)
     spans = np.maximum(high - low + 1, 0)
     counts = spans.prod(axis=1)
     number = np.repeat(np.arange(len(counts)), counts)
@@ -184,18 +206,21 @@ def _pairs(
     return number, low[number, 0] + place % np.maximum(wide, 1), low[number, 1] + place // np.maximum(wide, 1)
 
 
-def _margins(asked: Asked, patches: _Patches, grid: Array) -> tuple[Array, Array]:
-    """How far, in late pixels, rounding may move a point within its patch; and the change of shown inverse depth per late pixel.
+def _margins(inputs: TwinInputs, patches: _Patches, grid: Array) -> tuple[Array, Array]:
+    """How far, in rendered pixels, rounding may move a point within its patch.
 
-    The shader solves for the place from where the centre lands and the derivative there, each off by at most the landing's own bound
-    per late pixel (derivatives are differences of the same terms): 4 of them cover the landing, both columns and the perspective.
+    And the change of shown inverse depth per rendered pixel.
+
+    The shader solves for the place from where the centre lands and the derivative there, each off
+    by at most the landing's own bound per rendered pixel (derivatives are differences of the same
+    terms): 4 of them cover the landing, both columns and the perspective.
     """
-    back = asked.rendered.pose.position_m - asked.shown.pose.position_m
+    back = inputs.rendered.pose.position_m - inputs.shown.pose.position_m
     ends = [
-        project(*_swap(_at(patches, grid, x, y), back), asked.shown, asked.shown_size)
+        project(*_swap(_at(patches, grid, x, y), back), inputs.shown, inputs.shown_size)
         for x, y in ((0.01, 0), (0, 0.01))
     ]
-    here = project(patches.ray, back, patches.inverse_depth, asked.shown, asked.shown_size)
+    here = project(patches.ray, back, patches.inverse_depth, inputs.shown, inputs.shown_size)
     columns = np.stack([(end[0] - here[0]) / 0.01 for end in ends], axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         shrinks = np.linalg.norm(columns, axis=(1, 2)) / np.abs(np.linalg.det(columns))
@@ -209,20 +234,22 @@ def _swap(point: tuple[Array, Array], offset: Array) -> tuple[Array, Array, Arra
     return point[0], offset, point[1]
 
 
-# --- colour backward ----------------------------------------------------------------------------------------------------------
+# --- colour backward ----------------------------------------------------------------------------
 
 
-def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArray[np.bool_]) -> ReferencePicture:
-    """The late picture where the shown points are in it, averaged over the area of a shown pixel: of the late pixels there those that
-    agree in depth, or the one that agrees best of those under one late pixel's area."""
-    place, expected, error, half = _looks(asked, nearest, depth_error)
+def _fetched(inputs: TwinInputs, nearest: Array, depth_error: Array, undecided: NDArray[np.bool_]) -> ReferencePicture:
+    """The rendered picture where the shown points are in it, averaged over the area of a shown
+    pixel: of the rendered pixels there those that agree in depth, or the one that agrees best of
+    those under one rendered pixel's area.
+    """
+    place, expected, error, half = _looks(inputs, nearest, depth_error)
     covers = nearest >= 0
     low, high = place - half, place + half
     around = np.floor(np.nan_to_num(np.clip(place, -9, 1e6))).astype(int)
-    taps = [_Tap.of(asked, around + np.array([x, y]), low, high, expected) for y in range(-2, 3) for x in range(-2, 3)]
-    most = asked.settings.tolerance * (expected + asked.settings.floor)
+    taps = [_Tap.of(inputs, around + np.array([x, y]), low, high, expected) for y in range(-2, 3) for x in range(-2, 3)]
+    most = inputs.settings.tolerance * (expected + inputs.settings.floor)
     four = [
-        _Tap.of(asked, around + np.array([x, y]), place - 0.5, place + 0.5, expected)
+        _Tap.of(inputs, around + np.array([x, y]), place - 0.5, place + 0.5, expected)
         for y in (-1, 0, 1)
         for x in (-1, 0, 1)
     ]
@@ -256,18 +283,21 @@ def _fetched(asked: Asked, nearest: Array, depth_error: Array, undecided: NDArra
 
 @attrs.frozen(eq=False)
 class _Tap:
-    """One late pixel near each look: how much of it is covered (negative: how far it is from being), how far its depth is off."""
+    """One rendered pixel near each look.
+
+    How much of it is covered (negative: how far it is from being), how far its depth is off.
+    """
 
     area: Array
     off: Array
     colour: Array
 
     @classmethod
-    def of(cls, asked: Asked, texel: NDArray[np.int64], low: Array, high: Array, expected: Array) -> _Tap:
+    def of(cls, inputs: TwinInputs, texel: NDArray[np.int64], low: Array, high: Array, expected: Array) -> _Tap:
         side = np.minimum(high, texel + 1) - np.maximum(low, texel)
-        clipped = np.clip(texel, 0, np.array(asked.size) - 1)
+        clipped = np.clip(texel, 0, np.array(inputs.size) - 1)
         outside = (clipped != texel).any(axis=-1)
-        held, colour = (layer[clipped[..., 1], clipped[..., 0]] for layer in (asked.inverse_depth, asked.colour))
+        held, colour = (layer[clipped[..., 1], clipped[..., 0]] for layer in (inputs.inverse_depth, inputs.colour))
         unknown = outside | ~(held >= 0) | ~np.isfinite(held)
         area = np.where((side > 0).all(axis=-1), side.prod(axis=-1), -np.abs(np.minimum(side, 0)).max(axis=-1))
         return cls(
@@ -277,22 +307,24 @@ class _Tap:
         )
 
 
-def _looks(asked: Asked, nearest: Array, depth_error: Array) -> tuple[Array, Array, Array, Array]:
-    """Where each shown point is in the late picture, its inverse depth there, the error of the place, and half the sides (.., 2) of
-    the box that a shown pixel covers around it."""
-    shown, rendered, size = asked.shown, asked.rendered, asked.size
+def _looks(inputs: TwinInputs, nearest: Array, depth_error: Array) -> tuple[Array, Array, Array, Array]:
+    """Where each shown point is in the rendered picture, its inverse depth there, the error of the
+    place, and half the sides (.., 2) of the box that a shown pixel covers around it.
+    """
+    shown, rendered, size = inputs.shown, inputs.rendered, inputs.size
     moved = shown.pose.position_m - rendered.pose.position_m
-    rays, own = world_directions(shown, asked.shown_size), np.maximum(nearest, 0)
+    rays, own = world_directions(shown, inputs.shown_size), np.maximum(nearest, 0)
     place, expected, _ = project(rays, moved, own, rendered, size)
     ends = [
         [project(rays + h * step, moved, own, rendered, size)[0] for h in (-1e-3, 1e-3)]
-        for step in _ray_steps(shown, asked.shown_size)
+        for step in _ray_steps(shown, inputs.shown_size)
     ]
     columns = [(end[1] - end[0]) / 2e-3 for end in ends]
     half = 0.5 * np.clip(SHARPNESS * np.hypot(*columns), 1, WIDEST)
     small = 1e-6 * (own + 1e-3)
     parallax = np.abs(project(rays, moved, own + small, rendered, size)[0] - place).max(axis=-1) / small
-    bound = pixel_error_bound(WarpMap.between(shown, asked.shown_size, rendered, size), asked.shown_size, own)
-    # The sides of a box larger than a pixel are differences of the place's own terms: its bound once more for each half of a side.
+    bound = pixel_error_bound(WarpMap.between(shown, inputs.shown_size, rendered, size), inputs.shown_size, own)
+    # The sides of a box larger than a pixel are differences of the place's own terms: its bound
+    # once more for each half of a side.
     error = bound * (1 + 2 * (half.max(axis=-1) > 0.5)) + parallax * depth_error + 1e-5 * (half.max(axis=-1) - 0.5)
     return place, np.nan_to_num(expected, nan=-1), np.minimum(np.nan_to_num(error, nan=1), 1), half

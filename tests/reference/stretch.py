@@ -1,4 +1,7 @@
-"""Twin of the fill `stretch`: lines from rays through the world, and whole lines at a time instead of step by step."""
+"""Twin of the fill `stretch`.
+
+Lines from rays through the world, and whole lines at a time instead of step by step.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,10 @@ CLOSE_PIXELS = (
 
 @attrs.frozen(eq=False)
 class Stretched:
-    """colour (h, w, 4), inverse_depth (h, w); undecided (h, w): where rounding decides which pixels a line passes, or what lies behind."""
+    """colour (h, w, 4), inverse_depth (h, w); undecided (h, w).
+
+    Where rounding decides which pixels a line passes, or what lies behind.
+    """
 
     colour: Array
     inverse_depth: Array
@@ -47,7 +53,9 @@ class _Picture:
     def pixels(
         self, start: Array, line: Array, steps: Array
     ) -> tuple[NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
-        """The pixels (n, 2) that a line passes after these steps, whether they are inside, and whether rounding decides which they are."""
+        """The pixels (n, 2) that a line passes after these steps, whether they are inside, and
+        whether rounding decides which they are.
+        """
         places = start + line * np.asarray(steps)[:, None]
         close = (np.abs(places - np.round(places)) < CLOSE_PIXELS).any(axis=1)
         found = np.floor(places).astype(int)
@@ -102,9 +110,11 @@ def stretch(
     settings,
     least_parallax: float,
 ) -> Stretched:
-    """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with holes filled from what lies behind.
+    """(h, w, 4) with coverage in alpha and (h, w) in 1/m, -1 not known, to the same with holes
+    filled from what lies behind.
 
-    late: the view that was rendered and its (w, h). settings: tolerance, floor, spread, as the fill's.
+    rendered: the view that was rendered and its (w, h). settings: tolerance, floor, spread, as the
+    fill's.
     """
     size = colour.shape[1::-1]
     lines, shaky = _lines(rendered, shown, size, least_parallax)
@@ -133,7 +143,11 @@ def stretch(
 def _lines(
     rendered: tuple[View, tuple[int, int]], shown: View, size: tuple[int, int], least_parallax: float
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """(h, w, 2): where a slightly nearer point of the rendered eye's parallel ray appears, as a step of a pixel on its longer axis."""
+    """(h, w, 2).
+
+    Where a slightly nearer point of the rendered eye's parallel ray appears, as a step of a pixel
+    on its longer axis.
+    """
     towards_rendered = shown.pose.position_m - rendered[0].pose.position_m
     rays = world_directions(shown, size)
     moved, _, _ = project(rays, -towards_rendered, np.full(rays.shape[:2], SLIGHT), shown, size)
@@ -150,7 +164,10 @@ def _lines(
 def _in_view(
     start: Array, depths: list[float], rendered: tuple[View, tuple[int, int]], shown: View, size: tuple[int, int]
 ) -> tuple[bool, bool]:
-    """Whether the late picture looked at these points of a pixel's ray; whether rounding decides."""
+    """Whether the rendered picture looked at these points of a pixel's ray.
+
+    Whether rounding decides.
+    """
     inside, close = True, False
     x, y = start - 0.5
     ray = world_directions(shown, size)[int(y), int(x)]

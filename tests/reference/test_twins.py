@@ -1,4 +1,7 @@
-"""The twins themselves: known pictures, brute force, and error bounds that hold and are not empty."""
+"""The twins themselves.
+
+Known pictures, brute force, and error bounds that hold and are not empty.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from reference import gather, scatter
 from reference._rays import pixel_error_bound, project, world_directions
 from reference.interpolate import interpolate
 from reference.lens import radial
-from reference.picture import Asked, near_edge, sample_covered
+from reference.picture import TwinInputs, near_edge, sample_covered
 from reference.raycast import cast_quads, cast_spheres, cast_triangles, nearest
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
@@ -36,7 +39,7 @@ def random_picture(seed: int, size: tuple[int, int], holes: float = 0.0) -> np.n
     return picture
 
 
-# --- rays ----------------------------------------------------------------------------------------------------------------
+# --- rays ---------------------------------------------------------------------------------------
 
 
 @given(neighbouring_views(METRES), SIZES, SIZES, st.floats(0, 3))
@@ -48,7 +51,8 @@ def test_rays_and_the_warp_map_agree(views, size, to_size, inverse_depth):
     centres = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in size)), axis=-1)
     map_pixels, map_depth, map_w = WarpMap.between(frm, size, to, to_size).apply(centres, own)
     ahead = w > 0.05
-    # Terms of up to 3 m * 3 / m and tangents below 3, through a turn: 64 units of 20; over w 0.05 and 40 / 0.2 pixels per tangent.
+    # Terms of up to 3 m * 3 / m and tangents below 3, through a turn: 64 units of 20; over w 0.05
+    # and 40 / 0.2 pixels per tangent.
     assert np.abs(w - map_w).max() <= 2e-13
     assert np.abs(pixels - map_pixels)[ahead].max(initial=0) <= 1e-7
     assert np.abs(depth - map_depth)[ahead].max(initial=0) <= 1e-9
@@ -57,7 +61,10 @@ def test_rays_and_the_warp_map_agree(views, size, to_size, inverse_depth):
 @settings(max_examples=60)
 @given(neighbouring_views(METRES), SIZES, SIZES, st.integers(0, 99))
 def test_a_float32_map_stays_within_its_bound(views, size, to_size, seed):
-    """What a shader does, in NumPy's float32: the error is below the bound, and the bound is no excuse for anything."""
+    """What a shader does, in NumPy's float32.
+
+    The error is below the bound, and the bound is no excuse for anything.
+    """
     frm, to = views
     own = np.random.default_rng(seed).uniform(0, 2, size[::-1]).astype(np.float32).astype(np.float64)
     warp = WarpMap.between(frm, size, to, to_size)
@@ -71,7 +78,8 @@ def test_a_float32_map_stays_within_its_bound(views, size, to_size, seed):
     sure = np.isfinite(bound) & (w > 0)
     assert (np.abs(got - exact).max(axis=-1) <= bound)[sure].all()
     plain = w > 0.5
-    # Pictures of 40 pixels: positions below 1e4 (a view far off its axis), 24 units of them, over w.
+    # Pictures of 40 pixels: positions below 1e4 (a view far off its axis), 24 units of them, over
+    # w.
     assert bound[plain].max(initial=0) < 0.05
 
 
@@ -81,7 +89,7 @@ def test_a_bound_beside_the_eye_is_infinite():
     assert np.isinf(bound).all()
 
 
-# --- looking into a picture ------------------------------------------------------------------------------------------------
+# --- looking into a picture ---------------------------------------------------------------------
 
 
 def test_a_look_between_two_texels_is_their_mean():
@@ -118,7 +126,9 @@ def test_what_rounding_may_decide_is_marked():
 
 @given(st.integers(0, 50), st.floats(0, 0.05))
 def test_the_tolerance_covers_a_moved_look(seed, error):
-    """Looking `error` beside the place in any direction changes the colour by no more than the tolerance says."""
+    """Looking `error` beside the place in any direction changes the colour by no more than the
+    tolerance says.
+    """
     rng = np.random.default_rng(seed)
     picture = random_picture(seed, (9, 9), holes=0.2)
     places = rng.uniform(1, 8, (5, 5, 2))
@@ -130,7 +140,7 @@ def test_the_tolerance_covers_a_moved_look(seed, error):
     assert (difference <= looked.tolerance)[decided].all()
 
 
-# --- the warps -----------------------------------------------------------------------------------------------------------
+# --- the warps ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -138,29 +148,38 @@ def test_the_tolerance_covers_a_moved_look(seed, error):
 )
 def test_an_unmoved_eye_sees_the_picture_itself(twin):
     picture, depth = random_picture(1, (9, 7)), np.random.default_rng(2).uniform(0, 2, (7, 9))
-    got = twin(Asked(picture, depth, STRAIGHT, STRAIGHT, (9, 7)))
+    got = twin(TwinInputs(picture, depth, STRAIGHT, STRAIGHT, (9, 7)))
     assert np.abs(got.colour - picture).max() <= 1e-12
 
 
 def test_known_shifts():
-    """10 pixels over 90 degrees, so 5 per tangent: 0.2 m to the right of a plane at 1 m is one pixel to the left."""
+    """10 pixels over 90 degrees, so 5 per tangent.
+
+    0.2 m to the right of a plane at 1 m is one pixel to the left.
+    """
     picture, depth = random_picture(3, (10, 10)), np.ones((10, 10))
     right = View(Pose((0.2, 0, 0)), FOV)
     for twin in (gather.planar, scatter.forward):
-        got = twin(Asked(picture, depth, STRAIGHT, right, (10, 10))).colour
+        got = twin(TwinInputs(picture, depth, STRAIGHT, right, (10, 10))).colour
         assert np.abs(got[:, :9] - picture[:, 1:]).max() <= 1e-9
         assert (got[:, 9] == 0).all()
     for twin in (gather.none, gather.rotation):
-        assert np.abs(twin(Asked(picture, depth, STRAIGHT, right, (10, 10))).colour - picture).max() <= 1e-9
+        assert np.abs(twin(TwinInputs(picture, depth, STRAIGHT, right, (10, 10))).colour - picture).max() <= 1e-9
     up = View(Pose((0, 0.4, 0)), FOV)
-    assert np.abs(scatter.forward(Asked(picture, depth, STRAIGHT, up, (10, 10))).colour[:8] - picture[2:]).max() <= 1e-9
+    assert (
+        np.abs(scatter.forward(TwinInputs(picture, depth, STRAIGHT, up, (10, 10))).colour[:8] - picture[2:]).max()
+        <= 1e-9
+    )
 
 
 def test_a_quarter_roll_turns_the_picture():
-    """The head rolls to the left, so the picture rolls to the right: what was above is now at the right."""
+    """The head rolls to the left, so the picture rolls to the right.
+
+    What was above is now at the right.
+    """
     picture = random_picture(4, (8, 8))
     rolled = View(Pose(orientation_xyzw=(0, 0, math.sqrt(0.5), math.sqrt(0.5))), FOV)
-    got = gather.rotation(Asked(picture, np.ones((8, 8)), STRAIGHT, rolled, (8, 8))).colour
+    got = gather.rotation(TwinInputs(picture, np.ones((8, 8)), STRAIGHT, rolled, (8, 8))).colour
     # Bottom row first: the new column x, row y shows what was at row x, from the right by y.
     wanted = picture.transpose(1, 0, 2)[::-1]
     assert np.abs(got - wanted).max() <= 1e-9
@@ -169,7 +188,7 @@ def test_a_quarter_roll_turns_the_picture():
 def test_none_keeps_the_angle_when_the_fields_of_view_differ():
     wide, narrow = View(Pose(), Fov.from_tangents([-2, 2, -2, 2])), View(Pose((5, 5, 5), (1, 0, 0, 0)), FOV)
     picture = random_picture(5, (8, 8))
-    got = gather.none(Asked(picture, np.ones((8, 8)), wide, narrow, (4, 4))).colour
+    got = gather.none(TwinInputs(picture, np.ones((8, 8)), wide, narrow, (4, 4))).colour
     assert np.abs(got - picture[2:6, 2:6]).max() <= 1e-9
 
 
@@ -181,7 +200,7 @@ def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
     rng = np.random.default_rng(seed)
     picture = random_picture(seed, size)
     depth = rng.choice([-1.0, 0.0, 0.3, 1.0, 2.0], (7, 9)) * rng.choice([1, 1.5])
-    got = scatter.forward(Asked(picture, depth, frm, to, shown_size))
+    got = scatter.forward(TwinInputs(picture, depth, frm, to, shown_size))
     warp, best = WarpMap.between(frm, size, to, shown_size), {}
     for index in range(9 * 7):
         y, x = divmod(index, 9)
@@ -202,7 +221,10 @@ def test_forward_is_what_a_loop_over_pixels_finds(views, seed):
 @settings(max_examples=40)
 @given(st.floats(0.1, 2), st.tuples(*[st.floats(-0.2, 0.2)] * 3), st.tuples(*[st.floats(-0.2, 0.2)] * 3))
 def test_planar_meets_a_real_plane(r, step, turn):
-    """A checked wall at 1/r metres, ray-cast from both eyes: the warped late picture is the other one, where it was seen."""
+    """A checked wall at 1/r metres, ray-cast from both eyes.
+
+    The warped rendered picture is the other one, where it was seen.
+    """
     rendered, shown = STRAIGHT, View(Pose(step, (*turn, 1)), FOV)
     assume(1 - r * -step[2] > 0.2)
     size = (16, 16)
@@ -210,17 +232,19 @@ def test_planar_meets_a_real_plane(r, step, turn):
 
     def picture(view):
         hits = cast_quads(wall, view.pose.position_m, world_directions(view, size).reshape(-1, 3))
-        # A linear colour is reproduced exactly by a bilinear look only from the late eye, which faces the wall.
+        # A linear colour is reproduced exactly by a bilinear look only from the rendered eye, which
+        # faces the wall.
         colour = np.column_stack(
             [hits.uv[:, 0] * 50 * 0.1 + 0.5, hits.uv[:, 1] * 50 * 0.1 + 0.5, np.full(len(hits.uv), 0.5), hits.shape + 1]
         )
         return colour.reshape(16, 16, 4), hits.inverse_depth.reshape(16, 16)
 
     colour, depth = picture(rendered)
-    got = gather.planar(Asked(colour, depth, rendered, shown, size))
+    got = gather.planar(TwinInputs(colour, depth, rendered, shown, size))
     truth, _ = picture(shown)
     inner = (got.colour[..., 3] == 1) & (truth[..., 3] == 1)
-    # A look within half a pixel of the border meets the clamped edge, where the picture is not linear.
+    # A look within half a pixel of the border meets the clamped edge, where the picture is not
+    # linear.
     place = project(
         world_directions(shown, size), shown.pose.position_m, _depth_from(shown, wall, size), rendered, size
     )[0]
@@ -233,7 +257,7 @@ def _depth_from(view, wall, size):
     return hits.inverse_depth.reshape(size[1], size[0])
 
 
-# --- fill and lens -------------------------------------------------------------------------------------------------------
+# --- fill and lens ------------------------------------------------------------------------------
 
 
 def test_interpolate_takes_the_median_of_enough_neighbours():
@@ -256,7 +280,7 @@ def test_the_lens_twin_shows_the_middle_at_the_axis():
     assert abs(got[400, at - 1 : at + 1, 1].mean()) < 0.02, "tangent 0 lies on the axis, 5.69 mm from the middle"
 
 
-# --- casting rays --------------------------------------------------------------------------------------------------------
+# --- casting rays -------------------------------------------------------------------------------
 
 
 def test_rays_meet_known_shapes():

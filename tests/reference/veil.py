@@ -1,4 +1,7 @@
-"""Twin of the pass that lays a veil over the shown picture: the twin of the warp `iterative` twice, then the sum of the light."""
+"""Twin of the pass that lays a veil over the shown picture.
+
+The twin of the warp `iterative` twice, then the sum of the light.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.iterative import iterative
-from reference.picture import HALF_UNIT, Asked, ReferencePicture
+from reference.picture import HALF_UNIT, ReferencePicture, TwinInputs
 
 Array = NDArray[np.float64]
 
 
-def lay_over(asked: Asked, passing: Array, behind: Array) -> ReferencePicture:
+def lay_over(inputs: TwinInputs, passing: Array, behind: Array) -> ReferencePicture:
     """What is shown where nothing that is known stands before the veil.
 
-    asked: the veil as a late picture, premultiplied by coverage. passing: (h, w, 3) of the late size, 1 where no sheet is. behind:
-    (h, w, 4) of the shown size, what the veil is laid over; its holes stay holes.
+    inputs: the veil as a rendered picture, premultiplied by coverage. passing: (h, w, 3) of the
+    rendered size, 1 where no sheet is. behind: (h, w, 4) of the shown size, what the veil is laid
+    over; its holes stay holes.
     """
-    covered = asked.colour[..., 3:]
+    covered = inputs.colour[..., 3:]
     stopped = np.concatenate([(1 - passing) * covered, covered], axis=2)
-    veil, stops = iterative(asked), iterative(attrs.evolve(asked, colour=stopped))
+    veil, stops = iterative(inputs), iterative(attrs.evolve(inputs, colour=stopped))
     out = behind.copy()
     shows = (veil.colour[..., 3] > 0) & (behind[..., 3] > 0)
     out[shows, :3] = veil.colour[shows][:, :3] + (1 - stops.colour[shows][:, :3]) * behind[shows][:, :3]

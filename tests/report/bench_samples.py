@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from hmdwarp.metrics import QUALITY
+
 # warp: (ms, FLIP at 200 ms in look-around, share of holes there)
 WARPS = {
     "none": (2.1, 0.359, 0.0), "rotation": (2.7, 0.149, 0.02), "planar": (3.5, 0.126, 0.021), "environment": (3.9, 0.118, 0.0),
@@ -48,7 +50,7 @@ def a_row(
     }
     stages["total"] = sum(stages.values())
     quality = {
-        "psnr_db": 6 - 21 * np.log10(error), "ssim": 1 - 1.3 * error, "flip": error, "hole_share": holes, "border_share": holes / 4,
+        **dict.fromkeys(QUALITY, 0.5), "psnr_db": 6 - 21 * np.log10(error), "ssim": 1 - 1.3 * error, "flip": error, "hole_share": holes, "border_share": holes / 4,
         "flicker": error / 7 * noise[4],
     }  # fmt: skip
     shares = {"holes": holes, "edges": 0.12, "elsewhere": 0.88 - holes}

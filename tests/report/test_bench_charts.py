@@ -83,7 +83,7 @@ def test_every_point_has_its_name_and_fills_their_key():
         assert {"fill none", "fill interpolate"} <= set(found)
 
 
-def test_the_front_is_filled_bold_and_told_in_words():
+def test_the_front_is_filled_bold_and_in_words():
     case = one_case(fills=("interpolate",))
     text = pareto_chart(case)
     best = {row["warp"] for row in case.front()}
@@ -199,7 +199,7 @@ def test_displacement_has_all_warps_on_all_axes_in_order():
     assert points["new"].shape == (0, 2) and (np.diff(points["none"][:, 0]) > 0).all()
 
 
-def test_what_was_not_displaced_is_told():
+def test_an_axis_without_rows_says_not_measured():
     grid = [{"warp": "mesh", "axis": "x", "offset": 0.0, "flip": None, "psnr_db": None}]
     assert "not measured" in words(displacement_chart(grid, "x"))
 
@@ -245,5 +245,5 @@ def test_the_picture_for_the_readme(tmp_path, columns):
     assert [p.name for p in tmp_path.iterdir()] == ["pareto.png"]
 
 
-def test_the_whole_of_a_bench_can_be_told_in_the_terminal():
+def test_a_whole_bench_fits_the_terminal():
     assert bench_table(a_bench()["rows"]).row_count == 180 + 6

@@ -203,7 +203,7 @@ def test_the_clients_own_depth_is_a_pass_with_one_name():
     assert "client_depth client_depth" not in found
 
 
-def test_notes_of_rows_are_told_once():
+def test_notes_of_rows_stand_once():
     rows = [
         a_row("mesh", notes=["odd", "rare"]),
         *(a_row(warp, notes=["odd"]) for warp in ("none", "forward", "backward")),

@@ -78,7 +78,7 @@ def test_a_folder_without_permission(tmp_path):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
-def test_a_full_disk_is_the_machine_s_fault(tmp_path):
+def test_a_full_disk_is_a_machine_error(tmp_path):
     with pytest.raises(MachineError, match="make room"), atomic(tmp_path / "out"), Path("/dev/full").open("wb") as full:
         full.write(bytes(10))
     assert everything_below(tmp_path) == set()
@@ -180,7 +180,7 @@ def test_the_summary_is_never_beside_another_run_s_files(tmp_path, monkeypatch):
     assert everything_below(tmp_path) == {"a.txt"}
 
 
-def test_an_output_folder_that_cannot_be_written_is_known_before_the_run(tmp_path, monkeypatch):
+def test_an_output_folder_that_cannot_be_written_fails_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
     for path in (tmp_path / "file", tmp_path / "file" / "below", tmp_path / ("x" * 300)):
         with pytest.raises(InputError, match="cannot write"):

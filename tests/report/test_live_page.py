@@ -69,8 +69,8 @@ def test_the_lines_say_what_counts():
     told = live_lines(a_live_summary(), None)
     assert told == [
         "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9%)",
-        "frames are old by       203.40 ms, p95 211.00",
-        "heads are read before   1.25 ms, p95 1.90",
+        "age of the frame        203.40 ms, p95 211.00",
+        "age of the pose         1.25 ms, p95 1.90",
         "from picture to picture 12.50 ms, p95 13.10",
         "time per eye            2.25 ms, p95 2.25: warp 1.25, fill 0.50, lens 0.50",
         "drawing and both eyes   7.50 ms, p95 7.50, of 12.50 ms for a refresh",
@@ -79,19 +79,19 @@ def test_the_lines_say_what_counts():
     ]
 
 
-def test_what_was_not_measured_is_not_told():
+def test_lines_without_a_measurement_are_left_out():
     nothing = {name: pair(None) for name in ("render", "warp", "fill", "effects", "lens", "total")}
     summary = a_live_summary(
         pose_age_ms=pair(None), period_ms=pair(None), refresh_ms=nothing, refreshes=1, missed=0, seconds=0.0
     )
     told = live_lines({**summary, **aggregate([])}, None)
     assert told[0] == "shown                   1 picture in 0.0 s; none missed"
-    assert [line[:17].strip() for line in told] == ["shown", "frames are old by", "note: A <note>."]
+    assert [line[:17].strip() for line in told] == ["shown", "age of the frame", "note: A <note>."]
 
 
 def test_a_refresh_is_weighed_against_its_budget():
     rows = budget_rows(a_live_summary())
-    assert rows[0] == ("the server draws", "3.00", "4.00", 0.24) and rows[-1] == ("all of it", "7.50", "7.50", 0.6)
+    assert rows[0] == ("drawing by the server", "3.00", "4.00", 0.24) and rows[-1] == ("total", "7.50", "7.50", 0.6)
 
 
 def test_the_page_says_it_too_and_escapes():
@@ -117,7 +117,7 @@ def test_the_page_says_it_too_and_escapes():
 def test_a_page_of_almost_nothing():
     summary = copy.deepcopy({**a_live_summary(record=None, changes=[], notices={}, about={}), **aggregate([])})
     page = render_live_report(summary, a_column(1, holes=False), command="")
-    assert "not measured" in page and "recorded to" not in page and "What was changed" not in page
+    assert "not measured" in page and "recorded to" not in page and "<h2>Changes</h2>" not in page
 
 
 @pytest.mark.slow

@@ -135,13 +135,13 @@ def test_worst_frames_come_from_what_the_pool_kept():
     truth, shown, rendered = a_scene(0), a_scene(2), a_scene(9)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
     with QualityPool(0, 20.0, worst=1) as pool:
-        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), rendered=rendered))
+        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), rendered_picture=rendered))
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
     assert [name for name, _ in frame.panels] == ["late frame", "warped", "truth", "error (FLIP)"]
     assert all(
-        np.array_equal(picture, given)
-        for (_, picture), given in zip(frame.panels, (rendered, shown, truth), strict=False)
+        np.array_equal(picture, source)
+        for (_, picture), source in zip(frame.panels, (rendered, shown, truth), strict=False)
     )
     assert "0.50 s, right eye" in render(worst=[frame])
 
@@ -157,7 +157,7 @@ def test_without_baseline_worst_frames_notes_or_any_measurement():
         notes=[],
     )
     page = Page(text)
-    assert "★" not in page.text and "Worst frames" not in page.text and "What was noticed" not in page.text
+    assert "★" not in page.text and "Worst frames" not in page.text and "<h2>Notes</h2>" not in text
     assert page.text.count("not measured") == 4 and "–" in page.text
 
 

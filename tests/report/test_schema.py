@@ -35,7 +35,7 @@ BAD = [
 
 
 @pytest.mark.parametrize("key, value", BAD)
-def test_every_bad_value_is_told_by_its_key(key, value):
+def test_every_bad_value_is_named_by_its_key(key, value):
     faults = summary_faults({**a_summary(), key: value})
     assert faults and all(f"'{key}" in fault for fault in faults)
 
@@ -48,7 +48,7 @@ def test_figures_are_numbers_or_null(table, name, figure, value):
     assert [f"'{table}.{name}.{figure}'" in fault for fault in summary_faults(summary)] == [True]
 
 
-def test_all_faults_are_told_at_once():
+def test_all_faults_are_named_at_once():
     summary = {**a_summary(), "clock": "sun", "frames": -1}
     del summary["warp"]
     assert len(summary_faults(summary)) == 3
@@ -59,7 +59,7 @@ def test_what_is_no_object(thing):
     assert summary_faults(thing)
 
 
-def test_columns_are_the_contract_s():
+def test_columns_are_those_of_the_contract():
     assert FRAME_COLUMNS == (
         "frame", "eye", "time_s", "shown_ns", "drawn_ns", "age_ms", "pose_age_ms", "pose_origin",
         "angular_speed_deg_s", "linear_speed_m_s", "warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms",

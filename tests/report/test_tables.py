@@ -60,7 +60,7 @@ def test_what_was_not_measured_is_a_dash():
     assert set(best(nothing, a_summary()).values()) == {None}
 
 
-def test_columns_that_share_a_warp_are_told_apart():
+def test_columns_that_share_a_warp_have_distinct_heads():
     one, other = a_summary(), {**a_summary(), "fill": "none"}
     text = printed(one, other, width=120)
     assert "forward, interpolate" in text and "forward, none" in text

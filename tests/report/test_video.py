@@ -158,7 +158,7 @@ def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_no_encoder_is_the_machine_s_lack(tmp_path, monkeypatch):
+def test_no_encoder_is_a_machine_error(tmp_path, monkeypatch):
     monkeypatch.setattr(video, "ENCODERS", ("libnothing264",))
     with pytest.raises(MachineError, match="built without an H.264 encoder.*pip install av"):
         VideoWriter(tmp_path / "a.mp4", (32, 32), 30)

@@ -16,6 +16,7 @@ from hmdwarp.auto.adaptive import AdaptiveCompensator
 from hmdwarp.auto.governor import Governor
 from hmdwarp.auto.levels import QualityLevel
 from hmdwarp.client.compensator import Compensator
+from hmdwarp.client.effects import effects
 from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.variants import every_warp
@@ -23,9 +24,9 @@ from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, Needs, Surface
 from hmdwarp.pipeline.planning import build_plan_for
 from hmdwarp.report import validate_summary
-from hmdwarp.run.bench_levels import ladder_from_file, read_rows
-from hmdwarp.run.rig import build_rig
-from hmdwarp.run.trial import FILLS, candidates, lens_ms, tried
+from hmdwarp.run import set_up_replay
+from hmdwarp.run.bench_levels import levels_from_file, read_rows
+from hmdwarp.run.short_bench import FILLS, candidates, lens_ms, levels_by_short_bench
 
 CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
 
@@ -93,7 +94,7 @@ def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_pat
         a_bench(path, [row, good])
         for lens in ("none", "radial"):
             try:
-                found = ladder_from_file(path, small(**auto(path), headset="rift-dk1", lens=lens), lambda options: 0.1)
+                found = levels_from_file(path, small(**auto(path), headset="rift-dk1", lens=lens), lambda: 0.1)
             except InputError as error:
                 assert "b.json" in str(error) and "\n" not in str(error)
             else:
@@ -111,14 +112,14 @@ def test_a_budget_in_which_nothing_fits(tmp_path):
 
 def test_rows_of_the_run_s_size_come_first(tmp_path):
     rows = [a_row("none", "none", 1.0, 0.3), a_row("none", "none", 99.0, 0.3, size=[1920, 1080])]
-    found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
     assert [level.total_ms for level in found.levels] == [1.0]
     assert found.notes == ()
 
 
 def test_another_size_counts_in_proportion(tmp_path):
     rows = [a_row("none", "none", 8.0, 0.3, size=[192, 160]), a_row("none", "none", 1.0, 0.3, size=[48, 40])]
-    found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
     assert [level.total_ms for level in found.levels] == [2.0]
     assert found.notes == (
         "b.json was measured at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 times.",
@@ -131,13 +132,13 @@ def test_what_this_program_has_not_is_left_out(tmp_path):
         a_row("teleport", "none", 2.0, 0.1),
         a_row("forward:x=1", "none", 2.0, 0.1),
     ]
-    found = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
     assert [level.warp for level in found.levels] == ["none"]
     assert [note.partition(" is left out")[0] for note in found.notes] == [
         "b.json: warp 'forward:x=1' with fill 'none'", "b.json: warp 'teleport' with fill 'none'"
     ]  # fmt: skip
     with pytest.raises(InputError, match="nothing of its 1 rows can be run here"):
-        ladder_from_file(a_bench(tmp_path / "b.json", rows[1:2]), small(**auto(tmp_path)), lens_ms)
+        levels_from_file(a_bench(tmp_path / "b.json", rows[1:2]), small(**auto(tmp_path)), lens_ms)
 
 
 def test_the_lens_of_the_run_counts(tmp_path):
@@ -145,11 +146,11 @@ def test_the_lens_of_the_run_counts(tmp_path):
     with_lens = a_row("none", "none", 5.0, 0.3, lens="radial")
     with_lens["time_ms"]["lens"] = {"median": 2.0, "p95": 2.0}
     path, plain = a_bench(tmp_path / "b.json", [with_lens]), small(**auto(tmp_path))
-    (level,) = ladder_from_file(path, plain, lambda _: 1e3).levels
+    (level,) = levels_from_file(path, plain, lambda: 1e3).levels
     assert level.total_ms == 3.0
     path = a_bench(tmp_path / "b.json", [a_row("none", "none", 5.0, 0.3)])
     lensed = attrs.evolve(plain, lens="radial", headset="rift-dk1")
-    found = ladder_from_file(path, lensed, lambda _: 1e3)
+    found = levels_from_file(path, lensed, lambda: 1e3)
     assert found.levels[0].total_ms == 1005.0
     assert found.notes == ("b.json was measured with lens none: lens radial counts instead, with 1000.00 ms.",)
 
@@ -160,7 +161,7 @@ def test_the_lens_is_timed_here():
 
 def test_other_terms_are_told(tmp_path):
     rows = [a_row("none", "none", 1.0, 0.3, guard=1.5, latency_ms=400.0, scene="room")]
-    (note,) = ladder_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms).notes
+    (note,) = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms).notes
     assert (
         note
         == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room (this run: planes)."
@@ -190,7 +191,7 @@ def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
 
 
 def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch):
-    """The best rung really takes 150 ms for a while, where there are 100; otherwise both take a few at 96x80."""
+    """The best level really takes 150 ms for a while, where there are 100; otherwise both take a few at 96x80."""
     if gpu.timer.clock != "wall":
         pytest.skip("how long it works is told by the wall clock, of which GPU timers see a part")
     refresh = itertools.count()
@@ -225,7 +226,7 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
         assert len({*ran[at : at + 2]}) == 1 and len({*ran[at + 2 : at + 4]}) == 1, "both eyes change together"
         assert ran[at + 1] != ran[at + 2]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "What was chosen" in page and "over the budget" in page
+    assert "<h2>Chosen warps</h2>" in page and "over the budget" in page
 
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
@@ -238,7 +239,7 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
             raise PlanError("not in this run")
         return build_plan_for(one, *inputs)
 
-    monkeypatch.setattr("hmdwarp.run.trial.build_plan_for", picky)
+    monkeypatch.setattr("hmdwarp.run.short_bench.build_plan_for", picky)
     assert {(c.warp, c.fill) for c in candidates(options)} == {pair for pair in every if pair[0] != "rotation"}
 
 
@@ -246,14 +247,14 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
 def few(monkeypatch):
     """A trial of three warps: pictures of all would take FLIP half a minute on a busy machine."""
     monkeypatch.setattr(
-        "hmdwarp.run.trial.candidates",
+        "hmdwarp.run.short_bench.candidates",
         lambda options: [c for c in candidates(options) if c.warp in {w for w, _ in PAIRS}],
     )
 
 
 def test_a_trial_of_its_own(few):
     said: list[str] = []
-    found = tried(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3), said.append)
+    found = levels_by_short_bench(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3), said.append)
     assert len(said) == 1 and said[0].startswith("trying 9 combinations")
     assert found.machine is None and found.notes[0].startswith("Warp 'auto' tried")
     times, errors = [level.total_ms for level in found.levels], [level.error for level in found.levels]
@@ -268,7 +269,7 @@ def test_a_run_with_a_trial_of_its_own(few, tmp_path):
 
 def test_a_trial_leaves_out_what_is_out_of_reach(few):
     options = small(warp="auto", budget_ms=1e-6, seconds=0.3)
-    found = tried(options, lambda text: None)
+    found = levels_by_short_bench(options, lambda text: None)
     assert len({level.warp for level in found.levels}) == 1  # the cheapest stays, to be told in the refusal
     assert "took more than 2 times the budget" in found.notes[0]
 
@@ -276,8 +277,8 @@ def test_a_trial_leaves_out_what_is_out_of_reach(few):
 # --- the compensator -----------------------------------------------------------------------------------------------------
 
 
-def test_each_rung_gets_what_it_would_get_alone():
-    """What frames carry for a rung that wants layers and a cube is not handed to one that does not."""
+def test_each_level_gets_what_it_would_get_alone():
+    """What frames carry for a level that wants layers and a cube is not handed to one that does not."""
 
     @attrs.define(eq=False)
     class Noted:
@@ -302,11 +303,13 @@ def test_each_rung_gets_what_it_would_get_alone():
     assert (len(rich.inputs.rendered["peeled"]), rich.inputs.rendered["cube"]) == (1, "cube")
 
 
-def test_a_rig_compiles_every_rung_at_the_start(tmp_path):
-    levels = ladder_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path)), lens_ms).levels
-    with build_rig(small(**auto(tmp_path)), levels=levels) as rig:
-        compiled = rig.gpu.shaders.compiled
+def test_a_replay_compiles_every_level_at_the_start(tmp_path):
+    levels = levels_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path)), lens_ms).levels
+    with set_up_replay(small(**auto(tmp_path)), levels=levels) as setup:
+        compiled = setup.gpu.shaders.compiled
         for level in levels:
-            one = rig.compensator(build_plan(rig.scene.effects, level.warp, level.fill, "none", client_geometry=True))
+            one = setup.compensator(
+                build_plan(effects.of(setup.scene), level.warp, level.fill, "none", client_geometry=True)
+            )
             one.close()
-        assert rig.gpu.shaders.compiled == compiled
+        assert setup.gpu.shaders.compiled == compiled

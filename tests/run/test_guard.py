@@ -10,8 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.options import RunOptions, parse_guard
+from hmdwarp.pipeline.options import parse_guard
 from hmdwarp.poses import PoseTrack
+from hmdwarp.run import RunOptions
 from hmdwarp.run.guard import MOST, NEAR_M, Guard, needed_factors, settled
 
 FLAT = load_headset("flat-90")  # 45 degrees to every side

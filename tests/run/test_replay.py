@@ -21,7 +21,7 @@ from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace
 from hmdwarp.poses.formats import formats
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import set_up_replay
 from hmdwarp.version import __version__
 
 QUALITY_AT = ("psnr_db", "ssim", "flip", "hole_share", "border_share")
@@ -126,7 +126,7 @@ def test_video_has_every_refresh(full):
 
 
 def test_progress_counts_up_to_all(tmp_path):
-    from hmdwarp.run.replay import replay
+    from hmdwarp.run import replay
 
     seen = []
     replay(small(tmp_path), lambda done, total: seen.append((done, total)))
@@ -324,7 +324,7 @@ class Made:
 @pytest.mark.parametrize("warp", ["forward", "backward"])
 def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
     """At the second one the frame being drawn, the one shown and those under way exist together for the first time."""
-    from hmdwarp.run.replay import replay
+    from hmdwarp.run import replay
 
     made, after = Made(monkeypatch), {}
     passes = {"warp": warp, "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "planar"}
@@ -337,7 +337,7 @@ def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypa
 def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
     """60 s against 2 s: as many textures and buffers ever made, as many frames ever held."""
     from hmdwarp.poses.synth import synthesise
-    from hmdwarp.run.replay import replay
+    from hmdwarp.run import replay
 
     path = tmp_path / "long.csv"
     with path.open("w", encoding="utf-8") as stream:
@@ -361,18 +361,18 @@ def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
 
 def most_held(options) -> tuple[int, int]:
     """The most frames the link held and the targets the server made."""
-    with build_rig(options) as rig:
+    with set_up_replay(options) as setup:
         most = 0
-        for instant_ns, shown in rig.timetable.instants():
-            rig.loop.draw(instant_ns)
-            if shown:
-                rig.loop.show(instant_ns)
-            most = max(most, len(rig.channel.link))
-        return most, rig.server.pool(rig.size).made
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            if number >= 0:
+                setup.loop.show(instant_ns)
+            most = max(most, len(setup.channel.link))
+        return most, setup.server.pool(setup.size).made
 
 
 def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch):
-    from hmdwarp.run.replay import replay
+    from hmdwarp.run import replay
 
     run(tmp_path, images=1)
     before = contents(tmp_path)

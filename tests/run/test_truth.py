@@ -19,7 +19,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import download
 from hmdwarp.pipeline.planning import build_plan_for
-from hmdwarp.run.rig import build_rig
+from hmdwarp.run import set_up_replay
 from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of, draw_truth
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
@@ -157,7 +157,7 @@ def test_fused_and_scanned_out_together(tmp_path):
 )
 def test_what_cannot_be_fused_is_refused_in_one_line(options, told):
     asked = small(**{"warp": "rotation", "headset": "rift-dk1", "lens": "radial", "fused": True, **options})
-    with pytest.raises(InputError, match=told) as refused, build_rig(asked):
+    with pytest.raises(InputError, match=told) as refused, set_up_replay(asked):
         pass
     assert "\n" not in str(refused.value)
 

@@ -10,8 +10,9 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import SceneEffect, load_scene
+from hmdwarp.scenes import load_scene
 
 S = 1_000_000_000
 HALF = np.sqrt(0.5)
@@ -71,7 +72,7 @@ def write_glb(path, channels: dict[str, tuple], *, change=None) -> None:
 def test_an_animated_node_moves_as_its_keys_say(tmp_path):
     write_glb(tmp_path / "lift.glb", {"translation": (TIMES, PLACES), "rotation": (TIMES, TURNS)})
     scene = load_scene(tmp_path / "lift.glb")
-    assert scene.effects == SceneEffect.RIGID_MOTION
+    assert effects.of(scene) == ("rigid_motion",)
     assert [body.name for body in scene.bodies] == ["lift"]
     assert sorted(mesh.body for mesh in scene.meshes) == [0, 1]
     lift = next(mesh for mesh in scene.meshes if mesh.body)
@@ -107,7 +108,7 @@ def test_animations_of_the_same_thing_do_not_add_up(tmp_path):
 def test_a_node_that_grows_is_no_rigid_body(tmp_path):
     write_glb(tmp_path / "lift.glb", {"scale": (TIMES, ((1, 0.5, 1), (1, 1.0, 1), (1, 1.0, 1)))})
     scene = load_scene(tmp_path / "lift.glb")
-    assert scene.effects == SceneEffect.SOFT_MOTION and not scene.bodies
+    assert effects.of(scene) == ("soft_motion",) and not scene.bodies
     lift = next(mesh for mesh in scene.meshes if mesh.deformation is not None)
     heights = [np.ptp(lift.deformation.positions(round(second * S))[:, 1]) for second in (0, 0.5, 1)]
     assert np.allclose(heights, (1.0, 1.5, 2.0), atol=1e-6)
@@ -119,7 +120,7 @@ def test_a_file_without_animation_has_no_bodies(tmp_path):
     write_glb(tmp_path / "still.glb", {})
     scene = load_scene(tmp_path / "still.glb")
     assert scene.bodies == ()
-    assert not scene.effects
+    assert not effects.of(scene)
 
 
 def wrong_type(header):

@@ -6,9 +6,10 @@ import attrs
 import numpy as np
 import pytest
 
+from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Pose, RigidState
-from hmdwarp.scenes import Ball, Body, Material, Mesh, Quad, Scene, SceneEffect, Texture, load_scene
+from hmdwarp.scenes import Ball, Body, Material, Mesh, Quad, Scene, Texture, load_scene
 
 GREY = Texture("grey", np.full((2, 2, 3), 90, np.uint8))
 
@@ -99,8 +100,8 @@ def test_too_many_mirrors_are_refused():
 
 def test_the_gallery_has_a_floor_a_wall_mirror_and_a_ball():
     gallery = load_scene("gallery")
-    expected = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
-    assert gallery.effects == expected
+    expected = ("planar_reflections", "glossy_reflections", "curved_reflections")
+    assert effects.of(gallery) == expected
     assert [found.shape.is_curved for found in gallery.mirrors] == [False, False, True]
     assert gallery.triangle_count <= 40_000
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import hmdwarp.scenes
+from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
 from hmdwarp.scenes import Body, Material, Mesh, Scene, load_scene, unlit
 from hmdwarp.scenes.library.spheres import BALLS
@@ -149,7 +150,7 @@ def test_see_through_and_head_locked_meshes_are_left_out():
     )
     kept = reduced(scene_of(glass, hud, mirror), 0.5)
     assert len(kept.meshes) == 1
-    assert not kept.effects
+    assert not effects.of(kept)
 
 
 class Waving:

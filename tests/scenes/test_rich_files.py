@@ -14,9 +14,10 @@ from PIL import Image
 from properties import ONE_FIXTURE_FOR_ALL
 from scipy.spatial.transform import Rotation
 
+from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, View
-from hmdwarp.scenes import Scene, SceneEffect, is_cutout, load_scene
+from hmdwarp.scenes import Scene, is_cutout, load_scene
 from hmdwarp.server import Server
 
 S = 1_000_000_000
@@ -133,18 +134,18 @@ def metal(roughness: float = 0.0, **more) -> dict:
 
 def test_polished_metal_mirrors_and_dull_metal_does_not(tmp_path):
     shiny = Glb().material(**metal(0.02)).load(tmp_path, "shiny.glb")
-    assert shiny.effects == SceneEffect.PLANAR_REFLECTIONS
+    assert effects.of(shiny) == ("planar_reflections",)
     assert shiny.meshes[0].material.reflectivity == pytest.approx(0.7)
-    assert not Glb().material(**metal(0.3)).load(tmp_path, "dull.glb").effects
-    assert not Glb().material(name="as most are").load(tmp_path, "plain.glb").effects
+    assert not effects.of(Glb().material(**metal(0.3)).load(tmp_path, "dull.glb"))
+    assert not effects.of(Glb().material(name="as most are").load(tmp_path, "plain.glb"))
 
 
 def test_a_normal_map_on_a_mirror_makes_it_glossy_and_a_bent_one_is_curved(tmp_path):
     glb = Glb()
     scene = glb.material(**metal(normalTexture=glb.texture(rgba(255)))).load(tmp_path)
-    assert scene.effects == SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS
+    assert effects.of(scene) == ("planar_reflections", "glossy_reflections")
     assert not scene.textures[scene.meshes[0].material.normal_map].srgb
-    assert Glb(BENT).material(**metal()).load(tmp_path).effects == SceneEffect.CURVED_REFLECTIONS
+    assert effects.of(Glb(BENT).material(**metal()).load(tmp_path)) == ("curved_reflections",)
 
 
 def test_extras_say_how_much_something_mirrors(tmp_path):
@@ -161,7 +162,7 @@ def test_what_is_blended_or_transmits_is_see_through(tmp_path):
         .material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.25]})
         .load(tmp_path, "blend.glb")
     )
-    assert blend.effects == SceneEffect.TRANSPARENCY and blend.meshes[0].material.opacity == 0.25
+    assert effects.of(blend) == ("transparency",) and blend.meshes[0].material.opacity == 0.25
     glass_extension = {"KHR_materials_transmission": {"transmissionFactor": 0.9}}
     base = {"baseColorFactor": [0.2, 1.0, 0.4, 1.0]}
     glass = (
@@ -172,7 +173,7 @@ def test_what_is_blended_or_transmits_is_see_through(tmp_path):
         .material
     )
     assert glass.opacity == pytest.approx(0.1) and glass.tint == (0.2, 1.0, 0.4)
-    assert not Glb().material(alphaMode="BLEND").load(tmp_path, "opaque.glb").effects  # lets nothing pass
+    assert not effects.of(Glb().material(alphaMode="BLEND").load(tmp_path, "opaque.glb"))  # lets nothing pass
 
 
 def test_what_is_masked_is_cut_out_by_its_alpha(tmp_path):
@@ -182,7 +183,7 @@ def test_what_is_masked_is_cut_out_by_its_alpha(tmp_path):
     scene = glb.material(alphaMode="MASK", pbrMetallicRoughness={"baseColorTexture": glb.texture(rgba(alpha))}).load(
         tmp_path
     )
-    assert not scene.effects and is_cutout(
+    assert not effects.of(scene) and is_cutout(
         scene, scene.meshes[0]
     )  # a surface with holes: there is nothing to composite
     assert np.array_equal(np.unique(scene.textures[0].image[..., 3], return_counts=True), ([0, 255], [40, 24]))
@@ -195,7 +196,7 @@ def test_an_obj_says_by_d_how_much_it_dissolves(tmp_path):
     corners = "\n".join(f"v {x} {y} {z}" for x, y, z in SQUARE)
     (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}\nusemtl glass\nf 1 2 3\nf 1 3 4\n")
     scene = load_scene(tmp_path / "a.obj")
-    assert scene.effects == SceneEffect.TRANSPARENCY and scene.meshes[0].material.opacity == pytest.approx(0.3)
+    assert effects.of(scene) == ("transparency",) and scene.meshes[0].material.opacity == pytest.approx(0.3)
 
 
 def test_extras_of_a_node_fix_it_to_the_head(tmp_path):
@@ -204,7 +205,7 @@ def test_extras_of_a_node_fix_it_to_the_head(tmp_path):
     glb.header["nodes"].append({"mesh": 0, "translation": [40, 0, 0]})
     glb.header["scenes"][0]["nodes"].append(1)
     scene = glb.load(tmp_path)
-    assert scene.effects == SceneEffect.OVERLAY
+    assert effects.of(scene) == ("overlay",)
     locked = next(mesh for mesh in scene.meshes if mesh.material.head_locked)
     assert np.allclose(locked.positions.mean(axis=0), (0, 1, -3))  # head axes: the scene's origin has no say
     assert np.array_equal(scene.origin_m, (40, 0, 0)) and np.allclose(locked.light, 1)
@@ -264,7 +265,7 @@ def test_a_skin_goes_where_the_weighted_mean_of_its_joints_takes_it(tmp_path):
         .animate("rotation", (0, 1, 2), ((0, 0, 0, 1), turn.as_quat(), turn.as_quat()), node=2)
         .load(tmp_path)
     )
-    assert scene.effects == SceneEffect.SOFT_MOTION
+    assert effects.of(scene) == ("soft_motion",)
     deformation = scene.meshes[0].deformation
     rest, bent = (deformation.positions(round(t * S)) + scene.origin_m for t in (0, 1))
     assert np.allclose(rest, SQUARE, atol=1e-6)  # a skin's own node has no say
@@ -285,7 +286,7 @@ def test_all_that_is_drawn_by_the_server(tmp_path, gpu):
     )
     glb.header["scenes"][0]["nodes"].append(3)
     scene = glb.load(tmp_path)
-    assert scene.effects == SceneEffect.SOFT_MOTION | SceneEffect.TRANSPARENCY | SceneEffect.OVERLAY
+    assert effects.of(scene) == ("soft_motion", "transparency", "overlay")
     server = Server(gpu, scene)
     pictures = [
         server.draw(View(scene.viewpoint, Fov.symmetric(1, 1)), (32, 32), time_ns=t).colour.read() for t in (0, S // 2)

@@ -17,14 +17,12 @@ import attrs
 import numpy as np
 from scipy.stats import binom, t
 
-from hmdwarp.study.design import Comparison, Design
-from hmdwarp.study.design.read import load_design
-from hmdwarp.study.power.effects import with_effect
-from hmdwarp.study.power.simulation import differences, significant
+from hmdwarp.study.design import Comparison, Design, load_design
+from hmdwarp.study.power import differences, significant, with_effect
 from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model
 from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, wilcoxon_exact
 
-PART, MANY, RESAMPLES, LEVEL = "run-1", 20_000, 2_000, 0.95
+PART, MANY, LEVEL = "run-1", 20_000, 0.95
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
 SURE = 0.999  # that a right method stays within the bounds of a test
 
@@ -109,7 +107,7 @@ def coverage(design: Design, model: Model, n: int, studies: int, seed: int) -> C
             pairs[study, k], promised[study, k] = len(values), attained_level(len(values))
             shift[study, k] = holds(hodges_lehmann(values)[1:], true[one][1])
             latent_shift[study, k] = holds(hodges_lehmann(latent)[1:], latent_true[one][1])
-            mean[study, k] = holds(bca(values, study, RESAMPLES), true[one][0])
+            mean[study, k] = holds(bca(values), true[one][0])
     return Coverage(n, comparisons, pairs, promised, shift, latent_shift, mean, 1 - complete / (n * studies))
 
 
@@ -153,24 +151,31 @@ def bounds(share: float, total: int) -> tuple[float, float]:
 def table(studies: int) -> Iterator[str]:
     """Lines of Markdown."""
     design, model = designed()
-    yield f"{studies} studies each; {LEVEL:.0%} intervals, BCa with {RESAMPLES} resamples; three comparisons, 6 conditions once each."
+    intervals = f"{LEVEL:.0%} intervals, BCa with all resamples"
+    yield f"{studies} studies each; {intervals}; three comparisons, 6 conditions once each."
     yield ""
-    yield "| begin | come to the end | pairs | comparison | true mean | Hodges-Lehmann says | covers | BCa should | covers |"
+    heads = (
+        "begin | come to the end | pairs | comparison | true mean | Hodges-Lehmann says | covers | BCa should | covers"
+    )
+    yield f"| {heads} |"
     yield "|" + " --- |" * 9
     for n in (12, 24):
         found = coverage(design, model, n, studies, seed=1)
         true = true_values(design, model)
         for k, one in enumerate(found.comparisons):
             yield (
-                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | {one.a} - {one.b} | {true[one][0]:+.2f} "
-                f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | {expected_bca(found.pairs[:, k]):.1%} "
+                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | {one.a} - {one.b} | "
+                f"{true[one][0]:+.2f} "
+                f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | "
+                f"{expected_bca(found.pairs[:, k]):.1%} "
                 f"| {found.mean[:, k].mean():.1%} |"
             )
     yield ""
     for n in (12, 24):
         null = without_effect(design, model, n, studies, seed=2)
         each = ", ".join(f"{share:.1%}" for share in (null.p <= 1 - LEVEL).mean(axis=0))
-        yield f"No effect, {n} people: one test finds one in {each}; anything after Holm in {null.any_found.mean():.1%} (5 % allowed)."
+        anything = f"anything after Holm in {null.any_found.mean():.1%} (5 % allowed)"
+        yield f"No effect, {n} people: one test finds one in {each}; {anything}."
 
 
 if __name__ == "__main__":

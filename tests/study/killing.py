@@ -29,8 +29,7 @@ import numpy as np
 
 from hmdwarp.errors import InputError
 from hmdwarp.poses import load_trace
-from hmdwarp.study.design import Ask, Show, steps_of
-from hmdwarp.study.design.read import load_design
+from hmdwarp.study.design import Ask, Show, load_design, steps_of
 from hmdwarp.study.respondents import Population, load_model, person_of
 from hmdwarp.study.store import COMPLETE, Contents, Session, Store
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.study.analysis import Measure, Rating, Ratings, Sitting
+from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, SessionSummary
 from hmdwarp.study.design import Design
 from hmdwarp.study.respondents import Cohort, Model, Population
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
@@ -17,20 +17,20 @@ def simulate_study(design: Design, model: Model, n: int, seed: int, study: int =
     Errors: InputError where the model lacks a scale or a condition of the study.
     """
     rows: list[Rating] = []
-    sittings: list[Sitting] = []
+    sessions: list[SessionSummary] = []
     for part in design.parts:
         cohort = Population(model, design, part.name).of(range(n), seed, study)
         for person in range(n):
             rows += _rows(design, cohort, person)
-            sittings.append(_sitting(cohort, person))
+            sessions.append(_session(cohort, person))
     return Ratings(
         rows=tuple(rows),
-        measures={scale.name: Measure.of(scale) for scale in design.scales},
+        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales},
         families=design.families,
         origin=SIMULATED,
         source=f"simulated people ({model.title}), seed {seed}, study {study}",
         title=design.title,
-        sittings=tuple(sittings),
+        sessions=tuple(sessions),
     )
 
 
@@ -71,9 +71,9 @@ def _why(cohort: Cohort, person: int, trial: int) -> str:
     )
 
 
-def _sitting(cohort: Cohort, person: int) -> Sitting:
+def _session(cohort: Cohort, person: int) -> SessionSummary:
     why = cohort.why[person]
     trials = int(cohort.trials[person])
-    return Sitting(
+    return SessionSummary(
         _name(cohort, person), cohort.part.name, 1, why, "" if why == COMPLETE else why, trials, cohort.order.shape[1]
     )

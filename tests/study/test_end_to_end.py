@@ -17,11 +17,9 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.study.analysis import Given, from_csv
-from hmdwarp.study.analysis.from_store import from_contents
-from hmdwarp.study.design import Comparison, Design
-from hmdwarp.study.design.read import load_design
-from hmdwarp.study.power.simulation import differences
+from hmdwarp.study.analysis import SourceOptions, from_contents, from_csv
+from hmdwarp.study.design import Comparison, Design, load_design
+from hmdwarp.study.power import differences
 from hmdwarp.study.respondents import Cohort, Model, Population, SicknessModel, load_model, person_of
 from hmdwarp.study.store import SIMULATED, Contents, Store
 
@@ -146,7 +144,7 @@ def test_dropouts_are_listed(study):
 def test_the_export_reads_back(study):
     own, exported = (
         from_contents(study.contents, study.design, SIMULATED),
-        from_csv(study.made / "export" / "ratings.csv", Given()),
+        from_csv(study.made / "export" / "ratings.csv", SourceOptions()),
     )
     assert exported.rows
     values = [

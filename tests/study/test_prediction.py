@@ -1,4 +1,6 @@
-"""What predicts ratings: as pingouin and plain loops have it; on made-up studies whose best measure is known; where nothing can be told."""
+"""What predicts ratings: against pingouin and plain loops, and on made-up studies whose best
+measure is known.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.study.prediction import LEAST_PEOPLE, MEASURES, predict
+from hmdwarp.study.prediction import LEAST_PEOPLE, MEASURES, predict, sentences
 
 FLIP, PSNR, FLICKER, HOLES, AGE = (
     "measured_flip", "measured_psnr_db", "measured_flicker", "measured_hole_share", "actual_latency_ms_median"
@@ -18,7 +20,8 @@ FLIP, PSNR, FLICKER, HOLES, AGE = (
 
 
 def made_up(seed, effects, people=12, conditions=8, noise=0.5, together=0.0, repeats=1):
-    """Rows of a study: measures are drawn for each condition, tremble a little with each person, and move the grade by their effects.
+    """Rows of a study: measures are drawn for each condition, tremble a little with each person,
+    and move the grade by their effects.
 
     together: how far all measures are one and the same.
     """
@@ -118,11 +121,13 @@ def test_the_best_measure_of_a_made_up_study_is_found(seed):
     assert first.name == FLICKER and first.r > 0.4 and found.sure and first.low > 0
     assert first.skill > 0 and first.skill_condition > 0
     assert [one.name for one in found.candidates] == [FLICKER] and first.best > 0.95
-    assert found.sentences()[0].startswith("Flicker predicts the ratings best")
+    assert sentences(found)[0].startswith("Flicker predicts the ratings best")
 
 
 def test_two_that_are_equally_good_are_not_told_apart():
-    """At the nominal rate: of 60 studies with two equal measures one is declared the best in 5 of 100, so in 9 or fewer with p > 0.999."""
+    """At the nominal rate: of 60 studies with two equal measures one is declared the best in 5 of
+    100, so in 9 or fewer with p > 0.999.
+    """
     claimed = 0
     for seed in range(60):
         rng = np.random.default_rng(seed)
@@ -140,22 +145,26 @@ def test_two_that_are_equally_good_are_not_told_apart():
 def test_measures_that_move_together_are_told_as_such():
     found = few(made_up(2, {FLIP: 0.5, FLICKER: 0.0, AGE: 0.0}, together=0.99))
     assert all(set(one.alike) == {other.title for other in found.measures} - {one.title} for one in found.measures)
-    text = " ".join(found.sentences())
-    assert "cannot be told" in text and "ratings cannot tell them apart" in text and "move together" in text
+    text = " ".join(sentences(found))
+    assert "is undecided" in text and "ratings cannot separate them" in text and "move together" in text
 
 
 def test_of_noise_nothing_is_claimed():
-    """13 measures that have nothing to do with the grades: a claim in at most 5 of 100 studies, so in 8 or fewer of 60 with p > 0.99."""
+    """13 measures that have nothing to do with the grades: a claim in at most 5 of 100 studies, so
+    in 8 or fewer of 60 with p > 0.99.
+    """
     effects = dict.fromkeys(MEASURES, 0.0)
     claims = sum(few(made_up(seed, effects), resamples=2000).sure for seed in range(60))
     assert claims <= 8
     quiet = next(found for seed in range(60) if not (found := few(made_up(seed, effects))).sure)
-    assert quiet.sentences()[0].startswith("No measure is known to predict the ratings")
+    assert sentences(quiet)[0].startswith("No measure is shown to predict the ratings")
 
 
 def test_the_interval_covers_what_is_true():
-    """r of endless ratings is 0.6 / sqrt(0.6^2 + 0.8^2) = 0.6; 200 studies of 12 people: 95 % is 190, and 181 is 3 sigma below it.
-    Percentile-like intervals of 12 people are known to be somewhat short: 90 % is held to."""
+    """r of endless ratings is 0.6 / sqrt(0.6^2 + 0.8^2) = 0.6; 200 studies of 12 people: 95 % is
+    190, and 181 is 3 sigma below it. Percentile-like intervals of 12 people are known to be
+    somewhat short: 90 % is held to.
+    """
     covered = 0
     for seed in range(200):
         rng = np.random.default_rng(seed)
@@ -183,7 +192,8 @@ def test_units_order_and_direction_play_no_part(seed, scale, shift):
     for one in before.measures:
         got = after[one.name]
         for name in ("r", "rank_r", "skill", "skill_condition"):
-            # Shifting by 1000 times the spread costs three digits of sixteen twice over, in centring and in its squares.
+            # Shifting by 1000 times the spread costs three digits of sixteen twice over, in
+            # centring and in its squares.
             assert getattr(got, name) == pytest.approx(getattr(one, name), abs=1e-7)
 
 
@@ -204,9 +214,9 @@ def test_what_cannot_be_looked_at_is_named_with_its_reason():
     reasons = dict(found.left_out)
     assert [one.name for one in found.measures] == [FLIP, HOLES]
     assert reasons["missed refreshes"] == reasons["age of the pose"] == "the same in all trials of each person"
-    assert reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings" and reasons["flicker"] == "nobody measured it"
+    assert reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings" and reasons["flicker"] == "not measured"
     assert found.dropped == 5 and found.ratings == 91
-    text = " ".join(found.sentences())
+    text = " ".join(sentences(found))
     assert "Left out: 5 ratings without all measures" in text and "flicker" in text
 
 
@@ -220,7 +230,7 @@ def test_too_little_is_refused_in_words():
         ([one for one in made_up(1, {FLIP: 0.5}) if one["condition"] == "c0"], "people"),
     ):
         found = few(rows)
-        assert word in found.refused and found.measures == () and word in found.sentences()[0]
+        assert word in found.refused and found.measures == () and word in sentences(found)[0]
 
 
 def test_pictures_measured_in_different_ways_are_not_compared():
@@ -240,6 +250,4 @@ def test_missing_ratings_and_other_scales_are_left_alone():
 
 def test_one_measure_alone_is_not_called_the_best():
     found = few(made_up(1, {FLIP: 0.5}))
-    assert (
-        found.sentences()[0].startswith("Only one measure can be looked at") and attrs.asdict(found)["scale"] == "grade"
-    )
+    assert sentences(found)[0].startswith("Only one measure can be tested") and attrs.asdict(found)["scale"] == "grade"

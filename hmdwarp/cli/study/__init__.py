@@ -1,4 +1,4 @@
-"""hmdwarp study: rating sessions from the plan to the paper; one file for each command."""
+"""hmdwarp study: rating sessions from the plan to the paper; one file per command."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import typer
 
 from . import analyse, export, measure, plan, power, run, withdraw
 
-app = typer.Typer(help="Rating studies: plan, run, export, analyse; nothing is lost.", no_args_is_help=True)
+app = typer.Typer(help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 
 app.command("plan")(plan.plan)
 app.command("run")(run.run)

@@ -1,4 +1,4 @@
-"""hmdwarp study analyse: what the ratings say."""
+"""hmdwarp study analyse: tests, intervals and plots of the ratings."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption
+
 if TYPE_CHECKING:
     from rich.table import Table
 
 _Texts = list[str] | None
 _SOURCE = "A table with one row per rating (.csv, .tsv), a study's .toml file, or the name of a shipped study."
-_FAMILY = "Compare these pairs instead of the planned ones, corrected together; may be repeated, each a family."
+_FAMILY = "Compare these pairs instead of the planned ones, as one family; may be repeated."
 
 
 def analyse(
     source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help=_SOURCE)],
     out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/*.csv.")],
-    store: Annotated[
-        Path | None, typer.Option("--store", help="A study's data; by default beside its file.", show_default=False)
-    ] = None,
+    store: StoreOption = None,
     scale: Annotated[
         str,
-        typer.Option("--scale", help="The scale of a table that does not name it: grade, acr, ..", show_default=False),
+        typer.Option("--scale", help="Scale of a table that does not name it: grade, acr, ..", show_default=False),
     ] = "",
     low_is_good: Annotated[
         bool | None,
         typer.Option(
             "--low-is-good/--high-is-good",
-            help="Which way a table's ratings go, where it does not say.",
+            help="Direction of a table's ratings, if it does not give it.",
             show_default=False,
         ),
     ] = None,
@@ -40,7 +40,7 @@ def analyse(
         typer.Option(
             "--column",
             metavar="ROLE=NAME",
-            help="Its column for a role: rating=mos, participant=who; may be repeated.",
+            help="Column for a role: rating=mos, participant=who; may be repeated.",
             show_default=False,
         ),
     ] = None,
@@ -48,44 +48,41 @@ def analyse(
     claims: Annotated[
         Path | None,
         typer.Option(
-            "--claims", help="A .toml file of published figures to hold against the ratings.", show_default=False
+            "--claims", help="A .toml file of published figures to compare with the ratings.", show_default=False
         ),
     ] = None,
-    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
-    simulated: Annotated[
-        bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")
-    ] = False,
+    pilot: PilotOption = False,
+    simulated: SimulatedOption = False,
     seed: Annotated[
-        int, typer.Option("--seed", min=0, help="Seed of the bootstrap: the same one gives the same intervals.")
-    ] = 142,
+        int, typer.Option("--seed", min=0, help="Random seed, where resamples are drawn: not for ratings in steps.")
+    ] = 0,
     resamples: Annotated[
-        int, typer.Option("--resamples", min=100, max=10_000_000, help="Resamples of the bootstrap.")
+        int, typer.Option("--resamples", min=100, max=10_000_000, help="Number of resamples, where they are drawn.")
     ] = 20_000,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
-    """Say what ratings show and what they leave open: exact tests, intervals, order effects, missing ratings; tables, plots, one page.
+    """Analyse ratings: exact tests, intervals, order effects; writes tables, plots and one page.
 
-    A study's sessions with people count; pilot and simulated ones are analysed by themselves, if asked for. The name of a shipped study
-    that has no sessions here stands for the ratings published with it ('thesis').
+    Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
+    name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
     import attrs
 
     from ...errors import InputError
-    from ...study.analysis import Given, Resampling
-    from ...study.analysis.sources import claims_for, ratings_from
-    from ...study.analysis.whole import analyse as run
-    from ...study.analysis.write import write_analysis
+    from ...study.analysis import Resampling, SourceOptions, claims_for, ratings_from, write_analysis
+    from ...study.analysis import analyse as run
 
     if pilot and simulated:
-        raise InputError("--pilot and --simulated: they never count together; analyse one after the other")
-    given = Given(_columns(column), scale, low_is_good, "pilot" if pilot else "simulated" if simulated else "")
-    ratings = ratings_from(source, store, given)
-    published, note = claims_for(claims, ratings, given)
+        raise InputError("--pilot and --simulated: they are never mixed; analyse one after the other")
+    origin = "pilot" if pilot else "simulated" if simulated else ""
+    options = SourceOptions(_columns(column), scale, low_is_good, origin)
+    ratings = ratings_from(source, store, options)
+    published, note = claims_for(claims, ratings, options)
     ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
     data = run(ratings, Resampling(seed, resamples), family or (), published)
     page = write_analysis(out, data, shlex.join(["hmdwarp", *sys.argv[1:]]))
     if not quiet:
-        _tell(data)
+        _print(data)
         typer.echo(f"report: {page}")
 
 
@@ -99,14 +96,14 @@ def _columns(texts: _Texts) -> dict[str, str]:
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 
-def _tell(data: dict[str, Any]) -> None:
+def _print(data: dict[str, Any]) -> None:
     from ...report import counted
     from .._show import console, paragraph
 
     screen = console()
     paragraph(typer.style(data["title"], bold=True))
-    counts = f"{counted(data['participants'], 'participant')}, {counted(data['ratings'], 'rating')}, {data['missing']} missing"
-    paragraph(f"{counts}; from {data['source']}.")
+    counts = f"{counted(data['participants'], 'participant')}, {counted(data['ratings'], 'rating')}"
+    paragraph(f"{counts}, {data['missing']} missing; from {data['source']}.")
     for note in data["notes"]:
         paragraph(f"note: {note}")
     for scale in data["scales"]:
@@ -117,7 +114,7 @@ def _tell(data: dict[str, Any]) -> None:
             paragraph(part["reference_sentence"])
             for sentence in part["order_sentences"]:
                 paragraph(sentence)
-        _tell_comparisons(screen, scale)
+        _print_comparisons(screen, scale)
         for one in [*scale["copied"], *scale["claims"]]:
             typer.echo()
             paragraph(one["sentence"])
@@ -125,13 +122,14 @@ def _tell(data: dict[str, Any]) -> None:
             typer.echo()
             paragraph(sentence)
     typer.echo()
-    paragraph(f"{data['compared']} BCa intervals: {data['resamples']} resamples, seed {data['seed']}.")
+    drawn = f"{data['resamples']} drawn with seed {data['seed']}"
+    paragraph(f"{data['compared']} BCa intervals: all resamples for ratings in steps, otherwise {drawn}.")
     ends = ", ".join(f"{number} {status}" for status, number in data["sittings"]["counts"].items())
     if ends:
         paragraph(f"Sessions: {ends}.")
 
 
-def _tell_comparisons(screen: Any, scale: dict[str, Any]) -> None:
+def _print_comparisons(screen: Any, scale: dict[str, Any]) -> None:
     from .._show import paragraph
 
     if not scale["comparisons"]:
@@ -157,7 +155,7 @@ def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
 
 
 def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
-    """What fits 80 columns; the page has the rest."""
+    """Return the table of comparisons in 80 columns; the page has the rest."""
     from ...report import interval, p_text, pair_text, plain, signed
     from ...report.study import pairs_text
 

@@ -1,4 +1,4 @@
-"""hmdwarp study export: tables and a BIDS tree, to be passed on."""
+"""hmdwarp study export: tables and a BIDS data set."""
 
 from __future__ import annotations
 
@@ -7,22 +7,16 @@ from typing import Annotated
 
 import typer
 
+from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption, StudyArgument
+
 
 def export(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="The study's .toml file, or the name of a shipped study.")
-    ],
-    out: Annotated[Path, typer.Option("--out", help="A new folder for the tables and the BIDS tree.")],
-    store: Annotated[
-        Path | None, typer.Option("--store", help="The data; by default beside the file.", show_default=False)
-    ] = None,
-    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
-    simulated: Annotated[
-        bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")
-    ] = False,
-    remarks: Annotated[
-        bool, typer.Option("--remarks", help="What was typed freely too: it may name somebody.")
-    ] = False,
+    study: StudyArgument,
+    out: Annotated[Path, typer.Option("--out", help="A new folder for the tables and the BIDS data set.")],
+    store: StoreOption = None,
+    pilot: PilotOption = False,
+    simulated: SimulatedOption = False,
+    remarks: Annotated[bool, typer.Option("--remarks", help="Also remarks, which may name people.")] = False,
     all_revisions: Annotated[
         bool, typer.Option("--all-revisions", help="Also every answer that was corrected later.")
     ] = False,
@@ -34,18 +28,18 @@ def export(
             show_default=False,
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
-    """Write the ratings as CSV, TSV and Parquet, and all of the study as a BIDS data set with the motion of the heads."""
+    """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
     from ...errors import InputError
-    from ...study.design.read import load_design
+    from ...study.design import load_design
     from ...study.export import ExportOptions
     from ...study.export import export as run
     from ...study.store import PERSON, PILOT, SIMULATED, Store, store_folder
     from .._show import steps
 
     if pilot and simulated:
-        raise InputError("--pilot and --simulated: they never stand in one table; export one after the other")
+        raise InputError("--pilot and --simulated: they are never mixed in one table; export one after the other")
     origin = PILOT if pilot else SIMULATED if simulated else PERSON
     design = load_design(study, checked=False)
     with Store(store_folder(design, store), study=design.name) as data:
@@ -54,6 +48,6 @@ def export(
     with steps("recordings", quiet=quiet) as (progress, _):
         made = run(contents, design, out, options, progress)
     if not quiet:
-        for line in made.told:
+        for line in made.notes:
             typer.echo(line)
         typer.echo(f"written: {made.folder}")

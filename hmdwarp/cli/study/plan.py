@@ -1,4 +1,4 @@
-"""hmdwarp study plan: checks a plan, and tells what it comes to."""
+"""hmdwarp study plan: checks a plan, and prints its outline."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ._options import StudyArgument
+
 if TYPE_CHECKING:
-    from ...study.design import Condition, Design, Family, Order, Part
+    from ...study.design import Condition, Design, Family, Order, Part, Sickness
     from ...study.scales import Scale
 
-Study = Annotated[str, typer.Argument(help="A .toml file, or the name of a shipped study, such as thesis.")]
-_MOST_ORDERS = 40  # printed of random ones; --json has them all
+_MOST_ORDERS = 40  # printed; --json has them all
 
 
 def plan(
-    study: Study,
-    json: Annotated[bool, typer.Option("--json", help="Everything, as one JSON object.")] = False,
+    study: StudyArgument,
+    json: Annotated[bool, typer.Option("--json", help="Print the plan as one JSON object.")] = False,
     orders: Annotated[bool, typer.Option("--orders", help="Print every order as well.")] = False,
 ) -> None:
-    """Check a study's file and tell what it comes to: conditions, steps, time, orders, scales, comparisons. Starts nothing."""
-    from ...study.design.as_json import design_as_json
-    from ...study.design.read import load_design
+    """Check a study's file and print conditions, steps, time, orders, scales and comparisons."""
+    from ...study.design import design_as_json, load_design
 
     design = load_design(study)
     if json:
@@ -42,14 +42,14 @@ def _print_head(design: Design) -> None:
 
     paragraph(typer.style(design.title, bold=True))
     rows = [
-        ("Study", f"{design.name}: {design.path} has no fault"),
+        ("Study", f"{design.name}: {design.path} is valid"),
         ("Hidden", _hidden(design)),
         ("Order", _order(design)),
     ]
     if design.practice is not None:
         rows.append(("Practice", f"{design.practice_seconds:g} s first, not scored: {_settings(design.practice)}"))
     if design.sickness is not None:
-        rows.append(("Sickness", _sickness(design)))
+        rows.append(("Sickness", _sickness(design.sickness)))
     if design.consent is not None:
         rows.append(("Consent", f"text version {design.consent.version}, {len(design.consent.text.split())} words"))
     in_columns(rows)
@@ -59,7 +59,7 @@ def _hidden(design: Design) -> str:
     from ...study.design import BOTH, PARTICIPANT
 
     if design.blind == BOTH:
-        return "the condition, from participant and experimenter: both see numbers of trials only"
+        return "the condition, from participant and experimenter: both see only numbers of trials"
     if design.blind == PARTICIPANT:
         return "the condition, from the participant; the experimenter sees it"
     return "nothing: participant and experimenter see the condition"
@@ -69,36 +69,36 @@ def _order(design: Design) -> str:
     from ...study.design import FIXED, WILLIAMS
 
     if design.order == FIXED:
-        return "fixed: as the file has the conditions, the same for everybody"
-    again = f"; each condition {design.repeats} times, each time round in another order" if design.repeats > 1 else ""
+        return "fixed: as in the file, the same for all participants"
+    again = f"; each condition {design.repeats} times, each round in another order" if design.repeats > 1 else ""
     if design.order == WILLIAMS:
-        return f"Williams design, seed {design.seed}: the order taken least often so far is allotted{again}"
+        return f"Williams design, seed {design.seed}: each session gets the order used least so far{again}"
     return f"random, seed {design.seed}: another one for each participant{again}"
 
 
-def _sickness(design: Design) -> str:
-    asked = design.sickness
+def _sickness(asked: Sickness) -> str:
     often = "every trial" if asked.every == 1 else f"every {asked.every} trials"
     ends = []
     if asked.stop_at is not None:
         ends.append(f"{asked.stop_at:g} or {'more' if asked.scale.low_is_good else 'less'}")
     if asked.rise is not None:
         ends.append(f"{asked.rise:g} worse than at first")
-    return f"{asked.scale.name} after {often}; {'ends the session at ' + ' or at '.join(ends) if ends else 'never ends the session'}"
+    rule = f"ends the session at {' or at '.join(ends)}" if ends else "never ends the session"
+    return f"{asked.scale.name} after {often}; {rule}"
 
 
 def _settings(condition: Condition) -> str:
     return ", ".join(f"{name} {_value(value)}" for name, value in condition.settings.items())
 
 
-def _unsaid(condition: Condition) -> str:
-    """What a condition is without having said so: a reference that names no warp has one."""
-    from ...study.design.settings import live_options
+def _defaults(condition: Condition) -> str:
+    """Name the defaults of a condition: a reference that names no warp has one."""
+    from ...study.design import live_options
 
     options = live_options(condition.settings)
     values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
-    told = [f"{name} {_value(value)}" for name, value in values.items() if name not in condition.settings]
-    return f"; by default {', '.join(told)}" if told else ""
+    texts = [f"{name} {_value(value)}" for name, value in values.items() if name not in condition.settings]
+    return f"; by default {', '.join(texts)}" if texts else ""
 
 
 def _value(value: object) -> str:
@@ -108,7 +108,7 @@ def _value(value: object) -> str:
 
 
 def _common(design: Design, part: Part) -> dict[str, object]:
-    """The settings that all conditions of the part share."""
+    """Return the settings that all conditions of the part share."""
     first, *others = part.conditions
     return {
         name: value
@@ -129,7 +129,7 @@ def _print_part(design: Design, part: Part, orders: bool) -> None:
         rows.append(
             (
                 f"{number}  {one.name}",
-                (own or "as all") + _unsaid(one) + (" (the hidden reference)" if one.reference else ""),
+                (own or "as all") + _defaults(one) + (" (the hidden reference)" if one.reference else ""),
             )
         )
     if shared:
@@ -140,13 +140,13 @@ def _print_part(design: Design, part: Part, orders: bool) -> None:
 
 
 def _print_session(design: Design, part: Part) -> None:
-    from ...study.design.outline import stretches
+    from ...study.design import session_phases
     from .._show import in_columns
 
-    session = stretches(design, part.name)
+    session = session_phases(design, part.name)
     total = sum(one.seconds for one in session)
     typer.echo(f"  A session: {sum(one.steps for one in session)} steps, about {_time(total)}")
-    in_columns(((one.name, f"{_time(one.seconds):>7}  {one.told}") for one in session), indent=4)
+    in_columns(((one.name, f"{_time(one.seconds):>7}  {one.content}") for one in session), indent=4)
 
 
 def _time(seconds: float) -> str:
@@ -164,29 +164,28 @@ def _print_orders(design: Design, part: Part, all_of_them: bool) -> None:
         return
     numbers = {one.name: number for number, one in enumerate(part.conditions, 1)}
     for number, order in enumerate(rows[:_MOST_ORDERS], 1):
-        told = " | ".join(" ".join(str(numbers[name]) for name in names) for names in order)
-        in_columns([(f"order {number}:", told)], indent=4)
+        rounds = " | ".join(" ".join(str(numbers[name]) for name in names) for names in order)
+        in_columns([(f"order {number}:", rounds)], indent=4)
     if len(rows) > _MOST_ORDERS:
         typer.echo(f"    .. and {len(rows) - _MOST_ORDERS} more; --json has them all")
 
 
 def _balance(design: Design, part: Part, rows: tuple[Order, ...]) -> list[tuple[str, str]]:
-    from ...study.design import FIXED, WILLIAMS
-    from ...study.design.outline import balance
+    from ...study.design import FIXED, WILLIAMS, balance
 
     if design.order == FIXED:
         return [("balanced", "no: there is one order")]
     found = balance(rows, part)
-    told = [("places", f"each condition in each place {_times(found.places)}")]
+    lines = [("places", f"each condition in each place {_times(found.places)}")]
     if found.pairs is not None:
-        told.append(("neighbours", f"each condition right after each other one {_times(found.pairs)}"))
+        lines.append(("neighbours", f"each condition right after each other one {_times(found.pairs)}"))
     if found.seams is not None:
-        again = f"; {found.repeated} times one follows itself" if found.repeated else "; none follows itself"
-        told.append(("seams", f"between two rounds, each right after each other one {_times(found.seams)}{again}"))
+        again = f"; {found.repeated} times a condition follows itself" if found.repeated else "; none follows itself"
+        lines.append(("seams", f"between two rounds, each right after each other one {_times(found.seams)}{again}"))
     if design.order == WILLIAMS:
         count = found.orders
-        told.append(("people", f"balanced with {count}, {2 * count}, {3 * count} .. complete sessions"))
-    return told
+        lines.append(("people", f"balanced with {count}, {2 * count}, {3 * count} .. complete sessions"))
+    return lines
 
 
 def _times(counts: tuple[int, int]) -> str:
@@ -197,7 +196,7 @@ def _times(counts: tuple[int, int]) -> str:
 
 
 def _print_scales(design: Design) -> None:
-    from ...study.design.outline import every_scale
+    from ...study.design import every_scale
     from .._show import in_columns
 
     typer.echo()
@@ -221,26 +220,28 @@ def _print_families(design: Design) -> None:
     typer.echo(typer.style("Comparisons, each family with Holm's correction", bold=True))
     in_columns(((family.name, _family(family)) for family in design.families), indent=2)
     if not design.families:
-        typer.echo("  none is planned")
+        typer.echo("  none planned")
 
 
 def _family(family: Family) -> str:
-    from ...study.design.outline import least_p, least_participants
+    from ...study.design import least_participants
+    from ...study.statistics import smallest_p
 
     pairs = ", ".join(f"{one.a} - {one.b}" for one in family.comparisons)
     count = len(family.comparisons)
     need = least_participants(count)
-    return f"{pairs}\np below 0.05 is out of reach with fewer than {need} people ({count} x {least_p(need):.2g} at best with {need})"
+    best = f"{count} x {smallest_p(need):.2g} at best with {need}"
+    return f"{pairs}\np below 0.05 is out of reach with fewer than {need} people ({best})"
 
 
 def _print_notes(design: Design) -> None:
-    from ...study.design.outline import notes
+    from ...study.design import notes
     from .._show import in_columns
 
-    told = notes(design)
+    found = notes(design)
     typer.echo()
-    if told:
-        typer.echo(typer.style("To think of", bold=True))
-        in_columns((("-", note) for note in told), indent=2)
+    if found:
+        typer.echo(typer.style("Hints", bold=True))
+        in_columns((("-", note) for note in found), indent=2)
     else:
-        typer.echo("Nothing to think of was found.")
+        typer.echo("No hints.")

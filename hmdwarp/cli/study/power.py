@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .plan import Study
+from ._options import QuietOption, StudyArgument
 
 if TYPE_CHECKING:
+    from ...report import OutputFolder
     from ...study.design import Design
     from ...study.power import Power
     from ...study.respondents import Model
@@ -20,32 +21,33 @@ OWNED = ("power.csv", "power.png")
 
 
 def power(
-    study: Study,
+    study: StudyArgument,
     out: Annotated[Path, typer.Option("--out", help="Folder for the table, the plot and power.json.")],
     effect: Annotated[
-        float | None, typer.Option("--effect", help="So much better is b than a, in each planned comparison.")
+        float | None, typer.Option("--effect", help="How much better b is than a, in each planned comparison.")
     ] = None,
     sd: Annotated[
         float | None, typer.Option("--sd", help="Standard deviation of one person's difference, with --effect alone.")
     ] = None,
     model: Annotated[
-        str | None, typer.Option("--model", help="How people answer: a .toml file, or a shipped one's name.")
+        str | None, typer.Option("--model", help="Response model: a .toml file, or a shipped one's name.")
     ] = None,
-    scale: Annotated[str | None, typer.Option("--scale", help="Which of the study's scales, if not the first.")] = None,
+    scale: Annotated[str | None, typer.Option("--scale", help="Scale of the study; by default its first.")] = None,
     n: Annotated[
-        str, typer.Option("--n", help="People who begin: 6..40 tries what balances the orders; or a list, 10,12,15.")
+        str,
+        typer.Option("--n", help="People who begin: 6..40 tries numbers that balance the orders; or a list, 10,12,15."),
     ] = "6..40",
     studies: Annotated[
-        int, typer.Option("--studies", min=10, max=1_000_000, help="How many studies are simulated.")
+        int, typer.Option("--studies", min=10, max=1_000_000, help="Number of simulated studies.")
     ] = 1000,
-    wanted: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="The power that is wanted.")] = 0.8,
+    target: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="Target power.")] = 0.8,
     alpha: Annotated[float, typer.Option("--alpha", min=1e-6, max=0.5, help="Significance level, after Holm.")] = 0.05,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the simulation.")] = 1,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of the simulation.")] = 1,
+    quiet: QuietOption = False,
 ) -> None:
-    """Simulate the whole study many times, people who leave and cannot answer included, and analyse each as `study analyse` does."""
+    """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
     from ...report import OutputFolder
-    from ...study.design.read import load_design
+    from ...study.design import load_design
     from ...study.power import power_of
     from .._show import steps
 
@@ -56,9 +58,9 @@ def power(
     with OutputFolder(out, owned=OWNED, last="power.json") as folder:
         with steps("Simulating", quiet=quiet) as (progress, _):
             found = power_of(people, design, chosen, counts, studies, alpha, seed, progress)
-        _write(folder, found, wanted)
+        _write(folder, found, target)
     if not quiet:
-        _tell(found, people, wanted, out)
+        _print(found, people, target, out)
 
 
 def _scale(design: Design, name: str | None) -> Scale:
@@ -66,16 +68,16 @@ def _scale(design: Design, name: str | None) -> Scale:
 
     known = {one.name: one for one in design.scales}
     if name is not None and name not in known:
-        raise InputError(f"--scale {name}: {design.path} asks {', '.join(known)} after each trial")
+        raise InputError(f"--scale {name}: {design.path} has {', '.join(known)} after each trial")
     return known[name] if name is not None else design.scales[0]
 
 
 def _model(design: Design, scale: Scale, effect: float | None, sd: float | None, name: str | None) -> Model:
-    """Who answers. Errors: InputError for too little, and for too much."""
+    """Return the response model. Errors: InputError for too few or conflicting options."""
     import math
 
     from ...errors import InputError
-    from ...study.power.effects import planned_model, with_effect
+    from ...study.power import planned_model, with_effect
     from ...study.respondents import load_model, model_names
 
     if effect is not None and not math.isfinite(effect):
@@ -83,7 +85,7 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
     if sd is not None and not 0 < sd < math.inf:
         raise InputError(f"--sd {sd:g}: wanted a number above 0, in units of '{scale.name}'")
     if name is not None and sd is not None:
-        raise InputError("--sd and --model both say how much people differ: leave one out")
+        raise InputError("--sd and --model both set how much people differ: leave one out")
     if name is None and sd is None and design.name in model_names():
         name = design.name
     if name is not None:
@@ -91,19 +93,19 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
         return found if effect is None else with_effect(found, design, scale, effect)
     if effect is None or sd is None:
         wanted = "--sd (of one person's difference between two showings)" if effect is not None else "--effect and --sd"
-        raise InputError(f"how people answer is not known: wanted {wanted}, or --model FILE.toml")
+        raise InputError(f"no response model: wanted {wanted}, or --model FILE.toml")
     return planned_model(design, scale, effect, sd)
 
 
 def _counts(text: str, design: Design) -> list[int]:
-    """Of people. Errors: InputError."""
+    """Return the numbers of people. Errors: InputError."""
     from math import lcm
 
     from ...errors import InputError
     from ...study.design import rows_for
     from ...study.statistics import MOST_PAIRS
 
-    many = MOST_PAIRS  # a person is a pair at most
+    many = MOST_PAIRS  # a person gives one pair at most
     wanted = f"wanted numbers of people, from 1 to {many}"
     listed = re.fullmatch(r"\d+(,\d+)*", text)
     if listed:
@@ -124,40 +126,41 @@ def _counts(text: str, design: Design) -> list[int]:
     return counts
 
 
-def _write(folder, found: Power, wanted: float) -> None:
+def _write(folder: OutputFolder, found: Power, target: float) -> None:
     from ...report.study import PowerLine, power_chart
-    from ...study.power.told import COLUMNS, as_json, name_of, rows_of
+    from ...study.power import COLUMNS, name_of, power_data, power_rows
 
-    rows = rows_of(found)
+    rows = power_rows(found)
     folder.write_csv("power.csv", rows, COLUMNS)
     lines = []
     for one in found.true_effect:
         own = [row for row in rows if (row["part"], row["a"], row["b"]) == (one.part, one.a, one.b)]
         values = ([row[key] for row in own] for key in ("power", "power_low", "power_high", "power_unlimited"))
         lines.append(PowerLine(name_of(one, found), *values))
-    power_chart(folder.path("power.png"), [one.n for one in found.strengths], lines, wanted, found.design.title)
-    folder.write_json("power.json", as_json(found, wanted))
+    power_chart(folder.path("power.png"), [one.n for one in found.at], lines, target, found.design.title)
+    folder.write_json("power.json", power_data(found, target))
 
 
-def _tell(found: Power, people: Model, wanted: float, out: Path) -> None:
+def _print(found: Power, people: Model, target: float, out: Path) -> None:
     from rich.table import Table
 
-    from ...study.power.told import name_of, sentences
+    from ...study.power import name_of, sentences
     from .._show import console, paragraph
 
     paragraph(
-        f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} after Holm:"
+        f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} "
+        "after Holm:"
     )
     table = Table(box=None, pad_edge=False)
     table.add_column("people who begin")
-    for strength in found.strengths:
-        table.add_column(str(strength.n), justify="right")
+    for at_n in found.at:
+        table.add_column(str(at_n.n), justify="right")
     for one in found.true_effect:
-        table.add_row(name_of(one, found), *(f"{strength.found[one].value:.0%}" for strength in found.strengths))
+        table.add_row(name_of(one, found), *(f"{at_n.found[one].value:.0%}" for at_n in found.at))
     if len(found.true_effect) > 1:
-        table.add_row("all of them", *(f"{strength.all_found.value:.0%}" for strength in found.strengths))
-    table.add_row("come to the end", *(f"{strength.complete:.1f}" for strength in found.strengths))
+        table.add_row("all of them", *(f"{at_n.all_found.value:.0%}" for at_n in found.at))
+    table.add_row("finish", *(f"{at_n.complete:.1f}" for at_n in found.at))
     console().print(table)
-    for sentence in sentences(found, wanted):
+    for sentence in sentences(found, target):
         paragraph(sentence)
     paragraph(f"Table and plot: {out}")

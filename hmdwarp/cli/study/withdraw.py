@@ -8,46 +8,42 @@ from typing import Annotated
 
 import typer
 
+from ._options import StoreOption, StudyArgument
+
 
 def withdraw(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="The study's file (.toml), or the name of a shipped one.")
-    ],
+    study: StudyArgument,
     code: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.")],
-    store: Annotated[
-        Path | None, typer.Option("--store", help="The folder of the study's data, if not the usual one.")
-    ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+    store: StoreOption = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Erase without confirmation.")] = False,
 ) -> None:
-    """Erase all ratings, events and head traces of a participant, for good; an empty mark stays, so that the code is not used again."""
+    """Erase all ratings, events and head traces of a participant; the code stays reserved."""
     from ...errors import InputError
     from ...study.store import Store
-    from ...study.withdraw import BEYOND, holdings, was_cut_off
+    from ...study.withdraw import BEYOND, finish_interrupted, holdings
     from ...study.withdraw import withdraw as go
 
     folder, name = _where(study, store)
     with Store(folder, study=name, say=typer.echo) as opened:
-        if not yes and not was_cut_off(opened, code):
+        if not yes and not finish_interrupted(opened, code):
             if not sys.stdin.isatty():
-                raise InputError(
-                    f"withdrawing {code} cannot be undone: say --yes, or use a terminal, where it is asked"
-                )
+                raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
             found = holdings(opened, code)
-            typer.echo(f"{folder} holds of participant {found.code}: {found.words()}.")
+            typer.echo(f"{folder} holds of participant {found.code}: {found.describe()}.")
             if not typer.confirm("Erase it for good?"):
                 typer.echo("Nothing was erased.")
                 return
         erased = go(opened, code)
-        known, told = (code, "the rest of it") if erased is None else (erased.code, erased.words())
+        known, amount = (code, "the rest of it") if erased is None else (erased.code, erased.describe())
     typer.echo(
-        f"Participant {known} has withdrawn; erased: {told}. The code stays marked, and their order is free. {BEYOND}"
+        f"Participant {known} has withdrawn; erased: {amount}. The code stays marked, and their order is free. {BEYOND}"
     )
 
 
 def _where(study: str, store: Path | None) -> tuple[Path, str | None]:
-    """The folder and the study's name. A file that has become wrong must not keep anybody from withdrawing: --store is enough then."""
+    """Return folder and name of the study; with --store a broken study file does not matter."""
     from ...errors import InputError
-    from ...study.design.read import load_design
+    from ...study.design import load_design
     from ...study.store import store_folder
 
     try:

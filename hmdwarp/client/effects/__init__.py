@@ -1,8 +1,12 @@
-"""Effects: one file each, registered by the name of its SceneEffect in small letters; each says by which pass it is compensated."""
+"""Effects: content that a plain warp gets wrong. One file each, registered by name.
 
-from ...registry import Registry
-from ._base import Effect, EffectPass, LatePass, ShownPass, Tools
+An effect's file says which meshes call for it, what frames carry for it and which pass compensates
+it.
+"""
 
-effects: Registry[Effect] = Registry("effect", __name__)
+from ._base import Effect, EffectPass, RenderedPass, ShownPass, Tools
+from ._registry import EffectRegistry
 
-__all__ = ["Effect", "EffectPass", "LatePass", "ShownPass", "Tools", "effects"]
+effects = EffectRegistry("effect", __name__)
+
+__all__ = ["Effect", "EffectPass", "EffectRegistry", "RenderedPass", "ShownPass", "Tools", "effects"]

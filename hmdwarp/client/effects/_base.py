@@ -1,18 +1,19 @@
-"""What every effect and every pass that compensates effects is."""
+"""What an effect declares, and the passes that compensate effects."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.textures import Canvas
+    from ...scenes import Mesh, Scene
     from ..carry import Carry
     from ..inputs import PassInputs
     from ..picture import ShownPicture
@@ -20,60 +21,59 @@ if TYPE_CHECKING:
 
 @attrs.frozen
 class Effect:
-    """How one SceneEffect is compensated. made_by: its pass; effects may share one. needs: what frames carry for it. without: what is seen
-    where its pass is left out. refines: the name of an effect without which it means nothing, "" for none.
-    """
+    """One kind of content that a plain warp gets wrong, and how it is compensated."""
 
-    flag: SceneEffect
+    name: str
+    # Place in lists; the passes of a plan run in this order too.
+    order: int
     summary: str
+    # Whether a mesh of the scene calls for the effect.
+    applies: Callable[[Scene, Mesh], bool]
+    # The pass that compensates it; effects may share one.
     made_by: type[EffectPass]
+    # What frames carry for it.
     needs: Needs
+    # What the viewer sees where the pass is left out.
     without: str
     source: str
+    # Name of the effect without which this one means nothing, "" for none.
     refines: str = ""
-
-    @property
-    def name(self) -> str:
-        """Of its flag, in small letters."""
-        return self.flag.name.lower()
 
 
 @attrs.frozen(eq=False)
 class Tools:
-    """What passes may use: `carry` takes other late pictures along with the colour; pictures: how many it hands over at most.
+    """What the compensator lends to effect passes."""
 
-    images: how many late images of one eye a pass is given at most, the newest and `others`.
-    """
-
+    # Warps other rendered pictures along with the colour.
     carry: Carry
+    # Most pictures that `carry` hands over at a time.
     pictures: int
+    # Most rendered images of one eye that a pass receives: the newest and `others`.
     images: int = 1
 
 
 class EffectPass(ABC):
-    """One pass of the compensator. parts: the names of the effects it does in this plan, one at least.
+    """One pass of the compensator, for one or more effects.
 
-    name: as the plan tells it. order: among the passes of its kind. reads, writes: by the names of client/plan.py. carries: whether it
-    takes pictures along with the colour, which not every warp can.
-    The object owns its programs and textures for one pair of sizes; it serves both eyes in turn, so it keeps nothing of one eye's picture.
+    The object owns its programs and textures for one pair of sizes. It serves both eyes in turn, so
+    it keeps nothing of one eye's picture.
     """
 
+    # As the plan lists it.
     name: ClassVar[str]
-    order: ClassVar[int]
+    # What it reads and writes, by the names of client/plan.py.
     reads: ClassVar[tuple[str, ...]]
     writes: ClassVar[tuple[str, ...]]
+    # Whether it warps pictures along with the colour, which not every warp can.
     carries: ClassVar[bool] = False
 
     def __init__(
         self, gpu: Gpu, parts: frozenset[str], rendered_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools
     ) -> None:
-        self.gpu, self.parts, self.rendered_size, self.shown_size, self.tools = (
-            gpu,
-            parts,
-            rendered_size,
-            shown_size,
-            tools,
-        )
+        self.gpu = gpu
+        self.parts = parts  # names of the effects that it compensates in this plan, one at least
+        self.rendered_size, self.shown_size = rendered_size, shown_size
+        self.tools = tools
         self.prepare()
 
     @abstractmethod
@@ -86,29 +86,32 @@ class EffectPass(ABC):
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
-        """Those of `reads` that it needs for these effects."""
+        """Return those of `reads` that these effects need."""
         return cls.reads
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """What one eye's picture must at least read and write in memory."""
+        """Return the bytes that one eye's picture must at least read and write in memory."""
         return 16 * shown_pixels
 
 
-class LatePass(EffectPass):
-    """Changes the late pictures before the warp."""
+class RenderedPass(EffectPass):
+    """Changes the rendered pictures before the warp."""
 
-    writes: ClassVar[tuple[str, ...]] = ("rendered.colour", "rendered.inverse_depth")
+    writes = ("rendered.colour", "rendered.inverse_depth")
 
     @abstractmethod
     def run(self, inputs: PassInputs) -> PassInputs:
-        """The same with other late pictures, its own textures; what it was given stays as it is."""
+        """Return the inputs with other rendered pictures, held in the pass's own textures.
+
+        The pictures of `inputs` stay as they are.
+        """
 
 
 class ShownPass(EffectPass):
     """Composites into the shown picture after the fills."""
 
-    writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
+    writes = ("shown.colour",)
 
     @abstractmethod
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:

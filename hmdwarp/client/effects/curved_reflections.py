@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from ...frames import Mirrored, Needs
-from ...scenes.effects import SceneEffect
+from ..effect_passes import Reflections
 from . import Effect, effects
-from ._reflection import Reflections
 
 effects.register(
     Effect(
-        flag=SceneEffect.CURVED_REFLECTIONS,
-        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula: half the radius for far things",
+        name="curved_reflections",
+        order=12,
+        summary="what a curved mirror shows is warped at the depth of its image by the mirror formula: half the "
+        "radius for far things",
+        applies=lambda _, mesh: mesh.material.curved,
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.CURVED),
         without="reflections stick to the ball, as if painted on it",

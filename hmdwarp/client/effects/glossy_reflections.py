@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from ...frames import Mirrored, Needs
-from ...scenes.effects import SceneEffect
+from ..effect_passes import Reflections
 from . import Effect, effects
-from ._reflection import Reflections
 
 effects.register(
     Effect(
-        flag=SceneEffect.GLOSSY_REFLECTIONS,
-        summary="the normal map disturbs where the warped reflection is looked into, from where the head is now",
+        name="glossy_reflections",
+        order=11,
+        summary="the normal map disturbs where the warped reflection is sampled, for the head pose now",
+        applies=lambda _, mesh: mesh.material.normal_map >= 0,
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.PLANE),
         without="uneven mirrors show an even reflection",
-        source="the 2014 thesis's order of steps (warp the even reflection, then disturb it); hmdwarp/reference/reflection.py",
+        source="the 2014 thesis's order of steps (warp the even reflection, then disturb it); "
+        "tests/reference/reflection.py",
         refines="planar_reflections",
     )
 )

@@ -1,11 +1,10 @@
-"""What is fixed to the head, composited after everything else and never warped."""
+"""Content fixed to the head, composited after everything else and never warped."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
 from . import effects
 from ._base import Effect, ShownPass
 
@@ -16,10 +15,9 @@ if TYPE_CHECKING:
 
 
 class OverlayPass(ShownPass):
-    """One look at each picture per pixel: the overlay was drawn for this very field of view and size."""
+    """Composites the overlay, which the server drew for this very field of view and size."""
 
     name = "composite the overlay"
-    order = 90
     reads = ("shown.colour", "rendered.overlay")
 
     def prepare(self) -> None:
@@ -33,21 +31,24 @@ class OverlayPass(ShownPass):
         self._program.run(*into.size)
 
     def close(self) -> None:
-        """It owns nothing."""
+        """Do nothing: it owns nothing."""
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Two pictures in, one out."""
+        """Return the bytes of two pictures in and one out."""
         return 3 * 8 * shown_pixels
 
 
 effects.register(
     Effect(
-        SceneEffect.OVERLAY,
-        "a HUD is put over the shown picture and never warped",
-        OverlayPass,
-        Needs(overlay=True),
-        "what is fixed to the head is warped with the world, so that it swims and tears",
-        "Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad in view space",
+        name="overlay",
+        order=90,
+        summary="a HUD is put over the shown picture and never warped",
+        applies=lambda _, mesh: mesh.material.head_locked,
+        made_by=OverlayPass,
+        needs=Needs(overlay=True),
+        without="what is fixed to the head is warped with the world, so that it swims and tears",
+        source="Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad "
+        "in view space",
     )
 )

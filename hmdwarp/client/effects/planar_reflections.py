@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from ...frames import Mirrored, Needs
-from ...scenes.effects import SceneEffect
+from ..effect_passes import Reflections
 from . import Effect, effects
-from ._reflection import Reflections
 
 effects.register(
     Effect(
-        flag=SceneEffect.PLANAR_REFLECTIONS,
-        summary="what plane mirrors show is a layer with the depth of the whole path, and is warped as the world behind the mirror",
+        name="planar_reflections",
+        order=10,
+        summary="what plane mirrors show is a layer with the depth of the whole path, and is warped as the world "
+        "behind the mirror",
+        applies=lambda _, mesh: mesh.material.reflectivity > 0 and not mesh.material.curved,
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.PLANE),
         without="reflections stick to the mirrors, as if painted on them",
-        source="Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (mirrored geometry); Lochmann et al. 2014, Real-time Reflective "
+        source="Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (mirrored geometry); Lochmann et al. 2014, "
+        "Real-time Reflective "
         "and Refractive Novel-view Synthesis (warping by the length of the path)",
     )
 )

@@ -1,17 +1,18 @@
-"""Things that deform: each pixel goes on with the velocity it was drawn with, not for long and not far."""
+"""Things that deform: each pixel continues with its velocity, not for long and not far."""
 
 from __future__ import annotations
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
+from ..effect_passes import REACH_M, REACH_S, MotionPass
 from . import effects
 from ._base import Effect
-from ._motion import REACH_M, REACH_S, MotionPass
 
 effects.register(
     Effect(
-        flag=SceneEffect.SOFT_MOTION,
+        name="soft_motion",
+        order=21,
         summary=f"each pixel of what deforms goes on with its velocity, for {REACH_S:g} s and {REACH_M:g} m at most",
+        applies=lambda _, mesh: mesh.deformation is not None,
         made_by=MotionPass,
         needs=Needs(velocity=True),
         without="what deforms stands still as it was when the frame was drawn",

@@ -1,4 +1,4 @@
-"""What one sees through, warped as a surface of its own depth and laid over the shown picture."""
+"""Transparent sheets, warped as a surface of their own depth over the shown picture."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...frames import Needs
-from ...scenes.effects import SceneEffect
+from ...scenes import is_cutout
 from ..carry import as_image
-from ..warps._gather import GatherWarp
-from ..warps._seeds import Seeds
+from ..warp_kinds import GatherWarp, Seeds
 from ..warps.iterative import IterativeSettings
 from . import effects
 from ._base import Effect, ShownPass
@@ -20,37 +19,42 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
     from ..picture import ShownPicture
 
-# The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncated, both make things farther away). What
-# lies on a surface must not come and go; what stands 1.5 mm behind its frame at 1.5 m is drawn over the frame for that.
+# The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncated,
+# both make things farther away). What lies on a surface must not come and go; what stands 1.5 mm
+# behind its frame at 1.5 m is drawn over the frame for that.
 NEARER = 1 + 2.0**-10
 
 
 class _Veil(GatherWarp):
-    """The warp `iterative` with its own settings, for the veil; what its pixels find is composited where it is found."""
+    """The warp `iterative` with its own settings, for the veil, which it composites at once."""
 
     Settings = IterativeSettings
     rows = 4
+    behind: ShownPicture  # what the veil is laid over; set before run()
 
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
-    def run(self, inputs: PassInputs, into: Canvas, picture: ShownPicture) -> None:
-        """given.late: as the frame brought it; picture: what the veil is laid over."""
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        """Lay the veil over `behind`.
+
+        inputs.rendered: the picture as it came.
+        """
         layer, settings, (wide, high) = inputs.rendered["transparent"], self.settings, self.rendered_size
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
         surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
         surface |= {"depth_tolerance": settings.tolerance, "depth_floor": settings.floor}
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         self._seeds.find(inputs, surface)
-        picture.colour.texture.bind_to_image(2, read=True, write=False)
-        picture.inverse_depth.bind_to_image(3, read=True, write=False)
+        self.behind.colour.texture.bind_to_image(2, read=True, write=False)
+        self.behind.depth.bind_to_image(3, read=True, write=False)
         self.bind_colour(
-            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)), 1, self._maps(inputs)
+            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)), 1, self.maps(inputs)
         )
-        behind = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
+        below = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
         self.run_gather(
-            self._program, inputs, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **behind
+            self._program, inputs, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **below
         )
 
     def close(self) -> None:
@@ -58,39 +62,44 @@ class _Veil(GatherWarp):
 
 
 class TransparencyPass(ShownPass):
-    """All sheets of a late pixel are one surface at the depth of the nearest: those behind it move with it.
+    """Warps all sheets of a rendered pixel as one surface at the depth of the nearest.
 
-    What hides the veil is found in the shown view. Tested in the rendered view by the server instead, the shown depth would not be wanted
-    (it takes as long as this pass), but in `greenhouse` after 400 ms FLIP is 5 % higher on look-around (0.0632 for 0.0605); on walk it is
-    the same (0.0392).
+    Sheets behind it move with it. What hides the veil is found in the shown view. If the server
+    tested that in the rendered view, the shown depth would not be needed (it takes as long as this
+    pass), but in `greenhouse` after 400 ms FLIP is 5 % higher on look-around (0.0632 instead of
+    0.0605); on walk it is the same (0.0392).
     """
 
     name = "lay the veil over"
-    order = 70
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
         self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
-        self._veil.run(inputs, into, picture)
+        self._veil.behind = picture
+        self._veil.run(inputs, into)
 
     def close(self) -> None:
         self._veil.close()
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """The veil, what passes it and the picture in, one picture out, three depths: late, for the seeds and for the look, and shown."""
+        # The veil, the colour that passes it and the picture in, one picture out; three depths:
+        # rendered for the seeds and for the samples, and shown.
         return shown_pixels * (4 * 8 + 2 * 4) + 4 * rendered_pixels
 
 
 effects.register(
     Effect(
-        SceneEffect.TRANSPARENCY,
-        "glass and what else one sees through is a layer of its own depth, laid over the warped picture",
-        TransparencyPass,
-        Needs(transparent=True),
-        "a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the room behind",
-        "Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
+        name="transparency",
+        order=70,
+        summary="glass and what else one sees through is a layer of its own depth, laid over the warped picture",
+        applies=lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh),
+        made_by=TransparencyPass,
+        needs=Needs(transparent=True),
+        without="a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the "
+        "room behind",
+        source="Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
     )
 )

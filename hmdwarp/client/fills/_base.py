@@ -1,4 +1,4 @@
-"""What every fill is and says of itself."""
+"""The base class of fills."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
-    from ..geometry import ClientGeometry
+    from ..geometry import ClientGeometry, ClientModel
     from ..inputs import PassInputs
     from ..picture import ShownPicture
 
 
 class Fill(ABC):
-    """Turns pixels of coverage 0 into a guess; never touches a covered one. Fills chain: each takes what those before it left empty.
+    """Turns pixels of coverage 0 into a guess and leaves all others as they are.
 
-    is_pass: False for the fill that does nothing, which the plan then leaves out. reads, writes: by the names of client/plan.py; one
-    that writes shown.inverse_depth too gives its guesses a depth, for those after it. complete: leaves nothing empty, if anything is
-    covered. Settings, variants: as a warp's. geometry: what the client can draw; wanted only by a fill that reads client.* .
+    Fills chain: each takes what those before it left empty.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
-    reads: ClassVar[tuple[str, ...]] = ("shown.colour",)
+    reads: ClassVar[tuple[str, ...]] = ("shown.colour",)  # By the names of client/plan.py.
+    # One that writes shown.inverse_depth too gives its guesses a depth, for fills after it.
     writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
     source: ClassVar[str]
+    # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
-    complete: ClassVar[bool] = False
-    Settings: ClassVar[type] = NoSettings
-    variants: ClassVar[tuple[str, ...]] = ()
+    complete: ClassVar[bool] = False  # Whether it leaves nothing empty, if anything is covered.
+    Settings: ClassVar[type] = NoSettings  # As a warp's.
+    variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
 
     def __init__(
         self,
@@ -51,19 +51,29 @@ class Fill(ABC):
 
     @abstractmethod
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0. Inverse depth is None on both or neither
-        side; into's is written by a fill that writes shown.inverse_depth alone, for others it is that of `picture`.
+        """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0.
+
+        Inverse depth is None on both sides or on neither. Only a fill that writes
+        shown.inverse_depth writes that of `into`; for others it is that of `picture`.
         """
+
+    def model(self, share: float, *, lit: bool) -> ClientModel:
+        """Return the client's model of the scene, for fills that read client.model."""
+        assert self.geometry is not None
+        return self.geometry.model(share, lit=lit)
 
     def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
-        """What frames must carry besides what every frame has."""
+        """Return the layers that frames must carry besides colour and inverse depth."""
         return Needs()
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """What one eye's picture must at least read and write in memory: one colour of 8 bytes each way."""
+        """Return the bytes that one eye's picture must at least read and write.
+
+        One colour each way.
+        """
         return 16 * shown_pixels

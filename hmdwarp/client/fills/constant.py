@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import moderngl
 import numpy as np
 
 from . import fills
@@ -19,7 +18,7 @@ _HEADER_BYTES = 32  # three counts of work groups and one spare, then the mean
 
 @fills.register
 class Constant(Fill):
-    """Whatever is empty takes the mean colour of what is covered, black if nothing is; never leaves coverage 0."""
+    """Empty pixels take the mean colour of the covered ones, or black if there are none."""
 
     name = "constant"
     summary = "whatever is left takes the mean colour of the picture: nothing stays empty"
@@ -41,13 +40,10 @@ class Constant(Fill):
             program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size)
         self._mean.uniforms.set(columns=self._columns)
         self._sum.run(*self.shown_size)
-        self._barrier()
+        self.gpu.barrier()
         self._mean.run(1)
-        self._barrier()
+        self.gpu.barrier()
         self._fill.program.run_indirect(self._sums)
-
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def close(self) -> None:
         self._sums.release()

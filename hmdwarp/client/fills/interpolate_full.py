@@ -8,10 +8,10 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...gpu.textures import COLOUR, allocate
+from ...gpu.textures import COLOUR, allocate, release_all
+from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
-from ._holes import HolePieces
 from .interpolate import MINIMUM_COUNT
 
 if TYPE_CHECKING:
@@ -23,8 +23,7 @@ MOST_REACH = 1024
 
 @attrs.frozen
 class InterpolateFullSettings:
-    """reach: passes at most, so pixels that a guess may lie from what is covered: a hole twice as wide is closed."""
-
+    # Most passes, so most pixels from a guess to a covered pixel: a hole twice as wide is closed.
     reach: int = 16
 
     def __attrs_post_init__(self) -> None:
@@ -34,7 +33,10 @@ class InterpolateFullSettings:
 
 @fills.register
 class InterpolateFull(Fill):
-    """The pass of `interpolate` again and again, in the parts that still have holes; ends by itself where nothing more changes."""
+    """The pass of `interpolate`, repeated in the parts that still have holes.
+
+    It ends where nothing changes any more.
+    """
 
     name = "interpolate_full"
     summary = "3x3 median passes until holes of up to 32 pixels are closed; wider ones get a rim"
@@ -70,20 +72,19 @@ class InterpolateFull(Fill):
         after.bind_to_image(0, read=False, write=True)
         self._lists[number % 2].bind_to_storage_buffer(2)
         self._lists[1 - number % 2].bind_to_storage_buffer(3)
-        told = {
+        uniforms = {
             "shown_size": self.shown_size,
             "minimum_count": MINIMUM_COUNT,
             "step_number": number,
             "stamp": self._stamp,
         }
-        self._program.uniforms.set(warped=1, filled=0, **told)
+        self._program.uniforms.set(warped=1, filled=0, **uniforms)
         if number == 0:
             self._program.program.run_indirect(self._pieces.list)
         else:
             self._program.program.run_indirect(self._steps, offset=16 * number)
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.gpu.barrier()
 
     def close(self) -> None:
         self._pieces.close()
-        for thing in (self._other, self._steps, self._listed, *self._lists):
-            thing.release()
+        release_all(self._other, self._steps, self._listed, *self._lists)

@@ -1,4 +1,4 @@
-"""What was seen before is put where nothing is seen now, before anything is guessed."""
+"""Fills holes with what earlier frames saw there."""
 
 from __future__ import annotations
 
@@ -8,12 +8,22 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import InputError
-from ..warps._composite import Picture
+from ...gpu.textures import release_all
+from ..fill_parts import (
+    BYTES_PER_PIXEL,
+    HoleFiller,
+    Keeper,
+    Keyframe,
+    Slot,
+    is_new,
+    most_redundant,
+    most_useful,
+    overlapping,
+    seeds_for,
+)
+from ..warp_kinds import DepthPicture
 from . import fills
 from ._base import Fill
-from ._keyframes import Keyframe, is_new, most_redundant, most_useful, overlapping
-from ._memory_passes import BYTES_PER_PIXEL, Keeper, Slot, seeds_for
-from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
     from ...geometry import View
@@ -26,12 +36,12 @@ CELL = 2  # shown pixels on each axis that share first guesses, which come from 
 
 @attrs.frozen
 class MemorySettings:
-    """frames: how many pictures are kept, of both eyes together. use: how many of them are looked into at a time. age: seconds after which
-    one is forgotten. mb: what all of them may take, in 10^6 bytes; where that is less, fewer are kept."""
+    """How much is kept, and for how long."""
 
-    frames: int = 12
-    use: int = 3
-    age: float = 60.0
+    frames: int = 12  # Pictures kept, of both eyes together.
+    use: int = 3  # Most pictures that one fill reads.
+    age: float = 60.0  # Seconds after which a picture is forgotten.
+    # Most room for all pictures, in 10^6 bytes; where that is less, fewer are kept.
     mb: float = 1000.0
 
     def __attrs_post_init__(self) -> None:
@@ -47,12 +57,13 @@ class MemorySettings:
 
 @fills.register
 class Memory(Fill):
-    """Keeps late pictures that cover directions and places no other kept one does, and gathers from them where the warp left holes.
+    """Keeps rendered pictures that cover new places, and gathers from them into holes.
 
-    Both eyes share what is kept. Each new late picture is held against one of the kept ones, in turn (all of 12 within six refreshes of
-    two eyes): where it sees clearly farther than the place that one remembers, or a clearly different colour at it, that pixel is
-    forgotten. What moves by itself is never kept. The newest late picture itself comes first: it closes cracks, and no older one
-    overrules it.
+    Both eyes share the pictures. Each new rendered picture is compared with one of the kept ones,
+    in turn (all of 12 within six refreshes of two eyes). A kept pixel is forgotten where the new
+    picture sees clearly farther than its place, or a clearly different colour at it. What moves by
+    itself is never kept. The newest rendered picture comes first: it closes cracks, and no older
+    one overrules it.
     """
 
     name = "memory"
@@ -67,7 +78,7 @@ class Memory(Fill):
         each = BYTES_PER_PIXEL * wide * high
         count = min(self.settings.frames, math.floor(self.settings.mb * 1e6 / each))
         if count < 1:
-            wanted = f"one late picture of {wide}x{high} takes {each / 1e6:.0f} MB"
+            wanted = f"one rendered picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
         self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.rendered_size)
         self._slots = [Slot.of(self.gpu, self.rendered_size) for _ in range(count)]
@@ -85,22 +96,22 @@ class Memory(Fill):
         self._keeper.seed(rendered.inverse_depth, self._seeds)
         self._holes.start(picture, into)
         self._holes.add(
-            Picture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
+            DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )
         others = [one for one in self._kept if one.view is not rendered.view]
         for one in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[one.slot]
-            self._holes.add(Picture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
+            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
 
     def _learn(self, inputs: PassInputs) -> None:
-        """From a late picture that is new: forget what it disproves, keep it if it shows enough that is new."""
-        rendered = inputs.as_drawn  # in which what moves is still told apart
+        """Forget what a new rendered picture disproves, and keep it if it shows enough."""
+        rendered = inputs.as_drawn  # in which moving things can still be told apart
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept)
         if concerned:
             self._turn += 1
             one = concerned[self._turn % len(concerned)]
-            self._keeper.look_at(rendered)
+            self._keeper.compare_with(rendered)
             self._keeper.forget(self._slots[one.slot], one.view, rendered.view)
         if is_new(rendered.view, self._kept):
             slot = self._free_slot(rendered.view)
@@ -108,7 +119,7 @@ class Memory(Fill):
             self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
 
     def _drop_old(self, now_ns: int) -> None:
-        """A picture from later than now is of another run: time has gone back."""
+        """Drop pictures that are too old, or from a later time: those are of another run."""
         limit = round(self.settings.age * 1e9)
         self._kept = [one for one in self._kept if 0 <= now_ns - one.drawn_ns <= limit]
 
@@ -122,13 +133,12 @@ class Memory(Fill):
         self._holes.close()
         self._keeper.close()
         self._seeds.release()
-        for slot in self._slots:
-            slot.release()
+        release_all(*self._slots)
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """The shown picture copied; of the newest and the usual number of kept pictures, all of the same size, a quarter of the depth read
-        and guesses for a quarter of the pixels emptied, raised and read; the newest and a kept one read once to hold them against each
-        other."""
-        looked = 1 + MemorySettings().use
-        return shown_pixels * (16 + looked * (4 + 4 * 4) // 4 + 12 * 2)
+        # The shown picture copied. Of the newest and the usual number of kept pictures, all of the
+        # same size, a quarter of the depth read, and guesses for a quarter of the pixels emptied,
+        # raised and read. The newest and a kept one read once to compare them.
+        pictures = 1 + MemorySettings().use
+        return shown_pixels * (16 + pictures * (4 + 4 * 4) // 4 + 12 * 2)

@@ -1,4 +1,4 @@
-"""The client draws a reduced model of the scene, and its pixels fill the holes."""
+"""The client draws a reduced model of the scene into the holes."""
 
 from __future__ import annotations
 
@@ -20,20 +20,19 @@ def _check_share(_: object, __: attrs.Attribute, value: float) -> None:
 
 
 def share_of_triangles() -> float:
-    """The setting that every fill with a client's model has."""
+    """Return the setting that every fill with a client's model has."""
     return attrs.field(default=0.2, validator=_check_share)
 
 
 @attrs.frozen
 class ModelSettings:
-    """share: of the scene's triangles that the client draws, 0 to 1."""
-
+    # Share of the scene's triangles that the client draws, 0 to 1.
     share: float = share_of_triangles()
 
 
 @fills.register
 class Model(Fill):
-    """Draws what the holes should show from the client's own triangles, lit as baked; the depth buffer keeps it to the holes."""
+    """Draws the client's own triangles, lit as baked; the depth buffer keeps them to the holes."""
 
     name = "model"
     summary = "the client draws a model with a fifth of the triangles into the holes, lit as baked"
@@ -45,7 +44,7 @@ class Model(Fill):
     variants = ("share=0.05",)
 
     def prepare(self) -> None:
-        self._model = self.geometry.model(self.settings.share, lit=True)
+        self._model = self.model(self.settings.share, lit=True)
         self._model.reserve(self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
@@ -53,5 +52,5 @@ class Model(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Colour and inverse depth each way."""
+        """Return the bytes of colour and inverse depth each way."""
         return 2 * (8 + 4) * shown_pixels

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @fills.register
 class NoFill(Fill):
-    """Leaves every hole as it is; it is never run, the plan leaves it out."""
+    """Leaves every hole as it is; the plan leaves this pass out."""
 
     name = "none"
     summary = "holes stay black, so that they can be seen and counted"
@@ -22,7 +22,7 @@ class NoFill(Fill):
     is_pass = False
 
     def prepare(self) -> None:
-        """Nothing to prepare."""
+        """Do nothing."""
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         raise AssertionError("the plan leaves this fill out")

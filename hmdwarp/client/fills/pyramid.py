@@ -1,4 +1,4 @@
-"""Push-pull through a pyramid in which what lies behind counts alone."""
+"""Push-pull through a pyramid that prefers the background."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import attrs
 import moderngl
 
-from ...gpu.textures import COLOUR, allocate
+from ...gpu.textures import COLOUR, allocate, release_all, tiles
+from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
-from ._holes import HolePieces
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from ..picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
-# Up to texels of 2^LOCAL_LEVELS pixels the farthest is preferred if it is LEAST_LOCAL of what borders on holes below a texel. Above that it
-# must be LEAST_BORDER of it, and no longer takes the place of what is nearer by. What borders on cracks alone counts CRACK_BORDER.
+# Up to texels of 2^LOCAL_LEVELS pixels the farthest is preferred if it is LEAST_LOCAL of what
+# borders on holes below a texel. Above that it must be LEAST_BORDER of it, and no longer takes the
+# place of what is nearer by. What borders on cracks alone counts CRACK_BORDER.
 LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER = 6, 2.0**-10, 0.23, 2.0**-20
 NEVER = 1e6  # no share of holes is as large
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
@@ -29,12 +30,17 @@ _FILLED, _FILLED_DEPTH = 0, 5
 
 @attrs.frozen
 class PyramidSettings:
-    """holes: share of empty pixels in a part of the picture from which on what lies behind there is preferred to what is closer by.
-    tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
+    """When the background is preferred.
 
+    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    floor).
+    """
+
+    # Share of empty pixels in a part of the picture from which on the background is preferred to
+    # what is closer by.
     holes: float = 0.4
     tolerance: float = 0.2
-    floor: float = 0.02
+    floor: float = 0.02  # 1/m
 
     def __attrs_post_init__(self) -> None:
         if not all(0 <= value < float("inf") for value in (self.tolerance, self.floor)):
@@ -45,11 +51,11 @@ class PyramidSettings:
 
 @attrs.frozen(eq=False)
 class _Level:
-    """One level of the pyramid: rgba16f colour and weight; rgba32f inverse depth (-1: none), share of empty pixels,
-    and how much borders on them."""
+    """One level of the pyramid."""
 
     size: tuple[int, int]
-    colour: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f colour and weight
+    # rgba32f: inverse depth (-1: none), share of empty pixels, and how much borders on them.
     depth: moderngl.Texture
     framebuffer: moderngl.Framebuffer
 
@@ -63,13 +69,15 @@ class _Level:
         self.depth.bind_to_image(units[1], read=read, write=write)
 
     def release(self) -> None:
-        for thing in (self.framebuffer, self.colour, self.depth):
-            thing.release()
+        release_all(self.framebuffer, self.colour, self.depth)
 
 
 @fills.register
 class Pyramid(Fill):
-    """What borders on holes is averaged to ever coarser levels, and those fill the holes, of any width; the farther side is preferred."""
+    """Averages what borders on holes to ever coarser levels, which fill the holes, of any width.
+
+    The farther side is preferred.
+    """
 
     name = "pyramid"
     summary = "fills holes of any width smoothly from what borders on them, from the background where there is one"
@@ -84,14 +92,15 @@ class Pyramid(Fill):
         self._first_pull, self._pull = (shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=k) for k in (1, 0))
         self._last_push, self._push = (shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=k) for k in (1, 0))
         self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
-        self._levels, size = [], self.shown_size
+        size = self.shown_size
+        self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
-            size = tuple(-(-n // 2) for n in size)
+            size = tiles(size, 2)
             self._levels.append(_Level.allocated(self.gpu, size))
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """One colour and one inverse depth each way."""
+        """Return the bytes of one colour and one inverse depth each way."""
         return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
@@ -101,17 +110,22 @@ class Pyramid(Fill):
             self._push_one(below, above)
         picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
         into.colour.bind_for_writing(_FILLED)
-        into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+        into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
         self._read_above(self._last_push, self._levels[0])
-        told = {"warped": _SECOND[0], "filled": _FILLED, "filled_depth": _FILLED_DEPTH, "shown_size": self.shown_size}
-        self._last_push.uniforms.set(**told)
+        uniforms = {
+            "warped": _SECOND[0],
+            "filled": _FILLED,
+            "filled_depth": _FILLED_DEPTH,
+            "shown_size": self.shown_size,
+        }
+        self._last_push.uniforms.set(**uniforms)
         self._pieces.run(self._last_push)
 
     def _pull_all(self, picture: ShownPicture) -> None:
         first = self._levels[0]
         first.framebuffer.clear()  # what is not stored below has no hole and no weight
         picture.colour.texture.bind_to_image(_FIRST[0], read=True, write=False)
-        picture.inverse_depth.bind_to_image(_FIRST[1], read=True, write=False)
+        picture.depth.bind_to_image(_FIRST[1], read=True, write=False)
         self._write_level(self._first_pull, self.shown_size, first)
         self._first_pull.uniforms.set(shown_size=self.shown_size)
         self._pieces.run(self._first_pull)
@@ -120,7 +134,7 @@ class Pyramid(Fill):
             self._write_level(self._pull, below.size, level)
             self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
             self._pull.run(*level.size)
-            self._barrier()
+            self.gpu.barrier()
 
     def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
         level.bind(_SECOND, read=False, write=True)
@@ -135,10 +149,10 @@ class Pyramid(Fill):
     def _push_one(self, level: _Level, above: _Level) -> None:
         level.bind(_SECOND, write=True)
         self._read_above(self._push, above)
-        told = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
-        self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **told)
+        uniforms = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
+        self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **uniforms)
         self._push.run(*level.size)
-        self._barrier()
+        self.gpu.barrier()
 
     def _read_above(self, program: Compute, above: _Level) -> None:
         above.bind(_FIRST)
@@ -153,10 +167,6 @@ class Pyramid(Fill):
     def _is_local(self, level: _Level) -> bool:
         return self._levels.index(level) < LOCAL_LEVELS
 
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-
     def close(self) -> None:
         self._pieces.close()
-        for level in self._levels:
-            level.release()
+        release_all(*self._levels)

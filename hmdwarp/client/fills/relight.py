@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import attrs
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...gpu.textures import SCALAR, Canvas, allocate
+from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
 from ..picture import ShownPicture
 from . import fills
 from ._base import Fill
@@ -27,22 +26,25 @@ SAME_DEPTH = SAME_SURFACE = (
 )
 NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
-# What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1 unlit and 0.003 baked (`room`, `walk` and
-# `look-around`, 400 ms); ten times less or more costs 1 to 2 %. After warp `mesh`, whose holes are wide, unlit is 0.3 % worse than fill
-# `model` by FLIP, baked 0.9 % better; after `forward` 1.5 and 5 % better.
+# What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1
+# unlit and 0.003 baked (`room`, `walk` and `look-around`, 400 ms); ten times less or more costs 1
+# to 2 %. After warp `mesh`, whose holes are wide, unlit is 0.3 % worse than fill `model` by FLIP,
+# baked 0.9 % better; after `forward` 1.5 and 5 % better.
 MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 
 
 @attrs.frozen
 class RelightSettings:
-    """share: of the scene's triangles that the client draws, 0 to 1. samples: places that a hole's pixel takes light from. reach: how far
-    they lie from it at most, in widths of the picture. light: what the model knows of it: none, so that all is the picture's; or as it was
-    baked, which is divided out beside the albedo and multiplied on again, so that what is carried over is how light differs from it: that
-    is better everywhere where it is still as baked, or has changed far and wide alike."""
+    """How the model is drawn and lit."""
 
+    # Share of the scene's triangles that the client draws, 0 to 1.
     share: float = share_of_triangles()
-    samples: int = 32
-    reach: float = 0.25
+    samples: int = 32  # Places from which a hole's pixel takes light.
+    reach: float = 0.25  # Farthest of them, in widths of the picture.
+    # The model's own light. none: all light comes from the picture. baked: the baked light is
+    # divided out with the albedo and multiplied on again, so that only the difference from it is
+    # carried over; that is better wherever light is still as baked, or has changed far and wide
+    # alike.
     light: Literal["baked", "none"] = "baked"
 
     def __attrs_post_init__(self) -> None:
@@ -53,10 +55,11 @@ class RelightSettings:
 
 
 def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
-    """(count, 2) pixels in a disc of that radius, the denser the nearer; the same for every pixel and every picture.
+    """Return (count, 2) pixels in a disc of that radius, denser towards the middle.
 
-    A pattern of its own for every pixel would be grain that crawls when the head moves; with one for all, light changes only as what it is
-    read off does. Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
+    They are the same for every pixel and picture. A pattern of its own for every pixel would be
+    grain that crawls when the head moves; with one for all, light changes only as its samples do.
+    Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
     """
     plastic = 1.32471795724474602596
     k = np.arange(1, count + 1)
@@ -66,30 +69,35 @@ def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
 
 @fills.register
 class Relight(Fill):
-    """Light is what is shown over the model's albedo (times its baked light, if it has that) where both show the same surface; holes take
-    it from places that are near them in space, lie in their plane and face their way, so from the background. As albedo is divided out
-    first, no texture is copied.
+    """Fills holes with the model, lit by the shown picture.
 
-    What the model is lit by as baked weighs a little too: where nothing like the hole is in sight, it is all there is.
+    Light is the shown colour over the model's albedo (times its baked light, if it has that) where
+    both show the same surface. Holes take it from places that are near them in space, lie in their
+    plane and face their way, so from the background. As albedo is divided out first, no texture is
+    copied. The model's own baked light weighs a little too: where nothing like the hole is in
+    sight, it is all there is.
     """
 
     name = "relight"
     summary = "the client draws a model into the holes, in the light of what is shown around them on the same surface"
     reads = ("shown.colour", "shown.inverse_depth", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); Roberts 2018 (samples)"
+    source = (
+        "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); "
+        "Roberts 2018 (samples)"
+    )
     complete = True
     Settings = RelightSettings
     variants = ("light=none",)
 
     def prepare(self) -> None:
         gl, (wide, high) = self.gpu.gl, self.shown_size
-        self._lit = self.geometry.model(self.settings.share, lit=True)
-        self._base = self.geometry.model(self.settings.share, lit=self.settings.light == "baked")
+        self._lit = self.model(self.settings.share, lit=True)
+        self._base = self.model(self.settings.share, lit=self.settings.light == "baked")
         for model in (self._lit, self._base):
             model.reserve(self.shown_size)
         self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
-        self._blocks = (-(-wide // BLOCK), -(-high // BLOCK))
+        self._blocks = tiles(self.shown_size, BLOCK)
         self._lights = allocate(gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT)
         offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
         self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
@@ -100,7 +108,7 @@ class Relight(Fill):
         view = inputs.middle
         self._lit.draw_holes(view, picture, into, inputs.shown_ns)
         self._base.draw(view, self._albedo, inputs.shown_ns)
-        self._barrier()
+        self.gpu.barrier()
         self._bind(picture, into)
         left, right, down, up = view.fov.tangents
         per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
@@ -113,7 +121,7 @@ class Relight(Fill):
         self._find.run(*self._blocks)
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
-        self._barrier()
+        self.gpu.barrier()
         weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT[self.settings.light]}
         self._apply.uniforms.set(**shared, **weights, filled=4, samples=self.settings.samples)
         self._apply.run(WORKERS)
@@ -121,9 +129,9 @@ class Relight(Fill):
     def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
         textures = (
             picture.colour.texture,
-            picture.inverse_depth,
+            picture.depth,
             self._albedo.colour.texture,
-            self._albedo.inverse_depth,
+            self._albedo.depth,
         )
         for unit, texture in enumerate(textures):
             texture.bind_to_image(unit, read=True, write=False)
@@ -133,16 +141,13 @@ class Relight(Fill):
         self._holes.write(bytes(16))
         self._holes.bind_to_storage_buffer(2)
 
-    def _barrier(self) -> None:
-        self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-
     def close(self) -> None:
-        for one in (self._albedo.colour, self._albedo.inverse_depth, self._lights, self._samples, self._holes):
-            one.release()
+        release_all(self._albedo.colour, self._albedo.depth, self._lights, self._samples, self._holes)
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Colour and inverse depth of the picture read and written, of the model written and read; the lights of 64 pixels are 48 bytes."""
+        # Colour and inverse depth of the picture read and written, of the model written and read;
+        # the lights of 64 pixels are 48 bytes.
         return (4 * (8 + 4) + 2) * shown_pixels
 
 

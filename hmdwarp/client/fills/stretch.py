@@ -1,4 +1,4 @@
-"""The background, drawn into the hole from the side that it was hidden on."""
+"""Draws the background into the hole from the side on which it was hidden."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import attrs
 
 from ...geometry import WarpMap
 from ...gpu.textures import COLOUR, allocate
+from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
-from ._holes import HolePieces
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -22,12 +22,17 @@ _FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image uni
 
 @attrs.frozen
 class StretchSettings:
-    """spread: how far streaks are smoothed, in pixels for each pixel from where they start, if that is a pixel at all; 0: never.
-    tolerance, floor (1/m): inverse depths are of one surface if they differ by at most tolerance * (the smaller one + floor)."""
+    """How streaks are smoothed, and which depths are one surface.
 
+    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    floor).
+    """
+
+    # Pixels of smoothing for each pixel from where the streak starts, if that is at least one
+    # pixel; 0: none.
     spread: float = 0.1
     tolerance: float = 0.1
-    floor: float = 0.02
+    floor: float = 0.02  # 1/m
 
     def __attrs_post_init__(self) -> None:
         if not all(0 <= value < float("inf") for value in (self.spread, self.tolerance, self.floor)):
@@ -36,9 +41,12 @@ class StretchSettings:
 
 @fills.register
 class Stretch(Fill):
-    """From an empty pixel along its epipolar line to both edges of the hole; the farther one's colour, smoothed inside the hole alone.
+    """Follows the epipolar line of an empty pixel to both edges of the hole.
 
-    What the late picture did not look at stays empty: it was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.
+    The farther one's colour.
+
+    It is smoothed inside the hole alone. What lies outside of the rendered picture stays empty: it
+    was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.
     """
 
     name = "stretch"
@@ -55,7 +63,7 @@ class Stretch(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """One colour and one inverse depth each way."""
+        """Return the bytes of one colour and one inverse depth each way."""
         return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
@@ -63,22 +71,22 @@ class Stretch(Fill):
         forward = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
         back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
-        picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
-        into.inverse_depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
+        picture.depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
+        into.depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
         self._streaks.bind_to_image(_STREAKS, read=True, write=True)
         into.colour.bind_for_writing(_FILLED)
         chosen = self.settings
-        told = {
+        uniforms = {
             "warped": _WARPED,
             "filled_depth": _FILLED_DEPTH,
             "streaks": _STREAKS,
             "shown_size": self.shown_size,
             "e": forward.e,
         }
-        told |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
+        uniforms |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
         views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
-        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **told)
-        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **told)
+        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **uniforms)
+        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **uniforms)
         self._pieces.run(self._draw)
         self._pieces.run(self._smooth)
 

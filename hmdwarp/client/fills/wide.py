@@ -1,4 +1,4 @@
-"""A second, wide and coarse view of the late eye is put where the late picture ends."""
+"""A second, wide and coarse view of the rendered eye continues the picture at its border."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from ...frames import Needs
 from ...geometry.wide import COARSER
-from ..warps._composite import Picture
+from ..fill_parts import HoleFiller
+from ..warp_kinds import DepthPicture
 from . import fills
 from ._base import Fill
-from ._remembered import HoleFiller
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 @fills.register
 class Wide(Fill):
-    """Gathers from the wide view where the warp left holes: the border first of all, and what it saw beside an edge as the picture did."""
+    """Gathers from the wide view where the warp left holes.
+
+    They lie at the border first of all, and beside edges where the wide view saw more.
+    """
 
     name = "wide"
     summary = "a second view of 150 x 140 degrees at a quarter of the resolution, drawn and sent with every frame"
@@ -32,7 +35,7 @@ class Wide(Fill):
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         wide = inputs.rendered["wide"]
         self._holes.start(picture, into)
-        self._holes.add(Picture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
+        self._holes.add(DepthPicture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
 
     def close(self) -> None:
         self._holes.close()

@@ -1,4 +1,7 @@
-"""Lens models on the GPU: one file each, registered by name. Their coefficients belong to the headsets."""
+"""Lens models on the GPU: one file each, registered by name.
+
+Their coefficients belong to the headsets.
+"""
 
 from ...registry import Registry
 from ._base import LensPass, bind_texels

@@ -10,7 +10,7 @@ from ._base import LensPass
 
 @lenses.register
 class NoLens(LensPass):
-    """Flat output, for screens, for runtimes that distort by themselves, and for measuring; the plan leaves it out."""
+    """No distortion; the plan leaves this pass out."""
 
     name = "none"
     summary = "no distortion: for flat screens and for runtimes that distort by themselves"
@@ -18,7 +18,7 @@ class NoLens(LensPass):
     is_pass = False
 
     def prepare(self) -> None:
-        """Nothing to prepare."""
+        """Do nothing."""
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         raise AssertionError("the plan leaves this lens out")

@@ -14,19 +14,19 @@ from ._base import LensPass
 
 @lenses.register
 class Radial(LensPass):
-    """Looks each panel pixel up once per colour, so that the lens's colour fringes cancel."""
+    """Samples once per colour for each panel pixel, so that the lens's colour fringes cancel."""
 
     name = "radial"
     summary = "radial polynomial of the headset's lens, one per colour"
-    look = "lens/radial.glsl"
+    library = "lens/radial.glsl"
     source = "Brown 1966, Decentering Distortion of Lenses (the radial part); coefficients: see 'hmdwarp list headsets'"
 
     def prepare(self) -> None:
         if self.headset.lens is None:
             raise InputError(f"headset '{self.headset.name}' has no lens: use --lens none")
         self._terms = _terms(self.headset.lens)
-        self._looks: dict[int, tuple[Fov, dict[str, object]]] = {}
-        self._program = self.gpu.shaders.compute("lens/radial.comp", **self.look_defines())
+        self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
+        self._program = self.gpu.shaders.compute("lens/radial.comp", **self.library_defines())
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         shown.texture.use(0)
@@ -35,22 +35,22 @@ class Radial(LensPass):
         size = shown.size
         sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
         self._program.uniforms.set(
-            rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.look_uniforms(fov, eye)
+            rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.library_uniforms(fov, eye)
         )
         self._program.run(*self.panel_size)
 
-    def look_defines(self) -> dict[str, object]:
+    def library_defines(self) -> dict[str, object]:
         one_colour = {"ONE_COLOUR": 1} if (self._terms == self._terms[:, :1]).all() else {}
-        return {**super().look_defines(), "LENS_TERMS": len(self._terms), **one_colour}
+        return {**super().library_defines(), "LENS_TERMS": len(self._terms), **one_colour}
 
-    def look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
-        known, uniforms = self._looks.get(eye, (None, {}))
+    def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
+        known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))
         if known != fov:
-            uniforms = self._look_uniforms(fov, eye)
-            self._looks[eye] = fov, uniforms
+            uniforms = self._library_uniforms(fov, eye)
+            self._uniforms_by_eye[eye] = fov, uniforms
         return uniforms
 
-    def _look_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
+    def _library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         left, right, down, up = fov.tangents
         span = np.array([right - left, up - down])
         scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
@@ -62,7 +62,10 @@ class Radial(LensPass):
 
 
 def _terms(lens: RadialLens) -> np.ndarray:
-    """(n, 3): what r^0, r^2, .. count for in the scales of red, green and blue, with as many terms as the longest has."""
+    """Return (n, 3) coefficients of r^0, r^2, .. in the scales of red, green and blue.
+
+    n is the length of the longest of the three.
+    """
     longest = max(map(len, lens.coefficients.values()))
     columns = [np.pad(lens.coefficients[colour], (0, longest - len(lens.coefficients[colour]))) for colour in COLOURS]
     terms = np.stack(columns, axis=1) * lens.tangent_per_unit

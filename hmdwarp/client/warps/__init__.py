@@ -1,8 +1,11 @@
-"""Warps: one file each, registered by name, with a shader of the same stem (or a sibling's, where only the numbers differ)."""
+"""Warps: one file each, registered by name.
+
+Each has a shader of the same stem, or shares a sibling's where only the numbers differ.
+"""
 
 from ...registry import Registry
-from ._base import Output, Warp
+from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Output, Warp
 
 warps: Registry[type[Warp]] = Registry("warp", __name__)
 
-__all__ = ["Output", "Warp", "warps"]
+__all__ = ["COLOUR_BYTES", "DEPTH_BYTES", "KEY_BYTES", "Output", "Warp", "warps"]

@@ -1,4 +1,4 @@
-"""What every warp is and says of itself."""
+"""The base class of warps."""
 
 from __future__ import annotations
 
@@ -23,36 +23,37 @@ COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES = 8, 4, 4
 
 @attrs.frozen(eq=False)
 class Output:
-    """What a warp writes. lens: the lens it looks through itself (one resample from the late picture to the panel), None for the
-    shown view before the lens. scanout: whether rows are shown one after the other, from Given.shown to Given.shown_last.
-    """
+    """What a warp writes."""
 
+    # The lens that the warp applies itself (one resample from the rendered picture to the panel);
+    # None for the shown view before the lens.
     lens: LensPass | None = None
+    # Whether rows light up one after the other, from PassInputs.shown to PassInputs.shown_last.
     scanout: bool = False
 
 
 class Warp(ABC):
-    """Turns one eye's late picture into the shown view, coverage 0 where nothing is known.
+    """Turns one eye's rendered picture into the shown view; coverage is 0 where nothing is known.
 
-    kind: "gather" (each shown pixel asks where it was drawn) or "scatter" (drawn pixels move). reads: what it needs, by the
-    names of client/plan.py. Settings: an attrs class of what may be set, each with a default (`mesh:cut=slope`). variants: settings
-    that trade accuracy for time, and so are benchmarked beside the defaults. fuses, scans_out: whether it can write the panel in
-    one resample, and row by row. carries: whether it takes other pictures than late.colour along, see client/carry.py.
-    The object owns its programs and buffers for one pair of sizes; it serves both eyes in turn.
+    The object owns its programs and buffers for one pair of sizes. It serves both eyes in turn.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
+    # Gather: each shown pixel finds where it was rendered. Scatter: rendered pixels move.
     kind: ClassVar[Literal["gather", "scatter"]]
-    reads: ClassVar[tuple[str, ...]]
-    exact_when: ClassVar[str]
-    gets_wrong: ClassVar[str]
+    reads: ClassVar[tuple[str, ...]]  # What it needs, by the names of client/plan.py.
+    exact_when: ClassVar[str]  # When the result equals the truth, for tables.
+    gets_wrong: ClassVar[str]  # What it shows wrongly, for tables.
     source: ClassVar[str]
+    # An attrs class of the settings, each with a default (`mesh:cut=slope`).
     Settings: ClassVar[type] = NoSettings
+    # Settings that trade accuracy for time; the bench runs them beside the defaults.
     variants: ClassVar[tuple[str, ...]] = ()
-    fuses: ClassVar[bool] = False
-    scans_out: ClassVar[bool] = False
-    resamples: ClassVar[bool] = False
+    fuses: ClassVar[bool] = False  # Whether it can write the panel in one resample.
+    scans_out: ClassVar[bool] = False  # Whether it can give every row a view of its own.
+    resamples: ClassVar[bool] = False  # Whether its result is a resample even for an unmoved head.
+    # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
 
     def __init__(
@@ -67,7 +68,7 @@ class Warp(ABC):
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
         rendered_pixel = (1 / rendered_size[0], 1 / rendered_size[1])
-        self._size_uniforms = {
+        self._size_uniforms: dict[str, object] = {
             "rendered_size": tuple(rendered_size),
             "rendered_pixel": rendered_pixel,
             "shown_size": tuple(shown_size),
@@ -87,18 +88,19 @@ class Warp(ABC):
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
-        """What frames must carry, and be kept, besides what every frame has."""
+        """Return the layers that frames must carry, and the frames that the client must keep."""
         return Needs()
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """What one eye's picture must at least read and write in memory, each byte once: the bound the bench holds its time against.
+        """Return the bytes that one eye's picture must at least read and write, each byte once.
 
-        By default that of a gather: for each shown pixel one of colour and one of each depth it reads, and the result.
+        The bench compares times with this bound. By default that of a gather: for each shown pixel
+        one colour and one of each depth it reads, and the result.
         """
         depths = sum(name.endswith("inverse_depth") for name in cls.reads)
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES * depths)
 
     def set_sizes(self, program: Compute) -> None:
-        """The uniforms that stay the same as long as the sizes do."""
+        """Set the uniforms that stay the same as long as the sizes do."""
         program.uniforms.settle(self._size_uniforms)

@@ -1,4 +1,4 @@
-"""Backward warping with the client's own geometry: it knows its depth now, and asks the late frame for the colour."""
+"""Backward warping: the client draws its own depth and fetches colour from the late frame."""
 
 from __future__ import annotations
 
@@ -7,40 +7,37 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import PlanError
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
 from . import warps
-from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
-# Inverse depth is linear across a plane, so between the looked-up point and a texel of its footprint it changes by at most
-# one pixel's worth of slope. 3 % covers planes seen at up to 80 degrees at 10 pixels a degree (tan 80 x 0.1 deg = 1 %, on
-# each axis, with the rounding of the client's own raster on top); nearer surfaces differ by more than that from what they hide.
-DEPTH_TOLERANCE = 0.03
-DEPTH_FLOOR = 0.02  # 1/m: things beyond 50 m count as equally far
-
 
 @attrs.frozen
 class BackwardSettings:
-    """Late depth agrees if it differs by at most tolerance * (its own + floor), floor in 1/m."""
+    """When a rendered depth agrees with the client's.
+
+    They agree if they differ by at most tolerance * (the client's inverse depth + floor).
+    """
 
     tolerance: float = attrs.field(default=DEPTH_TOLERANCE, validator=attrs.validators.ge(0))
-    floor: float = attrs.field(default=DEPTH_FLOOR, validator=attrs.validators.ge(0))
+    floor: float = attrs.field(default=DEPTH_FLOOR, validator=attrs.validators.ge(0))  # 1/m
 
 
 @warps.register
 class Backward(GatherWarp):
-    """A gather with the client's own depth; a depth test against the late depth keeps disoccluded pixels empty."""
+    """A gather with the client's own depth; a test against the rendered depth leaves holes."""
 
     name = "backward"
-    summary = "the client draws its own depth now and fetches the colour from the late picture"
+    summary = "the client draws its own depth now and fetches the colour from the rendered picture"
     reads = ("rendered.colour", "rendered.inverse_depth", "client.inverse_depth")
-    exact_when = "always, up to one bilinear resample, where the late picture saw the surface"
+    exact_when = "always, up to one bilinear resample, where the rendered picture saw the surface"
     gets_wrong = "needs the scene's geometry; shading that depends on the view stays late"
     source = "McMillan and Bishop 1995 (the map); Williams 1978 (the depth test)"
     Settings = BackwardSettings
-    scans_out = False  # its own depth is drawn for one instant
+    scans_out = False  # the client's depth is drawn for one instant
 
     def prepare(self) -> None:
         self._program = self.gather("warps/backward.comp")

@@ -1,4 +1,4 @@
-"""Environment map: the server sends everything around the eye, so that turning the head never runs out of picture."""
+"""Environment map: the server sends everything around the eye, so the head turns freely."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ...errors import PlanError
 from ...frames import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
+from ..warp_kinds import GatherWarp
 from . import warps
-from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
@@ -23,7 +23,7 @@ _EYE_FROM_HOMOGENEOUS = np.diag([1.0, 1.0, -1.0])  # the tangent point (x, y, 1)
 
 @warps.register
 class Environment(GatherWarp):
-    """A gather from a cube map around the late eye, one bilinear look per pixel, no depth."""
+    """A gather from a cube map around the rendered eye: one bilinear sample per pixel, no depth."""
 
     name = "environment"
     summary = "turns freely within a cube map drawn around the eye, ignores how the eye moved"
@@ -42,7 +42,7 @@ class Environment(GatherWarp):
         return Needs(cube=True)
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
-        """From shown pixels to directions in the axes of the late eye."""
+        """Return the map from shown pixels to directions in the axes of the rendered eye."""
         turn = rendered.pose.rotation.inv() * shown.pose.rotation
         tangent_from_pixel = np.linalg.inv(shown.fov.pixel_from_tangent(self.shown_size))
         return WarpMap(turn.as_matrix() @ _EYE_FROM_HOMOGENEOUS @ tangent_from_pixel, np.zeros(3))
@@ -57,7 +57,7 @@ class Environment(GatherWarp):
         cube.use(unit)
 
     def _looks_along_a_face(self, inputs: PassInputs) -> bool:
-        """Whether each shown pixel is a pixel of one face of the cube, so that it can be copied without a bilinear look."""
+        """Return whether each shown pixel is exactly a pixel of one face: none is resampled."""
         shown, side = inputs.shown, inputs.rendered["cube"].size[0] // 3
         if self.output.lens is not None or self.output.scanout or np.abs(shown.fov.tangents).max() > 1 + 1e-9:
             return False
@@ -69,7 +69,8 @@ class Environment(GatherWarp):
         cube = inputs.rendered.get("cube")
         if cube is None:
             raise PlanError(
-                "warp 'environment' needs a cube map around the eye, which this frame has not; frames from a scene have it"
+                "warp 'environment' needs a cube map around the eye, which this frame lacks; frames from a scene "
+                "have it"
             )
         side = cube.size[0] // 3
         pixel = (1 / cube.size[0], 1 / cube.size[1])

@@ -1,16 +1,14 @@
-"""Forward warping by points: every drawn pixel moves, the nearest wins."""
+"""Forward warping by points: every rendered pixel moves, the nearest wins."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
-import moderngl
 
 from ...errors import InputError, MachineError
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES
-from ._scatter import ScatterWarp, check_room
+from ..warp_kinds import ScatterWarp, check_room
+from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 
 if TYPE_CHECKING:
     from ...geometry import WarpMap
@@ -20,16 +18,15 @@ if TYPE_CHECKING:
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
-ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # what the one-pass path asks of the driver
+ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # extensions of the one-pass path
 
 
 @attrs.frozen
 class ForwardSettings:
-    """path: portable (two 32-bit atomic passes), atomic64 (one pass with a 64-bit key), auto (atomic64 where the driver has it).
+    """Which atomics to use; both give the same picture, bit for bit."""
 
-    Both give the same picture, bit for bit.
-    """
-
+    # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
+    # the driver has it.
     path: Literal["auto", "portable", "atomic64"] = attrs.field(
         default="auto", validator=attrs.validators.in_(("auto", "portable", "atomic64"))
     )
@@ -37,7 +34,10 @@ class ForwardSettings:
 
 @warps.register
 class Forward(ScatterWarp):
-    """Scatters pixels with an exact depth test by atomics; equals go to the lower (row mod 4, column mod 4)."""
+    """Scatters pixels with an exact depth test by atomics.
+
+    Of equal depths the lower (row mod 4, column mod 4) wins.
+    """
 
     name = "forward"
     summary = "moves each pixel by its own depth, nearest wins; leaves cracks and holes"
@@ -49,19 +49,21 @@ class Forward(ScatterWarp):
     def prepare(self) -> None:
         if self.rendered_size[0] * self.rendered_size[1] > MOST_PIXELS:
             raise InputError(
-                f"a late picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most {MOST_PIXELS} pixels"
+                f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most "
+                f"{MOST_PIXELS} pixels"
             )
         self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """portable and auto: each drawn pixel's depth twice and colour once; the shown keys cleared, raised (read, written) and read;
-        the result cleared and written. atomic64: the depth once; keys of two words raised, read and emptied; a colour read and one
-        written for each shown pixel."""
+        # portable and auto: each rendered pixel's depth twice and colour once; the shown keys
+        # cleared, raised (read, written) and read; the result cleared and written. atomic64: the
+        # depth once; keys of two words raised, read and emptied; a colour read and one written for
+        # each shown pixel.
         if settings.path == "atomic64":
             return rendered_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
-        drawn = 2 * DEPTH_BYTES + COLOUR_BYTES
-        return rendered_pixels * drawn + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+        rendered = 2 * DEPTH_BYTES + COLOUR_BYTES
+        return rendered_pixels * rendered + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)
@@ -75,7 +77,7 @@ def _one_pass(gpu: Gpu, path: str) -> bool:
     missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
     if path == "atomic64" and missing:
         raise MachineError(
-            f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} has not: use path=auto"
+            f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} lacks: use path=auto"
         )
     return path != "portable" and not missing
 
@@ -101,7 +103,7 @@ class _Portable:
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
-            self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._warp.gpu.barrier()
             self._warp.set(program, H=forward.H, e=forward.e)
             if program in self._settle:
                 program.program.run_indirect(self._ties)
@@ -126,7 +128,7 @@ class _OnePass:
     def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
         for program, size in ((self._nearest, self._warp.rendered_size), (self._resolve, self._warp.shown_size)):
-            self._warp.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self._warp.gpu.barrier()
             self._warp.set(program, H=forward.H, e=forward.e)
             program.run(*size)
 

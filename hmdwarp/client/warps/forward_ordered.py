@@ -1,4 +1,4 @@
-"""Forward warping in an order that needs no depth comparison: the epipole alone says who hides whom."""
+"""Forward warping without depth comparison: the epipole alone says which surface hides which."""
 
 from __future__ import annotations
 
@@ -9,35 +9,44 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import WarpMap
+from ..warp_kinds import OrderedScatter
 from . import warps
-from ._scatter import OrderedScatter
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
 
-# Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows of the largest picture then turn
-# by at most 2^14 / 2^20 rad against the true lines, a pixel in 64, and the distance still fits into an integer.
+# Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows
+# of the largest picture then turn by at most 2^14 / 2^20 rad against the true lines, a pixel in 64,
+# and the distance still fits into an integer.
 FARTHEST = 2.0**20
 
 
 @attrs.frozen
 class ForwardOrderedSettings:
-    """sheets: what is run in step around the epipole. rings: squares around it, so that pixels of like distance are compared;
-    rows: McMillan's quadrants, row by row."""
+    """The order in which rendered pixels are visited."""
 
+    # rings: squares around the epipole, so that pixels of like distance are compared. rows:
+    # McMillan's quadrants, row by row.
     sheets: Literal["rings", "rows"] = attrs.field(default="rings", validator=attrs.validators.in_(("rings", "rows")))
 
 
 @warps.register
 class ForwardOrdered(OrderedScatter):
-    """Scatters pixels as if one after the other, towards the epipole when the eye has moved ahead, away from it when back."""
+    """Scatters pixels as if one after the other.
+
+    They run towards the epipole when the eye has moved ahead, and away from it when it has moved
+    back.
+    """
 
     name = "forward_ordered"
     summary = (
         "moves each pixel by its own depth, in the occlusion-compatible order from the epipole: no depth comparison"
     )
     exact_when = "as 'forward', of surfaces whose pixels meet along epipolar lines"
-    gets_wrong = "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; else as 'forward'"
+    gets_wrong = (
+        "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; "
+        "else as 'forward'"
+    )
     source = (
         "McMillan 1995 (UNC TR95-005), Walia and Verma; Mark and Bishop 1997 (why it does not always hold for pixels)"
     )
@@ -57,10 +66,12 @@ class ForwardOrdered(OrderedScatter):
 
 
 def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int64], int]:
-    """The late pixel (x, y) that holds the shown eye, and 1 if it lies ahead of the late one (run towards it), -1 if behind.
+    """Return the rendered pixel (x, y) that holds the shown eye, and 1 or -1.
 
-    e: that eye in homogeneous pixels, WarpMap.between(shown, late).e. An epipole at infinity or beyond FARTHEST pixels is put that
-    far away in its direction; without a baseline any order will do, and the picture's middle is as good as another.
+    1: the shown eye lies ahead of the rendered one (run towards it); -1: behind.
+    e: the shown eye in homogeneous pixels, WarpMap.between(shown, rendered).e. An epipole at
+    infinity or beyond FARTHEST pixels is put that far away in its direction. Without a baseline any
+    order will do, and the picture's middle is as good as another.
     """
     middle = np.array(size) / 2
     sense = -1 if e[2] < 0 else 1
@@ -70,15 +81,16 @@ def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
         offset = offset / length * FARTHEST
     elif depth > 0:
         offset = offset / depth
-    # What lies on a border between pixels counts to the upper one, whichever way it was computed.
+    # An epipole on the border between two pixels counts to the upper one, however it was computed.
     return np.floor(middle + offset + 1e-6).astype(np.int64), sense
 
 
 def _start(pixel: NDArray[np.int64], sense: int, size: tuple[int, int], rings: bool) -> tuple[int, int]:
-    """What ranks are counted from: the greatest distance in the picture when running towards the epipole, else minus the least."""
+    """Return what ranks count from: the greatest distance, or minus the least when running away."""
     to_low, to_high = -pixel, np.array(size) - 1 - pixel
     greatest = np.maximum(np.abs(to_low), np.abs(to_high))
     least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))
     if rings:
         greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
-    return tuple(int(n) for n in (greatest if sense > 0 else -least))
+    x, y = greatest if sense > 0 else -least
+    return int(x), int(y)

@@ -1,4 +1,4 @@
-"""A gather that finds its depth in the late picture by fixed-point iteration."""
+"""A gather that finds its depth in the rendered picture by fixed-point iteration."""
 
 from __future__ import annotations
 
@@ -6,11 +6,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES
-from ._gather import GatherWarp
-from ._seeds import Seeds
-from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, Seeds
+from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
@@ -21,21 +18,24 @@ MOST_STEPS = 64
 
 @attrs.frozen
 class IterativeSettings:
-    """seed: where the first guess is from, a forward splat of depth at a quarter of the resolution, or the map at infinity.
+    """How guesses start, continue and end.
 
-    steps: looks at the late depth. slanted: how many of them, the last ones, take in the slope of the surface; each of these costs three
-    plain ones and gains most where near things pass by. tolerance, floor (1/m): neighbours are connected if they differ by at most
-    tolerance * (the farther one's inverse depth + floor). converged: pixels by which the last guess may have been off; else a hole.
+    Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
+    + floor).
     """
 
+    # Source of the first guess: a forward splat of depth at a quarter of the resolution, or the map
+    # at infinity.
     seed: Literal["forward", "rotation"] = attrs.field(
         default="forward", validator=attrs.validators.in_(("forward", "rotation"))
     )
-    steps: int = 3
+    steps: int = 3  # Samples of the rendered depth.
+    # How many of the last steps use the slope of the surface; each costs three plain ones and gains
+    # most where near things pass by.
     slanted: int = 1
     tolerance: float = DEPTH_TOLERANCE
-    floor: float = DEPTH_FLOOR
-    converged: float = 0.75
+    floor: float = DEPTH_FLOOR  # 1/m
+    converged: float = 0.75  # Pixels by which the last guess may be off; else the pixel is a hole.
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
@@ -48,15 +48,22 @@ class IterativeSettings:
 
 @warps.register
 class Iterative(GatherWarp):
-    """A gather by fixed point on the late depth, started by a low-resolution forward splat; what does not converge is a hole."""
+    """A gather by fixed point on the rendered depth, started by a low-resolution forward splat.
+
+    What does not converge is a hole.
+    """
 
     name = "iterative"
     summary = (
-        "each pixel guesses its depth, looks where that was drawn, and takes the depth found there for its next guess"
+        "each pixel guesses its depth, samples where that was rendered, and takes the depth found there for its next "
+        "guess"
     )
     reads = ("rendered.colour", "rendered.inverse_depth")
-    exact_when = "the late picture saw the surface and the guesses converge, up to one bilinear resample"
-    gets_wrong = "may miss the front one of several surfaces on a ray, or end in a hole there; silhouettes end half way between late pixels"
+    exact_when = "the rendered picture saw the surface and the guesses converge, up to one bilinear resample"
+    gets_wrong = (
+        "may miss the front one of several surfaces on a ray, or end in a hole there; "
+        "silhouettes end half way between rendered pixels"
+    )
     source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
     Settings = IterativeSettings
     variants = ("seed=rotation", "slanted=3")
@@ -65,13 +72,14 @@ class Iterative(GatherWarp):
     def prepare(self) -> None:
         chosen = self.settings
         seeded = chosen.seed == "forward"
-        looks = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
-        self._program = self.gather("warps/iterative.comp", **looks, **({"SEEDED": 1} if seeded else {}))
+        samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
+        self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Per shown pixel one of colour and of depth, and the result; with the forward seed the late depth once more."""
+        # Per shown pixel one colour, one depth and the result; with the forward seed the rendered
+        # depth once more.
         splat = rendered_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat
 

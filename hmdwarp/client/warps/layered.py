@@ -1,4 +1,4 @@
-"""Layered depth: the server also sends what lies behind the visible surfaces, so that what an edge uncovers is known."""
+"""Layered depth: the server also sends surfaces behind the visible ones, which edges uncover."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import attrs
 
 from ...errors import PlanError
 from ...frames import Needs
+from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
-from ._composite import CompositeWarp, Picture
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -19,9 +19,7 @@ MOST_LAYERS = 4
 
 @attrs.frozen
 class LayeredSettings:
-    """layers: depth layers, the visible one included, 2 to 4."""
-
-    layers: int = 3
+    layers: int = 3  # Depth layers, the visible one included, 2 to 4.
 
     def __attrs_post_init__(self) -> None:
         if not 2 <= self.layers <= MOST_LAYERS:
@@ -30,13 +28,15 @@ class LayeredSettings:
 
 @warps.register
 class Layered(CompositeWarp):
-    """All layers warped together, the nearest surface wins: real content behind edges, and surfaces right below the pixel."""
+    """All layers warped together, the nearest surface wins: real content behind edges."""
 
     name = "layered"
     summary = "warps two to four depth layers of the server together: real content behind edges"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.peeled")
     exact_when = "always, up to one bilinear resample, where a layer holds the surface"
-    gets_wrong = "what no layer holds or the late field of view did not; the server draws the scene once more per layer"
+    gets_wrong = (
+        "what no layer holds or the rendered field of view did not; the server draws the scene once more per layer"
+    )
     source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
     Settings = LayeredSettings
 
@@ -48,15 +48,15 @@ class Layered(CompositeWarp):
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         return cls.bytes_of(settings.layers, rendered_pixels, shown_pixels)
 
-    def told(self, inputs: PassInputs) -> dict[str, object]:
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         return {"front_inverse_depth": 3}
 
-    def pictures(self, inputs: PassInputs) -> list[Picture]:
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         rendered, behind = inputs.rendered, self.settings.layers - 1
         peeled = rendered.get("peeled", ())
         if len(peeled) < behind:
             raise PlanError(
-                f"warp 'layered' wants {behind} layers behind the visible one, this frame has {len(peeled)}"
+                f"warp 'layered' needs {behind} layers behind the visible one, this frame has {len(peeled)}"
             )
-        return [Picture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]
+        return [DepthPicture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]

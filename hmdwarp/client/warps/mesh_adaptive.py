@@ -1,4 +1,4 @@
-"""The late picture as a mesh that is coarse where inverse depth is planar."""
+"""The rendered picture as a mesh that is coarse where inverse depth is planar."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Any
 
 import attrs
 
+from ..warp_kinds import MeshWarp
 from . import warps
-from ._mesh import MeshWarp
 from .mesh import STEEPEST_DEG
 
 BLOCKS = (1, 2, 4, 8, 16)
@@ -15,19 +15,19 @@ BLOCKS = (1, 2, 4, 8, 16)
 
 @attrs.frozen
 class MeshAdaptiveSettings:
-    """tolerance: shown pixels that merging may move a point by. block: pixels on a side of the largest cell: 1, 2, 4, 8 or 16.
+    """How far cells are merged."""
 
-    steepest_deg: planes seen at up to this angle from facing stay whole.
-    """
-
+    # Shown pixels by which merging may move a point.
     tolerance: float = attrs.field(default=0.05, validator=attrs.validators.ge(0))
+    # Pixels on a side of the largest cell: 1, 2, 4, 8 or 16.
     block: int = attrs.field(default=16, validator=attrs.validators.in_(BLOCKS))
+    # Planes seen at up to this angle from facing stay whole.
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
 
 
 @warps.register
 class MeshAdaptive(MeshWarp):
-    """`mesh` with cells of up to 16x16 pixels where that moves nothing by more than the tolerance for this very motion."""
+    """`mesh` with cells of up to 16x16 pixels where this motion stays within the tolerance."""
 
     name = "mesh_adaptive"
     summary = (
@@ -35,7 +35,10 @@ class MeshAdaptive(MeshWarp):
     )
     exact_when = "as mesh, up to the tolerance (in shown pixels)"
     gets_wrong = "as mesh; detail in depth below the tolerance is flattened"
-    source = "Schollmeyer et al. 2017, Efficient Hybrid Image Warping; Reinert et al. 2016, Proxy-guided Image-based Rendering"
+    source = (
+        "Schollmeyer et al. 2017, Efficient Hybrid Image Warping; "
+        "Reinert et al. 2016, Proxy-guided Image-based Rendering"
+    )
     Settings = MeshAdaptiveSettings
     adaptive = True
 

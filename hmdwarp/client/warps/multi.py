@@ -1,4 +1,4 @@
-"""Several late pictures: what an edge hides from one, the other eye saw, or the same eye a moment before."""
+"""Several rendered pictures: the other eye's and older ones show what an edge hides from one."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from ...frames import Needs, Others
 from ...geometry import WarpMap
+from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
-from ._composite import CompositeWarp, Picture
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -21,12 +21,11 @@ MOST_FRAMES = 8
 
 @attrs.frozen
 class MultiSettings:
-    """frames: how many past frames of the same eye are used. spacing: at least so many milliseconds between them. eye: whether the other
-    eye's picture is used too, or only the eye's own.
-    """
+    """Which pictures are used beside the newest."""
 
-    frames: int = 2
-    spacing: float = 300.0
+    frames: int = 2  # Past frames of the same eye.
+    spacing: float = 300.0  # Least milliseconds between them.
+    # Whether the other eye's picture is used too, or only the eye's own.
     eye: Literal["other", "own"] = attrs.field(default="other", validator=attrs.validators.in_(("other", "own")))
 
     def __attrs_post_init__(self) -> None:
@@ -38,7 +37,10 @@ class MultiSettings:
 
 @warps.register
 class Multi(CompositeWarp):
-    """The newest frame first, then the other eye's, then past ones; each adds what those before it could not see."""
+    """The newest frame first, then the other eye's, then past ones.
+
+    Each adds what those before it could not see.
+    """
 
     name = "multi"
     summary = "fills what the newest frame did not see from the other eye's and from past frames"
@@ -58,16 +60,20 @@ class Multi(CompositeWarp):
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         return cls.bytes_of(1 + settings.frames + (settings.eye == "other"), rendered_pixels, shown_pixels)
 
-    def pictures(self, inputs: PassInputs) -> list[Picture]:
-        """The newest alone for an eye that has not moved and sees no more than it did: there is nothing to add."""
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+        """Return the newest picture and the others.
+
+        The newest alone for an eye that has not moved and sees no more than it did: nothing can be
+        added.
+        """
         rendered = inputs.rendered
         back = self._newest(inputs)
         others = (
             () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, rendered.size) else inputs.others
         )
-        return [Picture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
+        return [DepthPicture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
 
-    def told(self, inputs: PassInputs) -> dict[str, object]:
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         newest = self._newest(inputs)
         return {
@@ -82,6 +88,6 @@ class Multi(CompositeWarp):
 
 
 def _lies_within(back: WarpMap, shown_size: tuple[int, int], rendered_size: tuple[int, int]) -> bool:
-    """For a map that only shifts by whole pixels."""
+    """Return whether a map that only shifts by whole pixels stays inside the rendered picture."""
     low = np.round(back.H[:2, 2])
     return bool((low >= 0).all() and (low + shown_size <= rendered_size).all())

@@ -1,18 +1,21 @@
-"""No warp at all: what a headset shows without compensation."""
+"""No warp: what a headset shows without compensation."""
 
 from __future__ import annotations
 
 from ...geometry import View, WarpMap
+from ..warp_kinds import HomographyWarp
 from . import warps
-from ._homography import HomographyWarp
 
 
 @warps.register
 class NoWarp(HomographyWarp):
-    """The late picture at the same place in the field of view, as if the head had not moved (a guard band is cut off)."""
+    """The rendered picture at the same place in the field of view, as if the head had not moved.
+
+    A guard band is cut off.
+    """
 
     name = "none"
-    summary = "the late picture as it is: what uncompensated latency looks like"
+    summary = "the rendered picture as it is: what uncompensated latency looks like"
     exact_when = "the head is still"
     gets_wrong = "everything that moves relative to the head"
     source = "the baseline of every comparison"

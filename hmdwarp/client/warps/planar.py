@@ -1,4 +1,4 @@
-"""Planar reprojection: everything on one plane, at the median depth of the late picture."""
+"""Planar reprojection: everything on one plane, at the median depth of the rendered picture."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ..warp_kinds import GatherWarp
 from . import warps
-from ._gather import GatherWarp
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @warps.register
 class Planar(GatherWarp):
-    """A gather through the fronto-parallel plane at the median inverse depth, found on the GPU."""
+    """A gather through the fronto-parallel plane at the median inverse depth."""
 
     name = "planar"
     summary = "turns and shifts the picture as one plane at its median depth"

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from ...geometry import Pose, View, WarpMap
+from ..warp_kinds import HomographyWarp
 from . import warps
-from ._homography import HomographyWarp
 
 
 @warps.register
 class Rotation(HomographyWarp):
-    """Turns the late picture with the head and ignores how the eye moved (asynchronous time warp)."""
+    """Turns the picture with the head, ignores how the eye moved (asynchronous time warp)."""
 
     name = "rotation"
     summary = "turns the picture with the head, ignores how the eye moved"

@@ -1,16 +1,14 @@
-"""A gather that follows each ray through the late depth to the first surface it meets."""
+"""A gather that follows each ray through the rendered depth to the first surface it meets."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import moderngl
 
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES
-from ._gather import GatherWarp
-from .backward import DEPTH_FLOOR, DEPTH_TOLERANCE
+from ...gpu.textures import tiles
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
+from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
@@ -18,19 +16,23 @@ if TYPE_CHECKING:
 
 LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
 BOUND_BYTES = 8
-NEAREST = 2.0**11  # 1/m; what is nearer than half a millimetre is not searched for
+NEAREST = 2.0**11  # 1/m; the search ends half a millimetre before the eye
 
 
 @attrs.frozen
 class SearchSettings:
-    """steps: cells a ray may pass, then it ends in a hole. gap: pixels by which a ray may miss the end of a surface and meet it all the
-    same, so that steep surfaces keep together. tolerance, floor (1/m): neighbours are connected if they differ by at most
-    tolerance * (the farther one's inverse depth + floor)."""
+    """How far rays run, and which neighbours are one surface.
 
-    steps: int = 512
+    Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
+    + floor).
+    """
+
+    steps: int = 512  # Cells that a ray may pass before it ends in a hole.
+    # Pixels by which a ray may miss the end of a surface and still meet it, so that steep surfaces
+    # keep together.
     gap: float = 0.05
     tolerance: float = DEPTH_TOLERANCE
-    floor: float = DEPTH_FLOOR
+    floor: float = DEPTH_FLOOR  # 1/m
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.steps <= 65536:
@@ -41,15 +43,18 @@ class SearchSettings:
 
 @warps.register
 class Search(GatherWarp):
-    """A gather to the first hit along the epipolar segment, skipping by a pyramid of bounds; rays that meet nothing seen are holes."""
+    """A gather to the first hit along the epipolar segment, skipping by a pyramid of bounds.
+
+    Rays that meet nothing are holes.
+    """
 
     name = "search"
-    summary = "follows each pixel's ray through the late picture to the first surface it meets"
+    summary = "follows each pixel's ray through the rendered picture to the first surface it meets"
     reads = ("rendered.colour", "rendered.inverse_depth")
     exact_when = (
-        "the late picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
+        "the rendered picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
     )
-    gets_wrong = "silhouettes end half way between late pixels; slow where rays run long past many edges"
+    gets_wrong = "silhouettes end half way between rendered pixels; slow where rays run long past many edges"
     source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
     Settings = SearchSettings
     rows = 4
@@ -59,14 +64,15 @@ class Search(GatherWarp):
         self._build = tuple(self.gpu.shaders.compute("warps/search_pyramid.comp", FROM_DEPTH=k) for k in (1, 0))
         self._sizes = [self.rendered_size]
         for _ in range(LEVELS):
-            self._sizes.append(tuple(-(-n // FACTOR) for n in self._sizes[-1]))
+            self._sizes.append(tiles(self._sizes[-1], FACTOR))
         counts = [w * h for w, h in self._sizes[1:]]
         self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
         self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """The late depth once for the pyramid; per shown pixel one of colour and of depth, and the result."""
+        # The rendered depth once for the pyramid; per shown pixel one colour, one depth and the
+        # result.
         return rendered_pixels * DEPTH_BYTES + shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
@@ -90,7 +96,7 @@ class Search(GatherWarp):
             if level == 1:
                 program.uniforms.set(rendered_inverse_depth=1, rendered_size=self.rendered_size)
             program.run(*blocks)
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.gpu.barrier()
 
     def close(self) -> None:
         self._bounds.release()

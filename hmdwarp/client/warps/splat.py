@@ -1,17 +1,15 @@
-"""Forward warping by footprints: every drawn pixel covers what its square becomes."""
+"""Forward warping by footprints: every rendered pixel covers what its square becomes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import moderngl
 import numpy as np
 
 from ...geometry import WarpMap
-from . import warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES
-from ._scatter import ScatterWarp
+from ..warp_kinds import ScatterWarp
+from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
@@ -20,30 +18,39 @@ if TYPE_CHECKING:
 
 @attrs.frozen
 class SplatSettings:
-    """Neighbours are of one surface if their inverse depths differ by at most tolerance * (their own + floor), floor in 1/m.
+    """The size of footprints, and which neighbours are one surface.
 
-    reach: pixels that a footprint may go from its middle: what is magnified more than twice that much shows gaps, and one drawn pixel
-    costs at most (2 reach + 1)^2 tests. overlap: late pixels by which each square is larger on each side, against cracks on curved
-    surfaces.
+    Neighbours are one surface if their inverse depths differ by at most tolerance * (their own +
+    floor).
     """
 
     tolerance: float = attrs.field(default=0.03, validator=attrs.validators.ge(0))
-    floor: float = attrs.field(default=0.02, validator=attrs.validators.ge(0))
+    floor: float = attrs.field(default=0.02, validator=attrs.validators.ge(0))  # 1/m
+    # Pixels that a footprint may extend from its middle. What is magnified more than twice that
+    # much shows gaps; one rendered pixel costs at most (2 reach + 1)^2 tests.
     reach: int = attrs.field(default=16, validator=[attrs.validators.ge(1), attrs.validators.le(256)])
+    # Rendered pixels by which each square is larger on each side, against cracks on curved
+    # surfaces.
     overlap: float = attrs.field(default=0.05, validator=[attrs.validators.ge(0), attrs.validators.le(0.5)])
 
 
 @warps.register
 class Splat(ScatterWarp):
-    """Scatters the depth of each drawn pixel over its footprint, nearest first, then fetches the colours back through that depth."""
+    """Scatters the depth of each rendered pixel over its footprint, then fetches the colours back.
+
+    The nearest depth wins; colours are fetched through that depth.
+    """
 
     name = "splat"
     summary = (
         "each pixel covers the footprint its square becomes, nearest surface wins: no cracks, smooth between pixels"
     )
-    exact_when = "always, up to one resample, where the late picture saw the surface"
+    exact_when = "always, up to one resample, where the rendered picture saw the surface"
     gets_wrong = "what was hidden is a hole; soft edges travel with their depth; magnified over 32 times it shows gaps"
-    source = "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); Mori et al. 2009 (depth forward, colour backward)"
+    source = (
+        "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); "
+        "Mori et al. 2009 (depth forward, colour backward)"
+    )
     Settings = SplatSettings
 
     def prepare(self) -> None:
@@ -58,14 +65,15 @@ class Splat(ScatterWarp):
         backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
-            self.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+            self.gpu.barrier()
             H, e = _exact(warp_map)
             self.set(program, H=H, e=e, **limits)
             program.run(*size)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Each drawn pixel's depth twice and colour once; the shown keys raised (read, written), read and emptied; the result written."""
+        # Each rendered pixel's depth twice and colour once; the shown keys raised (read, written),
+        # read and emptied; the result written.
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
 
     def close(self) -> None:
@@ -73,7 +81,10 @@ class Splat(ScatterWarp):
 
 
 def _exact(warp_map: WarpMap) -> tuple[np.ndarray, np.ndarray]:
-    """A map that moves whole pixels without what rounding left beside them, so that each pixel is fetched from its very centre."""
+    """Return H and e; a map that moves whole pixels loses its rounding errors.
+
+    So each pixel is fetched from its very centre.
+    """
     if not warp_map.moves_whole_pixels():
         return warp_map.H, warp_map.e
     return np.round(warp_map.H), np.zeros(3)

@@ -1,16 +1,9 @@
-"""A window on the desktop in the headset's place, and a head led by mouse and keys."""
+"""A window on the desktop in place of the headset, and a head moved by mouse and keys.
 
-from __future__ import annotations
+Names are in __init__.pyi; each loads its module at first use, so that layout and pacing need no
+glfw.
+"""
 
-from typing import Any
+import lazy_loader
 
-__all__ = ["DesktopDisplay"]
-
-
-def __getattr__(name: str) -> Any:
-    # Late, so that the parts that know no window (layout, pacing) load without glfw.
-    if name == "DesktopDisplay":
-        from .desktop import DesktopDisplay
-
-        return DesktopDisplay
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -74,7 +74,8 @@ class Keys:
 def direction(held: set[int]) -> tuple[int, int, int]:
     """Return right, up, forward, -1..1 each, of the held keys; opposite ones cancel."""
     moves = [MOVES[key] for key in held if key in MOVES]
-    return tuple(sum(axis) for axis in zip(*moves, strict=True)) if moves else (0, 0, 0)  # type: ignore[return-value]
+    right, up, forward = (sum(axis) for axis in zip(*moves, strict=True)) if moves else (0, 0, 0)
+    return right, up, forward
 
 
 def label(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Starts glfw, and says in words why there is no window."""
+"""Start of glfw, with an error that says why there is no window."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ def choose_library() -> None:
     if fitting:
         os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
     if (fitting or os.environ.get("PYGLFW_LIBRARY_VARIANT") or os.environ.get("XDG_SESSION_TYPE")) == "wayland":
-        _load_the_panels_own()
+        _load_the_glfw_of_imgui()
 
 
-def _load_the_panels_own() -> None:
-    """Load the panel's own glfw, which is linked under the same name and needs X11.
+def _load_the_glfw_of_imgui() -> None:
+    """Load the glfw library of Dear ImGui's package, which has the same name and needs X11.
 
-    Under Wayland it would find ours, which lacks X11, and fail to load; it finds its own if that
-    was loaded first.
+    Under Wayland that package would find the library of the glfw package, which lacks X11, and fail
+    to load. It finds its own if that was loaded first.
     """
-    found = importlib.util.find_spec("imgui_bundle")
-    if found is not None and found.origin is not None:
+    spec = importlib.util.find_spec("imgui_bundle")
+    if spec is not None and spec.origin is not None:
         with contextlib.suppress(OSError):
-            ctypes.CDLL(str(Path(found.origin).with_name("libglfw.so.3")))
+            ctypes.CDLL(str(Path(spec.origin).with_name("libglfw.so.3")))
 
 
 def start() -> ModuleType:
@@ -71,6 +71,6 @@ def start() -> ModuleType:
 
 def last_error(glfw: ModuleType) -> str:
     """Return why glfw refused the last call."""
-    code, told = glfw.get_error()
-    words = told.decode(errors="replace") if isinstance(told, bytes) else str(told or "no reason given")
+    code, message = glfw.get_error()
+    words = message.decode(errors="replace") if isinstance(message, bytes) else str(message or "no reason given")
     return f"{' '.join(words.split())}" if code else "no reason given"

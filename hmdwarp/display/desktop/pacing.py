@@ -6,8 +6,8 @@ from collections import deque
 from statistics import median
 
 UNKNOWN_HZ = 60.0
-REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
-DISOBEYED = 8  # pictures in a row that came faster than the screen before a driver is said not to wait for it
+REMEMBERED = 16  # refreshes; a change of scene or size counts no more after a quarter of a second
+DISOBEYED = 8  # pictures in a row faster than the screen, after which the driver counts as not waiting
 TOO_FAST = 0.7  # of a period
 
 
@@ -53,16 +53,16 @@ class Pacer:
             interval = back_ns - self._last_ns
             self._intervals.append(interval)
             self._missed += max(0, round(interval / self.period_ns) - 1)
-            self._notice(interval)
+            self._check_waiting(interval)
         self._last_ns = back_ns
 
-    def _notice(self, interval_ns: int) -> None:
+    def _check_waiting(self, interval_ns: int) -> None:
         if self.waits and not self.paced:
             self._too_fast = self._too_fast + 1 if interval_ns < TOO_FAST * self.period_ns else 0
             self.paced = self._too_fast >= DISOBEYED
 
     def due(self, now_ns: int) -> int:
-        """Return when to begin the next picture: now, unless the driver does not wait and we must."""
+        """Return when to begin the next picture: now, unless we wait in the driver's place."""
         if not self.paced or self._last_ns is None:
             return now_ns
         work = int(median(self._works))

@@ -1,23 +1,27 @@
-"""Which screen a window is on, and that screen's mode."""
+"""The screen a window is on, and that screen's mode."""
 
 from __future__ import annotations
 
 from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .window_types import ScreenHandle, VideoMode, WindowHandle
 
 UNKNOWN = "none"
 
 
-def screen_of(glfw: ModuleType, handle: object) -> object | None:
+def screen_of(glfw: ModuleType, handle: WindowHandle) -> ScreenHandle | None:
     """Return the screen a window fills, else the one that most of it lies on; None without any."""
     filled = glfw.get_window_monitor(handle)
     if filled:
         return filled
-    x, y = glfw.get_window_pos(handle)  # (0, 0) under Wayland, which does not tell
+    x, y = glfw.get_window_pos(handle)  # (0, 0) under Wayland, which does not say
     w, h = glfw.get_window_size(handle)
     return max(glfw.get_monitors() or [], key=lambda screen: _shared(glfw, screen, (x, y, w, h)), default=None)
 
 
-def _shared(glfw: ModuleType, screen: object, rectangle: tuple[int, int, int, int]) -> int:
+def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, int, int]) -> int:
     """Return the area of a rectangle that lies on the screen."""
     mode = glfw.get_video_mode(screen)
     if mode is None:
@@ -29,13 +33,13 @@ def _shared(glfw: ModuleType, screen: object, rectangle: tuple[int, int, int, in
     return max(0, across) * max(0, down)
 
 
-def mode_of(glfw: ModuleType, screen: object | None) -> object | None:
+def mode_of(glfw: ModuleType, screen: ScreenHandle | None) -> VideoMode | None:
     """Return size and refresh_rate of a screen as it is now; None without one."""
     return glfw.get_video_mode(screen) if screen else None
 
 
-def in_words(glfw: ModuleType, screen: object | None) -> str:
-    """Return its name, size and rate."""
+def screen_text(glfw: ModuleType, screen: ScreenHandle | None) -> str:
+    """Return the screen's name, size and rate."""
     mode = mode_of(glfw, screen)
     if mode is None:
         return UNKNOWN

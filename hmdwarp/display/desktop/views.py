@@ -15,9 +15,9 @@ BOTH, FLAT = "both", "flat"
 
 @attrs.frozen(eq=False)
 class OneEye:
-    """A single eye in the middle of the head. name: of the headset whose field of view it has."""
+    """A single eye in the middle of the head."""
 
-    name: str
+    name: str  # of the headset whose field of view it has
     fov: Fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
@@ -26,7 +26,7 @@ class OneEye:
 
 
 @attrs.frozen(eq=False)
-class Shown:
+class WindowView:
     """Eyes of a window, and how their pictures look."""
 
     eyes: Eyes
@@ -36,24 +36,39 @@ class Shown:
     headset: Headset | None  # whose lens lies in front of it, None for a picture viewed without one
 
     @property
-    def whole(self) -> Size:
+    def total_size(self) -> Size:
         """(w, h) of all eyes side by side, in square pixels."""
         return max(1, round(self.count * self.size[1] * self.aspect)), self.size[1]
 
 
-def shown(view: str, headset: Headset, size: Size | None) -> Shown:
-    """Return what the view "both" or "flat" of a headset shows.
+def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
+    """Return the view "both" or "flat" of a headset.
 
     size: of one eye, None for what suits it. The flat view is as wide as the left eye sees to its
     wider side, and as high.
     """
     if view == BOTH:
         width, height = headset.eye_size_m
-        return Shown(headset, 2, size or headset.eye_size_px, width / height, headset)
+        return WindowView(headset, 2, size or headset.eye_size_px, width / height, headset)
     if view != FLAT:
         raise InputError(f"view '{view}': wanted {BOTH} or {FLAT}")
     left, right, down, up = np.abs(headset.left_fov.tangents)
     wide, high = max(left, right), max(down, up)
     aspect = float(wide / high)
     eye = OneEye(headset.name, Fov.from_tangents((-wide, wide, -high, high)))
-    return Shown(eye, 1, size or flat_size(aspect), aspect, None)
+    return WindowView(eye, 1, size or flat_size(aspect), aspect, None)
+
+
+class ViewChoice:
+    """The view of a window, which may be switched.
+
+    size: (w, h) of one eye's picture; None for what suits the view.
+    """
+
+    def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
+        self._headset, self._size = headset, size
+        self.look(view)
+
+    def look(self, view: str) -> None:
+        """Switch to "both" or "flat". Errors: InputError for another word."""
+        self.current = window_view(view, self._headset, self._size)

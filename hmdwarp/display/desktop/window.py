@@ -6,28 +6,30 @@ Knows nothing of what is shown in it.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
-from .connection import Connection
 from .layout import Size, window_size
 from .opening import last_error
-from .screens import in_words, mode_of, screen_of
+from .screens import mode_of, screen_of, screen_text
+from .x_connection import XConnection
+
+if TYPE_CHECKING:
+    from .window_types import VideoMode, WindowHandle
 
 FALLBACK_ROOM = (1280, 800)  # where no screen says how large it is
 _NO_ERROR = 0  # GL_NO_ERROR
 
 
 class WindowContext:
-    """A window's context as moderngl wants one, through glfw's own loader.
+    """A window's context for moderngl, through glfw's loader: GLX and EGL, X11 and Wayland."""
 
-    GLX and EGL, X11 and Wayland.
-    """
-
-    def __init__(self, glfw: ModuleType, handle: object) -> None:
+    def __init__(self, glfw: ModuleType, handle: WindowHandle) -> None:
         self._glfw, self._handle = glfw, handle
 
     def load_opengl_function(self, name: str) -> int:
@@ -46,10 +48,9 @@ class WindowContext:
 
 
 class Window:
-    """A window for `wanted` pixels, (w, h), plus `column` more for what stands beside them.
+    """A window for pictures of (w, h) `wanted` pixels, with a column beside them.
 
-    column: in pixels of a usual screen. handle: glfw's. gl: its context, current when this returns.
-    framebuffer_size: (w, h) in pixels; (0, 0) while it is minimised on some systems.
+    column: its width in pixels at a content scale of 1.
     Errors: MachineError that says why there is no window or no OpenGL 4.3 in it.
     """
 
@@ -64,13 +65,14 @@ class Window:
         vsync: bool = True,
     ) -> None:
         self._glfw, self._title = glfw, title
-        self.handle, self.api = _made(glfw, title, _units(glfw, wanted, column))
-        self._connection = Connection(glfw)
-        self.place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
+        self.handle, self.api = _create(glfw, title, _units(glfw, wanted, column))
+        self._closed = False
+        self._connection = XConnection(glfw)
+        self._place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
         if full_screen:
             self.fill_screen(True)
         self._show()
-        self.gl = self._context(vsync)
+        self.gl = self._context(vsync)  # current when this returns
         self._reset_status = self._function(
             "glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR"
         )
@@ -82,11 +84,13 @@ class Window:
         glfw.set_framebuffer_size_callback(self.handle, self._resized)
         glfw.set_window_iconify_callback(self.handle, self._iconified)
         glfw.show_window(self.handle)
+        # (w, h) in pixels; (0, 0) while it is minimised, on some systems
         self.framebuffer_size: Size = tuple(glfw.get_framebuffer_size(self.handle))
         glfw.focus_window(self.handle)
 
     def _context(self, vsync: bool) -> moderngl.Context:
-        context = WindowContext(self._glfw, self.handle)
+        # moderngl's annotation knows no context objects, its manual does
+        context: Any = WindowContext(self._glfw, self.handle)
         context.__enter__()
         self.wait_for_screen(vsync)
         try:
@@ -115,14 +119,43 @@ class Window:
     @property
     def rate_hz(self) -> float:
         """Refreshes a second of the screen it is on; 0 where that is unknown (virtual screens)."""
-        mode = mode_of(self._glfw, screen_of(self._glfw, self.handle))
+        mode: VideoMode | None = mode_of(self._glfw, screen_of(self._glfw, self.handle))
         return float(mode.refresh_rate) if mode is not None else 0.0
 
-    def screen_in_words(self) -> str:
-        """Name, size and rate of the screen it is on."""
-        return in_words(self._glfw, screen_of(self._glfw, self.handle))
+    def screen_text(self) -> str:
+        """Return name, size and rate of the screen it is on."""
+        return screen_text(self._glfw, screen_of(self._glfw, self.handle))
+
+    def pixel_of(self, x: float, y: float) -> tuple[float, float]:
+        """Return framebuffer pixels from the bottom left of a position as glfw reports it.
+
+        x, y: from the top left, in the window's own units, which on some desktops are not pixels.
+        """
+        (w, h), (fw, fh) = self._glfw.get_window_size(self.handle), self.framebuffer_size
+        return x * fw / max(w, 1), fh - y * fh / max(h, 1)
+
+    @property
+    def system_text(self) -> str:
+        """Version of glfw, window system and kind of context, for headers."""
+        glfw = self._glfw
+        names = {
+            glfw.PLATFORM_X11: "X11",
+            glfw.PLATFORM_WAYLAND: "Wayland",
+            glfw.PLATFORM_WIN32: "Windows",
+            glfw.PLATFORM_COCOA: "macOS",
+        }
+        version, system = ".".join(map(str, glfw.get_version())), names.get(glfw.get_platform(), "unknown")
+        return f"glfw {version}, {system}, context: {self.api}"
 
     # --- state ---
+
+    def poll_events(self) -> None:
+        """Process the window's events."""
+        self._glfw.poll_events()
+
+    def wait_events(self, seconds: float) -> None:
+        """Process the window's events; wait for some at most that long."""
+        self._glfw.wait_events_timeout(seconds)
 
     @property
     def fills_screen(self) -> bool:
@@ -139,13 +172,13 @@ class Window:
             screen = screen_of(glfw, self.handle)
             mode = mode_of(glfw, screen)
             if mode is not None:
-                self.place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
+                self._place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
                 glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
         elif not on and self.fills_screen:
             self._leave_screen()
 
     def _leave_screen(self) -> None:
-        place, self.place = self.place or (0, 0, *FALLBACK_ROOM), None
+        place, self._place = self._place or (0, 0, *FALLBACK_ROOM), None
         self._glfw.set_window_monitor(self.handle, None, *place, 0)
 
     def screens_changed(self) -> bool:
@@ -155,7 +188,7 @@ class Window:
         """
         # glfw itself has taken the window off a screen that is gone; only where it was before is
         # ours to know.
-        if self.place is None or self.fills_screen:
+        if self._place is None or self.fills_screen:
             return False
         self._leave_screen()
         return True
@@ -176,8 +209,12 @@ class Window:
 
         Returns when the screen has it: no second picture waits in the driver, growing old.
         """
-        self._glfw.swap_buffers(self.handle)
+        self.send()
         self.gl.finish()
+
+    def send(self) -> None:
+        """Show what was drawn, without waiting for the screen."""
+        self._glfw.swap_buffers(self.handle)
 
     def over(self) -> str:
         """Return why nothing can be shown in it any more, in words; "" while it can."""
@@ -189,8 +226,9 @@ class Window:
             return "the graphics driver was reset, and every picture in it is gone: the run ends here"
         return ""
 
-    def _function(self, *names: str) -> object | None:
-        address = next((a for a in map(WindowContext(self._glfw, self.handle).load_opengl_function, names) if a), 0)
+    def _function(self, *names: str) -> Callable[[], int] | None:
+        load = WindowContext(self._glfw, self.handle).load_opengl_function
+        address = next((a for a in map(load, names) if a), 0)
         return ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
 
     def end(self) -> None:
@@ -199,17 +237,16 @@ class Window:
 
     def close(self) -> None:
         """Destroy it, and end glfw. May be called twice."""
-        handle, self.handle = self.handle, None
-        if handle is not None and not self._connection.broken:
-            self._glfw.destroy_window(handle)
+        if not self._closed and not self._connection.broken:
+            self._glfw.destroy_window(self.handle)
             self._glfw.terminate()
+        self._closed = True
 
 
 def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
-    """Return (w, h) in units of a window as large as `wanted` pixels and a column, within the
-    screen.
+    """Return (w, h), in its own units, of a window for `wanted` pixels and a column.
 
-    A unit may measure any number of pixels (HiDPI).
+    It stays within the screen. A unit may measure any number of pixels (HiDPI).
     """
     screen = glfw.get_primary_monitor()
     room = glfw.get_monitor_workarea(screen)[2:] if screen else FALLBACK_ROOM
@@ -221,12 +258,12 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
     return max(1, round(width / unit)), max(1, round(height / unit))
 
 
-def _made(glfw: ModuleType, title: str, size: Size) -> tuple[object, str]:
+def _create(glfw: ModuleType, title: str, size: Size) -> tuple[WindowHandle, str]:
     """Make a hidden window; return it and the interface its context was made by.
 
     EGL where the system's own way (GLX) has none.
     """
-    said = []
+    failures = []
     for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
         glfw.default_window_hints()
         for hint, value in _hints(glfw, api).items():
@@ -234,10 +271,10 @@ def _made(glfw: ModuleType, title: str, size: Size) -> tuple[object, str]:
         handle = glfw.create_window(*size, title, None, None)
         if handle:
             return handle, name
-        said.append(f"{name}: {last_error(glfw)}")
+        failures.append(f"{name}: {last_error(glfw)}")
     glfw.terminate()
     raise MachineError(
-        f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(said)}); 'hmdwarp doctor' shows what is there"
+        f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(failures)}); 'hmdwarp doctor' shows what is there"
     )
 
 
@@ -248,7 +285,7 @@ def _hints(glfw: ModuleType, api: int) -> dict[int, int]:
         glfw.CONTEXT_VERSION_MAJOR: WANTED // 100,
         glfw.CONTEXT_VERSION_MINOR: WANTED // 10 % 10,
         glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
-        # Ask to be told of a reset; drivers that cannot are not troubled by it.
+        # A notice of resets; drivers without one ignore this.
         glfw.CONTEXT_ROBUSTNESS: glfw.LOSE_CONTEXT_ON_RESET,
         glfw.DEPTH_BITS: 0,
         glfw.STENCIL_BITS: 0,

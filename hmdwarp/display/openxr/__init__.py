@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from .display import OpenXrDisplay
-    from .head import OpenXrHead
+from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
-__all__ = ["OpenXrDisplay", "OpenXrHead"]
-WHO = "the OpenXR runtime"  # corrects the lens and takes depth, as a plan tells it
+if TYPE_CHECKING:
+    from .head import OpenXrHead
+    from .openxr_display import OpenXrDisplay
+
+__all__ = [
+    "INSTALL",
+    "LOST",
+    "RUNTIME_LABEL",
+    "STAGES",
+    "OpenXrDisplay",
+    "OpenXrHead",
+    "diagnose",
+    "manifest",
+    "manifest_text",
+    "missing_extensions",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -23,6 +35,6 @@ def __getattr__(name: str) -> Any:
         from .head import OpenXrHead
 
         return OpenXrHead
-    from .display import OpenXrDisplay
+    from .openxr_display import OpenXrDisplay
 
     return OpenXrDisplay

@@ -7,21 +7,29 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import xr
 
 from ...errors import MachineError
 from .. import Command
 from ..controls import Control
-from .bindings import AXES, BUTTONS, HANDS, PROFILES
 from .calls import Calls
 from .instance import Instance
 from .pressing import Pressing
+from .profiles import AXES, BUTTONS, HANDS, PROFILES
 
-_SYNCED = (
-    xr.Result.SUCCESS.value
-)  # else the session has not the user's attention (XR_SESSION_NOT_FOCUSED), and no button counts
+if TYPE_CHECKING:
+
+    class _State(ctypes.Structure):
+        """XrActionStateBoolean or XrActionStateFloat."""
+
+        current_state: float
+        is_active: bool
+
+
+# Otherwise the session lacks the focus (XR_SESSION_NOT_FOCUSED), and no button counts.
+_SYNCED = xr.Result.SUCCESS.value
 _WORDS = {
     "across": "stick, across",
     "along": "stick, along",
@@ -34,8 +42,7 @@ _WORDS = {
 class Actions:
     """Actions of one session, made before it begins; they go with the instance.
 
-    controls: the first of them with a button is what it requests. refused: profiles of controllers
-    that the runtime does not know.
+    controls: of those with the same button, the first one is requested.
     """
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
@@ -46,25 +53,24 @@ class Actions:
             xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0)
         )
         hands = [self._path(instance, path) for path in HANDS]
-        actions = {name: self._made(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
-        actions |= {name: self._made(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
+        actions = {name: self._create(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
+        actions |= {name: self._create(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
         self._suggest(instance, actions)
         calls.ask(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
-        self._active = (xr.ActiveActionSet * 1)(
-            xr.ActiveActionSet(handle, xr.NULL_PATH)
-        )  # kept: the next line but points at it
+        # Kept: the next line only points at it.
+        self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
-        self._buttons = {name: _Asking(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
-        # Each hand by itself: asked for both at once, Monado 25 tells 0 where one stick is at -1
-        # and the other at 0.
-        self._axes = {name: [_Asking(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
+        self._buttons = {name: _Query(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
+        # Each hand by itself: read at once, Monado 25 reports 0 where one stick is at -1 and the
+        # other at 0.
+        self._axes = {name: [_Query(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
 
-    def _made(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
+    def _create(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
         info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, _WORDS.get(name, name))
         return self._calls.ask(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
-        self.refused: list[str] = []
+        self.refused: list[str] = []  # profiles of controllers that the runtime does not know
         for profile, pairs in PROFILES.items():
             paths = [(actions[name], self._path(instance, path)) for name, path in pairs]
             suggested = [xr.ActionSuggestedBinding(action, path) for action, path in paths]
@@ -84,7 +90,7 @@ class Actions:
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
         axes = {
-            name: max((float(self._state("xrGetActionStateFloat", one)) for one in ones), key=abs)
+            name: max((self._state("xrGetActionStateFloat", one) for one in ones), key=abs)
             for name, ones in self._axes.items()
         }
         for button in self._pressing.step(buttons, axes, now_ns):
@@ -92,23 +98,23 @@ class Actions:
             if control is not None:
                 self._commands.append(Command(control.name, control.value))
 
-    def _state(self, call: str, one: _Asking) -> Any:
+    def _state(self, call: str, one: _Query) -> float:
         self._calls(call, self._session, one.info_pointer, one.state_pointer)
         return one.state.current_state if one.state.is_active else 0
 
     def commands(self) -> list[Command]:
         """Return the requests since the last call."""
-        asked, self._commands = self._commands, []
-        return asked
+        commands, self._commands = self._commands, []
+        return commands
 
 
-class _Asking:
-    """One action: what to read, and where the answer goes.
+class _Query:
+    """One action's state, and the pointers to read it.
 
     hand: its path; all of them by default.
     """
 
-    def __init__(self, action: xr.Action, state: ctypes.Structure, hand: int = xr.NULL_PATH) -> None:
+    def __init__(self, action: xr.Action, state: _State, hand: int = xr.NULL_PATH) -> None:
         self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=hand), state
         self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from ...errors import MachineError
-from .trouble import trouble
+from .diagnosis import diagnose
 
 
 def load_binding() -> None:
@@ -20,5 +20,5 @@ def load_binding() -> None:
     try:
         import xr  # noqa: F401
     except Exception as error:
-        words, remedy = trouble("binding", type(error).__name__, error)
+        words, remedy = diagnose("binding", type(error).__name__, error)
         raise MachineError(f"{words}: {remedy}") from error

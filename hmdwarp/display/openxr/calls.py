@@ -16,7 +16,7 @@ from xr import raw_functions
 
 from ...errors import HmdwarpError, MachineError
 from .. import Lost
-from .trouble import LOST, manifest_in_words, trouble
+from .diagnosis import LOST, diagnose, manifest_text
 
 # What only a caller who does not keep to the specification gets.
 _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "TimeInvalid", "ValidationFailure")
@@ -25,7 +25,7 @@ _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "T
 class Calls:
     """Calls into one runtime.
 
-    stage: progress on the way to a picture, as in trouble.STAGES. name: the runtime's, for
+    stage: progress on the way to a picture, as in diagnosis.STAGES. name: the runtime's, for
     messages.
     """
 
@@ -55,14 +55,14 @@ class Calls:
 
         Returns its result, 0 or above. Errors: as ask.
         """
-        function = self._functions.get(call) or self._found(call)
+        function = self._functions.get(call) or self._load(call)
         with self._watching(call):
             result = function(*arguments)
         if result < 0:
             raise self._error(call, _name_of(result), "")
         return result
 
-    def _found(self, call: str) -> Any:
+    def _load(self, call: str) -> Any:
         """Return a function pointer of our own.
 
         pyopenxr's makes an enum of every result, and fails on results it does not know.
@@ -77,8 +77,8 @@ class Calls:
             return HmdwarpError(
                 f"{call}: {name}{f' ({message})' if message else ''}, which no call of ours should get from {self.name}"
             )
-        said = f"{call}{f', {message}' if message else ''}"
-        words, remedy = trouble(self.stage, name, said, self.name, manifest_in_words(os.environ))
+        detail = f"{call}{f', {message}' if message else ''}"
+        words, remedy = diagnose(self.stage, name, detail, self.name, manifest_text(os.environ))
         lost = self.stage == "running" and name in LOST
         return Lost(words) if lost else MachineError(f"{words}: {remedy}")
 

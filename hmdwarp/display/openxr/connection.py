@@ -9,13 +9,13 @@ from contextlib import ExitStack
 import attrs
 import xr
 
-from ...errors import InputError, MachineError
+from ...errors import HmdwarpError, InputError, MachineError
 from .. import Closed
 from ..controls import Control
 from .actions import Actions, open_actions
 from .calls import Calls
 from .eyes import COUNT, RuntimeEyes
-from .frames import Frames
+from .frame_calls import FrameCalls
 from .graphics import Graphics, check_requirements
 from .instance import DEPTH_EXTENSION, WITH_PICTURES, Instance, open_instance
 from .layer import Projection
@@ -23,30 +23,37 @@ from .session import Session
 from .swapchain import Swapchain, colour_format, depth_format
 from .tracking import HeadTracker, Spaces
 
-READY_S = 5.0  # for a session that was just made to be wanted; runtimes take fractions of a second
+READY_S = 5.0  # for a session that was just made to become ready; runtimes take fractions of a second
 IDLE_S = 0.01  # between two looks at a session that does not run
 SEEN = 4  # frames with should_render on; before that the period is a guess (Monado: 16 ms for up to two of them)
-UNSEEN_S = 1.0  # a headset that nobody wears may never ask for a picture
+UNSEEN_S = 1.0  # a headset that is not worn may never ask for a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
+
+
+@attrs.frozen(eq=False)
+class Pictures:
+    """The runtime's pictures of both eyes, and the layer that hands them over."""
+
+    colours: list[Swapchain]
+    depths: list[Swapchain]  # empty where the runtime takes none
+    layer: Projection
 
 
 @attrs.define(eq=False)
 class Connection:
-    """A session with its pictures. Close it in any case: errors no longer matter then."""
+    """A session with its pictures. Close it in any state: errors no longer matter then."""
 
     instance: Instance
     session: Session
     spaces: Spaces
-    frames: Frames
+    frames: FrameCalls
     recommended: tuple[int, int]  # (w, h) of one eye
     has_depth: bool
     _largest: tuple[int, int]
     _formats: list[int]
     _cleanup: ExitStack
     actions: Actions | None = None
-    colours: list[Swapchain] = attrs.field(factory=list)
-    depths: list[Swapchain] = attrs.field(factory=list)
-    projection: Projection | None = None
+    _pictures: Pictures | None = attrs.field(default=None, init=False)
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
         """Go through the first frames, empty, until session, period and eyes are known.
@@ -82,10 +89,15 @@ class Connection:
                 f"size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}"
             )
         kind, deep = colour_format(self._formats), depth_format(self._formats)
-        self.colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]
-        if with_depth and deep is not None:
-            self.depths = [self._swapchain(calls, graphics, size, deep) for _ in range(COUNT)]
-        self.projection = Projection(self.spaces.world, self.colours, self.depths)
+        colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]
+        depths = [self._swapchain(calls, graphics, size, deep) for _ in range(COUNT)] if with_depth and deep else []
+        self._pictures = Pictures(colours, depths, Projection(self.spaces.world, colours, depths))
+
+    def pictures(self) -> Pictures:
+        """Return the pictures that make_pictures() made."""
+        if self._pictures is None:
+            raise HmdwarpError("the session has no pictures: make_pictures() first")
+        return self._pictures
 
     def _swapchain(self, calls: Calls, graphics: Graphics, size: tuple[int, int], kind: int) -> Swapchain:
         made = Swapchain(calls, graphics.gpu, self.session.handle, size, kind)
@@ -105,17 +117,17 @@ def _unready(name: str, running: bool) -> str:
 
 
 def connect(
-    calls: Calls, drawn_with: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
+    calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
 ) -> Connection:
     """Return a session with pictures.
 
-    drawn_with: the graphics for an existing runtime. controls: those of them with buttons are read.
+    graphics_for: returns the graphics for a runtime. controls: those of them with buttons are read.
     Errors: MachineError.
     """
     with ExitStack() as stack:
         instance = open_instance(calls, WITH_PICTURES)
         stack.callback(instance.destroy)
-        graphics = drawn_with(instance)
+        graphics = graphics_for(instance)
         check_requirements(calls, instance, graphics.gpu)
         views = calls.ask(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
         if len(views) != COUNT:
@@ -130,7 +142,7 @@ def connect(
         actions = open_actions(calls, instance, session.handle, controls)
         spaces = Spaces(calls, instance, session.handle)
         tracker.attach(calls, instance, spaces)
-        frames = Frames(calls, session.handle, opaque if opaque in modes else modes[0])
+        frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
         formats = [int(one) for one in calls.ask(xr.enumerate_swapchain_formats, session.handle)]
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
         largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)

@@ -50,16 +50,16 @@ class RuntimeEyes:
         calls("xrLocateViews", session, *self._arguments)
         if not self._state._view_state_flags & _ORIENTATION:
             return
-        said = bytes(self._views)
-        if said != self._bytes:
-            self._take(said)
+        raw = bytes(self._views)
+        if raw != self._bytes:
+            self._update(raw)
 
-    def _take(self, said: bytes) -> None:
+    def _update(self, raw: bytes) -> None:
         try:
             self._known = tuple((pose_of(view.pose), _fov_of(view.fov)) for view in self._views)
         except InputError:  # no field of view yet, or a lost service's zeros
             return
-        self._bytes = said
+        self._bytes = raw
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the view of each eye, as geometry.Eyes."""

@@ -14,8 +14,8 @@ from ...errors import InputError, MachineError
 from ...gpu.context import WANTED, Gpu
 from ..controls import CONTROLS, Control
 from .calls import Calls
+from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
 from .instance import Instance
-from .trouble import EGL_EXTENSION, GLX_EXTENSION
 
 if TYPE_CHECKING:
     from .mirror import Mirror
@@ -48,20 +48,21 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
     The environment's HMDWARP_OPENXR_GRAPHICS, egl or glx, allows only that one.
     Errors: InputError for another word there; MachineError if none is left.
     """
-    asked = environ.get(VARIABLE, "").lower()
-    if asked not in ("", EGL, GLX):
-        raise InputError(f"{VARIABLE} is '{asked}': wanted {EGL} or {GLX}")
-    able = []
+    requested = environ.get(VARIABLE, "").lower()
+    if requested not in ("", EGL, GLX):
+        raise InputError(f"{VARIABLE} is '{requested}': wanted {EGL} or {GLX}")
+    possible = []
     if GLX_EXTENSION in extensions and environ.get("DISPLAY"):
-        able.append(GLX)
+        possible.append(GLX)
     if EGL_EXTENSION in extensions:
-        able.append(EGL)
-    left = [kind for kind in able if asked in ("", kind)]
+        possible.append(EGL)
+    left = [kind for kind in possible if requested in ("", kind)]
     if left:
         return left
-    if asked:
+    if requested:
         raise MachineError(
-            f"{VARIABLE} is '{asked}', and this runtime can be drawn for by {' or '.join(able) or 'neither'} here"
+            f"{VARIABLE} is '{requested}', and "
+            f"this runtime can be drawn for by {' or '.join(possible) or 'neither'} here"
         )
     raise MachineError(
         f"the runtime takes pictures from a window only (no {EGL_EXTENSION}), and DISPLAY is not set: start an X server"
@@ -73,13 +74,13 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
 
     controls: of the window, where there is one.
     """
-    said = []
+    failures = []
     for kind in kinds(instance.extensions, os.environ):
         try:
             return _windowed(controls) if kind == GLX else _windowless()
         except MachineError as error:
-            said.append(str(error))
-    raise MachineError("; ".join(said))
+            failures.append(str(error))
+    raise MachineError("; ".join(failures))
 
 
 def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
@@ -144,10 +145,10 @@ def _glx_binding() -> ctypes.Structure:
     number, count = ctypes.c_int(), ctypes.c_int()
     shown, drawn = ctypes.c_void_p(display), ctypes.c_void_p(context)
     glx.glXQueryContext(shown, drawn, _FBCONFIG_ID, ctypes.byref(number))
-    wanted = (ctypes.c_int * 3)(_FBCONFIG_ID, number.value, _NONE)
+    request = (ctypes.c_int * 3)(_FBCONFIG_ID, number.value, _NONE)
     screen = ctypes.CDLL("libX11.so.6").XDefaultScreen(shown)
     chosen = ctypes.cast(
-        glx.glXChooseFBConfig(shown, screen, wanted, ctypes.byref(count)), ctypes.POINTER(ctypes.c_void_p)
+        glx.glXChooseFBConfig(shown, screen, request, ctypes.byref(count)), ctypes.POINTER(ctypes.c_void_p)
     )
     config, visual = chosen[0] if count.value else None, ctypes.c_int()
     if config:
@@ -167,8 +168,8 @@ def _egl_binding() -> ctypes.Structure:
     number, config, count = ctypes.c_int(), ctypes.c_void_p(), ctypes.c_int()
     shown = ctypes.c_void_p(display)
     egl.eglQueryContext(shown, ctypes.c_void_p(context), _CONFIG_ID, ctypes.byref(number))
-    wanted = (ctypes.c_int * 3)(_CONFIG_ID, number.value, _NONE_EGL)
-    egl.eglChooseConfig(shown, wanted, ctypes.byref(config), 1, ctypes.byref(count))
+    request = (ctypes.c_int * 3)(_CONFIG_ID, number.value, _NONE_EGL)
+    egl.eglChooseConfig(shown, request, ctypes.byref(config), 1, ctypes.byref(count))
     binding = xr.GraphicsBindingEGLMNDX()
     _put(binding, get_proc_address=ctypes.cast(egl.eglGetProcAddress, ctypes.c_void_p).value)
     _put(binding, display=display, config=config.value, context=context)

@@ -22,7 +22,7 @@ from .instance import HEADLESS_EXTENSION, RATE_EXTENSION, WITHOUT_PICTURES, Inst
 from .session import Session
 from .tracking import HeadTracker, Spaces
 
-UNTOLD_HZ = 90.0  # what most headsets have
+DEFAULT_HZ = 90.0  # what most headsets have
 
 
 class OpenXrHead:
@@ -64,17 +64,18 @@ class OpenXrHead:
         self._instance, self.about = instance, {**instance.about, "graphics": "none", "space": spaces.name}
         self._calls.stage = "running"
         self._until_running()
-        self.rate_hz = self._told_rate() or UNTOLD_HZ
+        self.rate_hz = self._reported_rate() or DEFAULT_HZ
 
     def _open_with_frames(self) -> None:
-        self._connection = made = connect(self._calls, self._drawn_with, self._tracker)
+        self._connection = made = connect(self._calls, self._graphics_for, self._tracker)
         self._instance, self._session = made.instance, made.session
-        self.about = {**made.instance.about, "graphics": self._graphics.name, "space": made.spaces.name}
+        name = self._graphics.name if self._graphics is not None else "none"
+        self.about = {**made.instance.about, "graphics": name, "space": made.spaces.name}
         self._calls.stage = "running"
         made.settle(self._calls, RuntimeEyes())
         self.rate_hz = 1e9 / made.frames.state.predicted_display_period
 
-    def _drawn_with(self, instance: Instance) -> Graphics:
+    def _graphics_for(self, instance: Instance) -> Graphics:
         self._graphics = self._graphics or open_graphics(instance)
         return self._graphics
 
@@ -85,12 +86,12 @@ class OpenXrHead:
                 raise MachineError(f"{self._calls.name} did not begin a session within {READY_S:g} s: wake the headset")
             time.sleep(IDLE_S)
 
-    def _told_rate(self) -> float:
+    def _reported_rate(self) -> float:
         if RATE_EXTENSION not in self._instance.extensions:
             return 0.0
         try:
-            told = xr.get_display_refresh_rate_fb(self._session.handle)
-            return float(getattr(told, "value", told))
+            rate_hz = xr.get_display_refresh_rate_fb(self._session.handle)
+            return float(getattr(rate_hz, "value", rate_hz))
         except xr.XrException:  # a display that has none, without pictures
             return 0.0
 
@@ -132,7 +133,7 @@ class OpenXrHead:
         return self._tracker.lost
 
     def reopen(self) -> bool:
-        """Tell, after Lost, whether the runtime is back."""
+        """Reconnect after Lost; return whether the runtime is back."""
         self._disconnect()
         try:
             self._open()

@@ -1,6 +1,6 @@
 """The projection layer.
 
-Both eyes' pictures with their poses, fields of view and, if wanted, depths.
+Both eyes' pictures with their poses, fields of view and, where the runtime takes them, depths.
 """
 
 from __future__ import annotations

@@ -6,8 +6,8 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .. import Closed, Command, Label
-from ..controls import CONTROLS, Control, help_goes
+from .. import Closed, Command, Label, Status
+from ..controls import CONTROLS, Control, help_closes
 from ..desktop.keys import Keys, label
 from ..desktop.opening import start
 from ..desktop.window import Window
@@ -18,42 +18,43 @@ if TYPE_CHECKING:
     from ..present import Presenter
 
 SIZE = (480, 480)
+TITLE_NS = 250_000_000
 PERIOD_NS = 30_000_000  # the headset has the machine; the window is content with every second or third picture
-# What its keys do here; a runtime has its own way to be recentred and its own lens, and one view
+# What its keys do here. A runtime recentres the head and corrects the lens itself, and has one view
 # alone.
 QUIT = "quit"
-ITS_OWN = ("help", "full_screen", QUIT)
+OWN = ("help", "full_screen", QUIT)
 ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
-    """The window.
+    """The window. Its context draws the headset's pictures.
 
-    gl: its context, which draws the headset's pictures. controls: what its keys request.
+    controls: what its keys request.
     Errors: MachineError where there is no window.
     """
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
         self._keys = Keys(tuple(one for one in controls if one.name not in ELSEWHERE))
-        self._glfw = start()
-        self._window = Window(self._glfw, "hmdwarp", SIZE, vsync=False)
+        glfw = start()
+        self._window = Window(glfw, "hmdwarp", SIZE, vsync=False)
         self.gl = self._window.gl
         self._screen = self.gl.detect_framebuffer(0)
         self._commands: list[Command] = []
-        self._drawn_ns = 0
+        self._drawn_ns = self._titled_ns = 0
         self._help = False
-        self._glfw.set_key_callback(self._window.handle, self._key)
+        glfw.set_key_callback(self._window.handle, self._key)
 
     def _key(self, _: object, key: int, __: int, action: int, mods: int) -> None:
         command = self._keys.command_of(key, action, mods)
         if command is None:
             return
-        if command.control in ITS_OWN:
-            self._own(command.control)
+        if command.control in OWN:
+            self._handle(command.control)
         else:
             self._commands.append(command)
 
-    def _own(self, name: str) -> None:
+    def _handle(self, name: str) -> None:
         if name == "help":
             self._help = not self._help
         elif name == "full_screen":
@@ -63,19 +64,22 @@ class Mirror:
 
     def poll(self) -> None:
         """Process the window's events. Errors: Closed."""
-        self._glfw.poll_events()
+        self._window.poll_events()
         reason = self._window.over()
         if reason:
             raise Closed(reason)
 
     def commands(self) -> Sequence[Command]:
         """Return what its keys requested since the last call."""
-        asked, self._commands = self._commands, []
-        return asked
+        commands, self._commands = self._commands, []
+        return commands
 
-    def title(self, text: str) -> None:
-        """Set the window's title."""
-        self._window.title(text)
+    def tell(self, status: Status) -> None:
+        """Show the status in the window's title, four times a second."""
+        now_ns = time.monotonic_ns()
+        if now_ns - self._titled_ns >= TITLE_NS:
+            self._titled_ns = now_ns
+            self._window.title(status.title())
 
     def show(self, presenter: Presenter, panel: Canvas | None, label: Label) -> None:
         """Show the left eye's picture as large as it fits, with label or help.
@@ -90,12 +94,12 @@ class Mirror:
         self._screen.viewport = place
         self._screen.use()
         self._screen.clear()
-        self._help = self._help and not help_goes(self._keys.controls, plate=not isinstance(label, str))
+        self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
         text = presenter.notice(help_text(self._keys.controls) if self._help else label)
         presenter.show(
             panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text
         )
-        self._glfw.swap_buffers(self._window.handle)
+        self._window.send()
 
     def close(self) -> None:
         """Close the window. May be called twice."""

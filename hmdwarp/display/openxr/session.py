@@ -20,7 +20,7 @@ _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
 class Session:
-    """An OpenXR session. state: the newest one. running: between xrBeginSession and xrEndSession.
+    """An OpenXR session.
 
     binding: the graphics to draw with; None for a session without pictures. It is kept: the runtime
     may read it again.
@@ -29,7 +29,8 @@ class Session:
 
     def __init__(self, calls: Calls, instance: Instance, binding: ctypes.Structure | None) -> None:
         self._calls, self._instance, self._binding = calls, instance, binding
-        self.state, self.running = State.UNKNOWN, False
+        self.state = State.UNKNOWN  # the newest one
+        self.running = False  # between xrBeginSession and xrEndSession
         pointer = None if binding is None else ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
         self.handle = calls.ask(
             xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
@@ -51,7 +52,7 @@ class Session:
             elif event._type == _INSTANCE_LOSS:
                 raise Lost(f"{self._calls.name} is about to end")
 
-    def _enter(self, state: State) -> None:
+    def _enter(self, state: xr.SessionState) -> None:
         self.state = state
         if state == State.READY:
             self._calls.ask(xr.begin_session, self.handle, xr.SessionBeginInfo(_STEREO))

@@ -45,18 +45,16 @@ def depth_format(offered: list[int]) -> int | None:
 
 
 class Swapchain:
-    """Pictures of one eye, (w, h) each, passed between runtime and client.
-
-    is_depth: whether they hold depth.
-    """
+    """Pictures of one eye, (w, h) each, passed between runtime and client."""
 
     def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, size: tuple[int, int], kind: int) -> None:
-        self._calls, self.size, self.is_depth = calls, size, kind not in COLOURS
-        wanted = xr.SwapchainCreateInfo(
+        self._calls, self.size = calls, size
+        self.is_depth = kind not in COLOURS  # whether they hold depth
+        info = xr.SwapchainCreateInfo(
             usage_flags=_DEPTH if self.is_depth else _DRAWN, format=kind, sample_count=1,
             width=size[0], height=size[1], face_count=1, array_size=1, mip_count=1,
         )  # fmt: skip
-        self.handle = calls.ask(xr.create_swapchain, session, wanted)
+        self.handle = calls.ask(xr.create_swapchain, session, info)
         self._textures: list[moderngl.Texture] = []
         self._framebuffers: list[moderngl.Framebuffer] = []
         try:
@@ -87,13 +85,15 @@ class Swapchain:
         return self._framebuffers[self._index.value]
 
     def release(self) -> None:
-        """Hand the drawn picture back. Errors: Lost."""
+        """Hand the picture back. Errors: Lost."""
         self._calls("xrReleaseSwapchainImage", self.handle, None)
 
     def destroy(self) -> None:
         """Destroy our names for the pictures first, then the runtime's pictures."""
-        for thing in (*self._framebuffers, *self._textures):
-            thing.release()
+        for framebuffer in self._framebuffers:
+            framebuffer.release()
+        for texture in self._textures:
+            texture.release()
         self._framebuffers.clear()
         self._textures.clear()
         with suppress(Exception):  # of a session that is lost

@@ -46,14 +46,12 @@ def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, 
 
 
 class HeadTracker:
-    """A PoseSource on CLOCK_MONOTONIC. lost.
-
-    Whether the orientation was untracked at the last reading.
+    """A PoseSource on CLOCK_MONOTONIC.
 
     A lost head is HELD: where the runtime last knew it, if it still says so (valid, not tracked:
     the specification's way of losing track), else where it was here. Tracked poses of the past are
     MEASURED, of the future PREDICTED. Only the orientation counts: an invalid position, as of 3-DoF
-    headsets, is held while the orientation goes on.
+    headsets, is held while the orientation is tracked.
     Source: OpenXR 1.0, XrSpaceLocationFlagBits.
     """
 
@@ -62,7 +60,7 @@ class HeadTracker:
         self._pointer = ctypes.byref(self._location)
         self._time = ctypes.c_int64()
         self._last = STANDING
-        self.lost = False
+        self.lost = False  # whether the orientation was untracked at the last reading
 
     def attach(self, calls: Calls, instance: Instance, spaces: Spaces) -> None:
         """Read from these spaces from now on."""
@@ -77,14 +75,14 @@ class HeadTracker:
         read_ns = time.monotonic_ns()
         self._calls("xrLocateSpace", self._spaces.head, self._spaces.world, time_ns + self.offset_ns, self._pointer)
         flags = self._location._location_flags
-        pose = self._told(flags) if flags & _TURN_VALID else None
+        pose = self._located(flags) if flags & _TURN_VALID else None
         self._last = pose or self._last
         self.lost = pose is None or not flags & _TURN_TRACKED
         if self.lost:
             return PoseSample(time_ns, self._last, Origin.HELD, read_ns)
-        return PoseSample(time_ns, pose, Origin.MEASURED if time_ns <= read_ns else Origin.PREDICTED, read_ns)
+        return PoseSample(time_ns, self._last, Origin.MEASURED if time_ns <= read_ns else Origin.PREDICTED, read_ns)
 
-    def _told(self, flags: int) -> Pose | None:
+    def _located(self, flags: int) -> Pose | None:
         try:
             pose = pose_of(self._location.pose)
         except InputError:  # not a number, or no turn at all: some runtimes call even that valid

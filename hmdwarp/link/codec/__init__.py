@@ -1,24 +1,10 @@
-"""Coding of frames for the network: colour by a video codec, depth by a code of its own."""
+"""Coding of frames for the network: colour by a video codec, depth by a code of its own.
 
-from .codecs import Codec, check_codec, codecs
-from .coder import Decoder, Encoder, Packet, Picture
-from .coding import Coding
-from .depth import STEP, DepthDecoder, DepthEncoder
-from .errors import Undecodable
-from .layers import packed_bytes
+Names are in __init__.pyi; each loads its module at first use: declaring an option loads no codec.
+"""
 
-__all__ = [
-    "STEP",
-    "Codec",
-    "Coding",
-    "Decoder",
-    "DepthDecoder",
-    "DepthEncoder",
-    "Encoder",
-    "Packet",
-    "Picture",
-    "Undecodable",
-    "check_codec",
-    "codecs",
-    "packed_bytes",
-]
+import lazy_loader
+
+from .codecs import codecs as codecs  # at once: the module of the same name would stand there later
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

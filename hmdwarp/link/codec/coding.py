@@ -5,23 +5,25 @@ from __future__ import annotations
 import attrs
 
 from ...errors import InputError
+from ...options import Declared, names_in, option
 
 _CRFS = (0, 51)
 
 
 @attrs.frozen
-class Coding:
+class Coding(Declared):
     """Codec and quality. With neither crf nor bitrate_mbit, the codec's own quality.
 
     Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that
     is out of bounds.
     """
 
-    codec: str = "none"
-    # Constant quality, 0 (best) to 51.
-    crf: int | None = None
-    # Mbit/s of one eye's colour.
-    bitrate_mbit: float | None = None
+    # A name of codecs.
+    codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
+    crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)
+    bitrate_mbit: float | None = option(
+        None, "Bit rate of one eye's colour, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):

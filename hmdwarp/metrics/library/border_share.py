@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import View, WarpMap
-from ...gpu.textures import flip_rows
+from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
-from ..metric import METRICS, Input, Metric
+from ..inputs import Input
+from ..metric import Metric, metrics
 
 
 def border_share(
@@ -19,7 +20,7 @@ def border_share(
     rendered: View,
     rendered_size: tuple[int, int],
 ) -> float:
-    """Return the share of all pixels, 0..hole_share, that are holes beyond the rendered field of view.
+    """Return the share of pixels, 0..hole_share, that are holes beyond the rendered field of view.
 
     The truth says what belongs there. Each hole's pixel and its true inverse depth go through the
     warp map to the rendered view. Beyond the edges of that picture, or beside or behind its eye
@@ -45,11 +46,11 @@ def border_share(
             continue
         pixel, _, w = mapping.apply(pixel_centres(rows, width), inverse_depth[rows])
         inside = (w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1)
-        outside += np.count_nonzero(holes[rows] & ~inside)
+        outside += int(np.count_nonzero(holes[rows] & ~inside))
     return float(outside / holes.size)
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="border_share",
         order=50,

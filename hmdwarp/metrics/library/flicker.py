@@ -1,4 +1,4 @@
-"""Flicker: error that changes from frame to frame, which the eye sees long before constant error."""
+"""Flicker: error that changes from frame to frame. The eye sees it long before constant error."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import View, WarpMap
-from ...gpu.textures import flip_rows
+from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
-from ..metric import METRICS, Input, Metric
+from ..inputs import Input
+from ..metric import Metric, metrics
 
 
 def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: View) -> float | None:
     """Return the mean absolute change, 0..1, of the signed error between neighbouring frames.
 
-    The two are compared at the same shown view direction: the homography of the rotation alone turns
-    the previous error to the present view (sampled bilinearly, in float64). Error that is fixed to a
-    direction in the world does not count as flicker while the head turns; error that jumps does.
-    Pixels whose direction is outside the previous picture are left out; None if none remains.
-    Interpolation softens the previous error under rotation, so pixel-sharp error counts a little even
-    when it is steady.
+    The two are compared at the same shown view direction: the homography of the rotation alone
+    turns the previous error to the present view (sampled bilinearly, in float64). Error that is
+    fixed to a direction in the world does not count as flicker while the head turns; error that
+    jumps does. Pixels whose direction is outside the previous picture are left out; None if none
+    remains. Interpolation softens the previous error under rotation, so pixel-sharp error counts a
+    little even when it is steady.
 
     error, previous_error: (h, w, 3), top row first, from error_image.
     Errors: InputError if either is not (h, w, 3); the two may differ in size.
@@ -51,7 +52,7 @@ def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: 
     return float(total / count) if count else None
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="flicker",
         order=60,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metric import METRICS, Input, Metric
+from ..inputs import Input
+from ..metric import Metric, metrics
 
 
 def hole_share(coverage: NDArray) -> float:
@@ -16,7 +17,7 @@ def hole_share(coverage: NDArray) -> float:
     return float(np.count_nonzero(np.asarray(coverage) == 0)) / np.size(coverage)
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="hole_share",
         order=40,

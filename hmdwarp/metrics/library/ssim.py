@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metric import METRICS, Metric
+from ..metric import Metric, metrics
 from ..pictures import check_pair
 
 SSIM_SIGMA = 1.5
@@ -28,7 +28,8 @@ def ssim(shown: NDArray, truth: NDArray) -> float:
     check_pair(shown, truth)
     if shown.dtype != np.uint8:
         shown, truth = shown.astype(np.float64), truth.astype(np.float64)
-    # win_size only decides whether scikit-image accepts pictures smaller than the window: sigma sets the Gaussian.
+    # win_size only decides whether scikit-image accepts pictures smaller than the window: sigma
+    # sets the Gaussian.
     smallest = min(shown.shape[:2])
     _, similarity = structural_similarity(
         shown,
@@ -44,7 +45,7 @@ def ssim(shown: NDArray, truth: NDArray) -> float:
     return float(similarity.mean())
 
 
-METRICS.register(
+metrics.register(
     Metric(
         name="ssim",
         order=20,
@@ -54,7 +55,8 @@ METRICS.register(
         bench_rank=2,
         tile_note="higher is better, 1 is identical",
         description="Structural similarity to a picture without latency, 1 is the same",
-        explanation="Structural similarity, Gaussian window of 11×11 pixels (σ 1.5), borders included; higher is better.",
+        explanation="Structural similarity, Gaussian window of 11×11 pixels (σ 1.5), borders included; higher is "
+        "better.",
         study_title="likeness (SSIM)",
     )
 )

@@ -1,4 +1,4 @@
-"""Bar charts of a bench: the error by region, and the time of each pass above its memory traffic."""
+"""Bar charts of a bench: the error by region, and each pass's time against its memory traffic."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import attrs
 import numpy as np
 
 from ...metrics import REGIONS
-from ..style import HATCHES, PAGE, drawing, dress, not_measured, svg_text
-from .cases import Case, Row
+from ..style import HATCHES, PAGE, Style, drawing, dress, not_measured, svg_text
+from .rows import Case, Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,7 @@ def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
 
 
 def regions_chart(case: Case) -> str:
-    """Draw one case as an <svg> element: what each region adds to FLIP, beside it FLIP within each region.
+    """Draw one case as an <svg> element: what each region adds to FLIP, and FLIP within each.
 
     The best row is on top.
     """
@@ -85,13 +85,13 @@ def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
         if there:
             axes.plot([min(there), max(there)], [y, y], color=PAGE.grid, linewidth=2, zorder=1)
     for number, marker in enumerate(_REGION_MARKERS):
-        points = [(values[number], y) for y, values in enumerate(flips) if values[number] is not None]
+        points = [(value, y) for y, values in enumerate(flips) if (value := values[number]) is not None]
         axes.plot(
             [x for x, _ in points], [y for _, y in points], marker=marker, markersize=6, **_dot(PAGE.regions[number])
         )
 
 
-def _dot(colour: str) -> dict[str, Any]:
+def _dot(colour: str) -> Style:
     return {"color": colour, "markeredgecolor": PAGE.ink, "markeredgewidth": 0.7, "linestyle": "none"}
 
 
@@ -134,7 +134,10 @@ class Traffic:
 
 
 def traffic(rows: Iterable[Row]) -> list[Traffic]:
-    """Return each pass once for each size, with medians over its rows: warps, fills, lenses, each from quick to slow."""
+    """Return each pass once for each size, with medians over its rows.
+
+    Warps come first, then fills and lenses, each from quick to slow.
+    """
     entries_of: dict[tuple[str, str, str], list[Any]] = {}
     for row in rows:
         for entry in row.get("passes") or ():
@@ -151,7 +154,10 @@ def traffic(rows: Iterable[Row]) -> list[Traffic]:
 
 
 def traffic_chart(passes: Sequence[Traffic]) -> str:
-    """Draw an <svg> element: each pass's bound (a bar across), time (a dot) and their ratio; time is logarithmic."""
+    """Draw an <svg> element: each pass's bound (a bar across), its time (a dot) and their ratio.
+
+    Time is logarithmic.
+    """
     height_in = 0.85 + _LINE_IN * max(len(passes), 2)
     with drawing([attrs.astuple(entry) for entry in passes]):
         from matplotlib.figure import Figure
@@ -182,17 +188,17 @@ def traffic_chart(passes: Sequence[Traffic]) -> str:
 
 def _traffic_line(axes: Axes, y: int, entry: Traffic) -> None:
     colour = PAGE.warp(entry.name) if entry.kind == "warp" else PAGE.ink
-    bound = {"marker": "|", "markersize": 11, "markeredgewidth": 1.8, "color": PAGE.ink, "linestyle": "none"}
+    bound: Style = {"marker": "|", "markersize": 11, "markeredgewidth": 1.8, "color": PAGE.ink, "linestyle": "none"}
     axes.plot([entry.bound_ms, entry.median_ms], [y, y], color=colour, linewidth=1.6, zorder=2)
     axes.plot(entry.bound_ms, y, **bound, zorder=3)
     axes.plot(entry.median_ms, y, marker="o", markersize=6, color=colour, linestyle="none", zorder=4)
-    text = {"textcoords": "offset points", "va": "center", "color": PAGE.ink}
+    text: Style = {"textcoords": "offset points", "va": "center", "color": PAGE.ink}
     axes.annotate(f"{entry.times_bound:.1f}×", (max(entry.median_ms, entry.bound_ms), y), (8, 0), **text)
 
 
 def _traffic_key() -> list[Any]:
     from matplotlib.lines import Line2D
 
-    style = {"color": PAGE.ink, "linestyle": "none"}
+    style: Style = {"color": PAGE.ink, "linestyle": "none"}
     bound = Line2D([], [], marker="|", markersize=11, markeredgewidth=1.8, label="bound by memory traffic", **style)
     return [bound, Line2D([], [], marker="o", markersize=6, label="time taken", **style)]

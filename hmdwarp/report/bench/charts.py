@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...metrics import METRICS, PRIMARY, error_and_time, pareto
+from ...metrics import PRIMARY, error_and_time, metrics, pareto
 from ..files import write_bytes
-from ..style import PAGE, PAPER, Palette, drawing, dress, markers_of, not_measured, svg_text
-from .cases import Case, Row, cases, measure_label
+from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text
 from .labels import groups_of, leaders, place_labels
+from .rows import Case, Row, cases, measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,18 +24,19 @@ _MARKER_PT = 6.5
 _CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
 _SHARED_PT = 13.0  # twice a marker; points of one warp nearer than that share one name
 _LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
-_ABOVE = {"xycoords": "axes fraction", "textcoords": "offset points"}
+_ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
 _KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
 _MANY = 20  # points of one chart from which a picture has one chart a row
 _PNG_DPI = 200
 
 
 def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
-    """Draw one case as an <svg> element: mean error against median total time per eye (logarithmic).
+    """Draw one case as an <svg> element: mean error against median total time per eye.
 
-    Every point is named. Points of the front are filled, their names bold, and a line joins them:
-    nothing lies below and left of it (above, for PSNR). Rows without a measurement are left out; a
-    chart of nothing says so. markers: of the fills, where several charts are to share them.
+    Time is logarithmic. Every point is named. Points of the front are filled, their names bold, and
+    a line joins them: nothing lies below and left of it (above, for PSNR). Rows without a
+    measurement are left out; a chart of nothing says so. markers: of the fills, where several
+    charts are to share them.
     """
     markers = markers or markers_of(row["fill"] for row in case.rows)
     with drawing((case.label, measure, _content(case, measure))):
@@ -50,7 +51,9 @@ def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, st
 def pareto_plot_png(
     path: str | os.PathLike, rows: Iterable[Row], *, measure: str = PRIMARY, columns: int | None = None
 ) -> None:
-    """Write the same charts, one for each case, into one PNG 1600 pixels wide on white, for a README or a paper.
+    """Write the same charts, one for each case, into one PNG for a README or a paper.
+
+    It is 1600 pixels wide, on white.
 
     columns: charts side by side, by default two, or one where they hold many points.
     Errors: as files.write_bytes.
@@ -108,7 +111,7 @@ def _figure(width_in: float, height_in: float) -> Figure:
 
 
 def _axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """Add axes at a fixed place (left, bottom, right, top in inches): labels are placed before drawing."""
+    """Add axes at a fixed place (left, bottom, right, top in inches): placing labels needs it."""
     width, height = figure.get_size_inches()
     left, bottom, right, top = box
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
@@ -127,13 +130,13 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
     time = np.array([_total(row) for row in rows])
     error = np.array([row["quality"][measure]["mean"] for row in rows])
     _scale(axes.xaxis, time, logarithmic=True)
-    _scale(axes.yaxis, error, logarithmic=not METRICS.get(measure).higher_is_better and error.min() > 0)
+    _scale(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better and error.min() > 0)
     best = {id(row) for row in pareto(rows, lambda row: error_and_time(row, measure))}
     is_best = np.array([id(row) in best for row in rows])
     line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
     for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
         colour = palette.warp(row["warp"])
-        style = {
+        style: Style = {
             "marker": markers[row["fill"]],
             "markersize": _MARKER_PT,
             "markeredgewidth": 1.5,
@@ -142,7 +145,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
-    better = "better ↖" if METRICS.get(measure).higher_is_better else "better ↙"
+    better = "better ↖" if metrics.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
 
@@ -175,7 +178,7 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
     """Draw the staircase that bounds these methods; return it as (m, 2) in data coordinates."""
     order = np.argsort(time, kind="stable")
     time, error = time[order], error[order]
-    worst = axes.get_ylim()[0 if METRICS.get(measure).higher_is_better else 1]
+    worst = axes.get_ylim()[0 if metrics.get(measure).higher_is_better else 1]
     x = np.concatenate([[time[0]], time, [axes.get_xlim()[1]]])
     y = np.concatenate([[worst], error, error[-1:]])
     axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)
@@ -185,7 +188,7 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
 def _draw_names(
     axes: Axes, names: list[str], points: np.ndarray, is_best: np.ndarray, line: np.ndarray, palette: Palette
 ) -> None:
-    """Write each point's warp beside it; points of one warp that nearly coincide (its fills) share a name."""
+    """Write each point's warp beside it; points of one warp that nearly coincide share a name."""
     to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
     area = (box.width * to_points, box.height * to_points)
     at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points
@@ -197,7 +200,7 @@ def _draw_names(
     sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(texts, weights, strict=True)])
     corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends)
     for group, text, weight, corner, size in zip(groups, texts, weights, corners, sizes, strict=True):
-        style = {
+        style: Style = {
             "weight": weight,
             "ha": "center",
             "va": "center",
@@ -205,7 +208,8 @@ def _draw_names(
             "parse_math": False,
             "zorder": 6,
         }
-        axes.text(*(corner + size / 2) / area, text, transform=axes.transAxes, **style)
+        x, y = (corner + size / 2) / area
+        axes.text(x, y, text, transform=axes.transAxes, **style)
         (start,), (tip,) = leaders(at[group], np.array([[*corner, *(corner + size)]]))
         length = np.linalg.norm(tip - start)
         if length > _CLEAR_PT + _LEADER_PT:
@@ -213,7 +217,7 @@ def _draw_names(
             axes.plot(*ends.T, transform=axes.transAxes, color=palette.warp(names[group[0]]), linewidth=0.9, zorder=2)
 
 
-def _size_pt(figure: Figure, text: str, weight: str) -> tuple[float, float]:
+def _size_pt(figure: Any, text: str, weight: str) -> tuple[float, float]:
     from matplotlib.text import Text
 
     extent = Text(0, 0, text, weight=weight, parse_math=False, figure=figure).get_window_extent(
@@ -225,7 +229,7 @@ def _size_pt(figure: Figure, text: str, weight: str) -> tuple[float, float]:
 def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
     from matplotlib.lines import Line2D
 
-    style = {
+    style: Style = {
         "color": palette.ink,
         "markerfacecolor": "none",
         "markeredgewidth": 1.3,
@@ -238,6 +242,6 @@ def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
 
 def _key_style(palette: Palette) -> dict[str, Any]:
     return {
-        "frameon": False, "labelcolor": palette.ink, "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2,
-        "handlelength": 1.5,
+        "frameon": False, "labelcolor": palette.ink, "borderaxespad": 0.1, "handletextpad": 0.3,
+        "columnspacing": 1.2, "borderpad": 0.2, "handlelength": 1.5,
     }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Error against displacement of the head since the late frame: a chart per axis, a line per warp."""
+"""Error against displacement of the head since the late frame: a chart per axis, lines per warp."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...metrics import PRIMARY
 from ..style import PAGE, dashes_of, drawing, dress, not_measured, svg_text
-from .cases import measure_label
 from .labels import spread
+from .rows import measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +20,8 @@ GridRow = Mapping[str, Any]
 
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 _MEANINGS = {
-    "x": "to the right", "y": "up", "z": "backwards", "yaw": "turned to the left", "pitch": "looking up", "roll": "tilted to the left",
+    "x": "to the right", "y": "up", "z": "backwards",
+    "yaw": "turned to the left", "pitch": "looking up", "roll": "tilted to the left",
 }  # fmt: skip
 _LINE_PT = 10.5  # between two names
 _PLOT_IN, _BELOW_IN, _ABOVE_IN = 3.3, 0.5, 0.12
@@ -33,7 +34,7 @@ def is_turn(axis: str) -> bool:
 
 
 def axis_heading(axis: str) -> str:
-    """Return the axis with the direction of its positive offsets (OpenXR: +x right, +y up, -z forward)."""
+    """Return the axis with the direction of its positive offsets, as OpenXR: +x right, +y up."""
     return f"{axis}: {_MEANINGS[axis]}" if axis in _MEANINGS else axis
 
 
@@ -58,7 +59,8 @@ def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = PRIMAR
     """Draw one axis as an <svg> element.
 
     The axes in metres share one scale of error, those in degrees another. Names stand at the right
-    end of the lines, in their order, with an arrow where the line has left the chart, as `none` does.
+    end of the lines, in their order, with an arrow where the line has left the chart, as `none`
+    does.
     """
     lines = {warp: points for warp, points in curves(grid, axis, measure).items() if len(points)}
     height_in = max(3.0, (len(lines) * _LINE_PT + 60) / 72)
@@ -83,7 +85,7 @@ def displacement_chart(grid: Sequence[GridRow], axis: str, measure: str = PRIMAR
 
 
 def displacement_text(grid: Sequence[GridRow], axis: str, measure: str = PRIMARY) -> str:
-    """Return the chart in words, for readers who cannot see it: the order of the warps at its right end."""
+    """Return the chart in words, for readers who cannot see it: the order of the warps."""
     ends = {warp: points[-1, 1] for warp, points in curves(grid, axis, measure).items() if len(points)}
     names = [f"{warp} {ends[warp]:.3g}" for warp in sorted(ends, key=ends.__getitem__, reverse=True)]
     order = ", ".join(names) or "nothing"
@@ -127,7 +129,8 @@ def _draw(axes: Axes, lines: Mapping[str, NDArray[np.float64]], dashes: Mapping[
         }
         name = warp + (" ↑" if end > high else " ↓" if end < low else "")
         axes.annotate(
-            name, (lines[warp][-1, 0], np.clip(end, low, high)), (1.09, height / area_pt), xycoords="data", textcoords=axes.transAxes,
+            name, (lines[warp][-1, 0], np.clip(end, low, high)), (1.09, height / area_pt),
+            xycoords="data", textcoords=axes.transAxes,
             va="center", ha="left", color=PAGE.ink, parse_math=False, annotation_clip=False,
             arrowprops={**tie, "shrinkA": 1, "shrinkB": 0},
         )  # fmt: skip

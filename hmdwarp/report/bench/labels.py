@@ -2,8 +2,8 @@
 
 Boxes are (left, bottom, right, top), lengths in points; all functions are pure.
 
-adjustText 1.4 and textalloc 1.2 were tried on the charts of a bench. The first puts names over markers
-and other names, and takes five times as long; the second draws its leaders through both.
+adjustText 1.4 and textalloc 1.2 were tried on the charts of a bench. The first puts names over
+markers and other names, and takes five times as long; the second draws its leaders through both.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ _COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 60.0, 40.0, 
 def place_labels(
     points: Sequence[Array], sizes: Array, area: tuple[float, float], *, clearance: float = 4, line: Array | None = None
 ) -> Array:
-    """Return the lower left corners, (n, 2), of n labels in an area (w, h) with its corner at (0, 0).
+    """Return the lower left corners, (n, 2), of n labels in an area (w, h) from (0, 0).
 
-    Each label goes as near to one of its points as it can without covering another label, a point (a
-    square of half side `clearance`) or a leader, the line from another label to its point. Leaders
-    cross rarely, and a label is nearest to its own point. Where there is no room at all, the least
-    bad place is taken. Deterministic.
+    Each label goes as near to one of its points as it can without covering another label, a point
+    (a square of half side `clearance`) or a leader, the line from another label to its point.
+    Leaders cross rarely, and a label is nearest to its own point. Where there is no room at all,
+    the least bad place is taken. Deterministic.
 
     points: for each label (m, 2), the points it names, often one. sizes: (n, 2). line: (k, 2), a
     polyline that is avoided where that is cheap.
@@ -57,7 +57,7 @@ def place_labels(
 
 
 def _settled(choices: list[_Places], order: NDArray) -> tuple[Array, float]:
-    """Place one label after the other, then each anew until none moves; return corners and total cost."""
+    """Place one label after the other, then each anew until none moves; return corners and cost."""
     chosen, costs = np.full(len(choices), -1), np.zeros(len(choices))
     for _ in range(_SWEEPS):
         before = chosen.copy()
@@ -117,7 +117,7 @@ class _Places:
         return self.boxes[at], self.starts[at], self.tips[at]
 
     def quarrels(self, boxes: Array, starts: Array, tips: Array) -> Array:
-        """Return the cost of each place beside other labels, already placed: boxes (n, 4), leaders (n, 2)."""
+        """Return the cost of each place beside placed labels: boxes (n, 4), leaders (n, 2)."""
         cost = _COVERS * boxes_touch(self.boxes, boxes, _GAP).sum(axis=1)
         cost += _CUT * segments_hit(self.starts, self.tips, boxes).sum(axis=1)
         cost += _CUT * segments_hit(starts, tips, self.boxes).sum(axis=0)
@@ -131,7 +131,8 @@ def _squares(points: Array, half: float) -> Array:
 def _corners(point: Array, size: Array, clearance: float) -> Array:
     angle = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
     way = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    # Right, left, above and below touch the marker with the middle of a side, the rest with a corner or nearly so.
+    # Right, left, above and below touch the marker with the middle of a side, the rest with a
+    # corner or nearly so.
     half = (size / 2 + clearance) * np.clip(1.4 * way, -1, 1)
     centres = point + half[None] + np.asarray(_RADII)[:, None, None] * way[None]
     return (centres - size / 2).reshape(-1, 2)
@@ -154,26 +155,28 @@ def groups_of(names: Sequence[str], points: Array, distance: float) -> list[list
 
 
 def leaders(points: Array, boxes: Array) -> tuple[Array, Array]:
-    """Return the nearest of the points (m, 2) to each box (k, 4), and the box's nearest place: both (k, 2)."""
+    """Return the point (m, 2) nearest to each box (k, 4), and its place in the box: both (k, 2)."""
     tips = np.clip(points[:, None], boxes[None, :, :2], boxes[None, :, 2:])
     nearest = np.linalg.norm(tips - points[:, None], axis=2).argmin(axis=0)
     return points[nearest], tips[nearest, np.arange(len(boxes))]
 
 
 def boxes_touch(one: Array, other: Array, gap: float = 0.0) -> NDArray[np.bool_]:
-    """Return (m, k): the boxes (m, 4) nearer than `gap` to others (k, 4); sides that only meet do not count."""
+    """Return (m, k): the boxes (m, 4) nearer than `gap` to others (k, 4); touching is no hit."""
     low = np.maximum(one[:, None, :2], other[None, :, :2])
     high = np.minimum(one[:, None, 2:], other[None, :, 2:])
-    return (low < high + gap).all(axis=2)
+    touching: NDArray[np.bool_] = np.all(low < high + gap, axis=2)
+    return touching
 
 
 def segments_hit(start: Array, end: Array, boxes: Array) -> NDArray[np.bool_]:
-    """Return (m, k): the segments, start and end (m, 2), that pass through the inside of boxes (k, 4)."""
+    """Return (m, k): the segments, start and end (m, 2), that pass through boxes (k, 4)."""
     step = (end - start)[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         to_low, to_high = (boxes[None, :, :2] - start[:, None]) / step, (boxes[None, :, 2:] - start[:, None]) / step
     inside = (start[:, None] > boxes[None, :, :2]) & (start[:, None] < boxes[None, :, 2:])
-    # A segment along an axis never reaches the other two sides: it is between them all the way, or nowhere.
+    # A segment along an axis never reaches the other two sides: it is between them all the way, or
+    # nowhere.
     still = step == 0
     enter = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(to_low, to_high)).max(axis=2)
     leave = np.where(still, np.where(inside, np.inf, -np.inf), np.maximum(to_low, to_high)).min(axis=2)
@@ -193,7 +196,7 @@ def _segments_cross(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]
 
 
 def spread(wanted: Array, gap: float, low: float, high: float) -> Array:
-    """Return heights at least `gap` apart within low..high, as near to `wanted` as can be (least squares).
+    """Return heights at least `gap` apart in low..high, nearest to `wanted` (least squares).
 
     They keep the order of `wanted`. Where there is no room for all, they are as far apart as fits.
     """

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ...metrics import METRICS, REGIONS, Figure, metrics_in_order
+from ...metrics import REGIONS, Figure, metrics, metrics_in_order
 from ..parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, Tile, environment
 from ..style import css_variables, markers_of
 from ..words import counted, listed, plain
 from .bars import region_parts, regions_chart, row_name, traffic, traffic_chart
-from .cases import COLUMNS, Case, Row, cases, column, common, measure_label
 from .charts import pareto_chart, pareto_text
 from .displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
+from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 from .tables import DECISION, choice_terms
 
 MEASURES = ("flip", "psnr_db")
@@ -21,10 +21,12 @@ _KEYS_OF_A_CHOICE = {"budget_ms", "warp", "fill", "settings", "total_ms", "flip"
 
 
 def render_bench_page(data: Mapping[str, Any]) -> str:
-    """Return the text of the page from the content of bench.json; the same content gives the same text.
+    """Return the text of the page from the content of bench.json.
 
-    Sections without data (no grid, no fused rows, no budget) are left out. All text from the data is
-    escaped.
+    The same content gives the same text.
+
+    Sections without data (no grid, no fused rows, no budget) are left out. All text from the data
+    is escaped.
     """
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
@@ -98,7 +100,7 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
 
 
 def _notes(data: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
-    """Return each note once, those of the bench first; a row's note with its rows, or with their number."""
+    """Return each note once, the bench's first; a row's note with its rows, or their number."""
     rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
     for row in rows:
         for note in row.get("notes") or ():
@@ -133,7 +135,8 @@ def _choice(choice: Mapping[str, Any] | None) -> dict[str, Any] | None:
 
 
 def _figures(entry: Mapping[str, Any]) -> str:
-    return f"FLIP {COLUMNS['flip'].figure.text(entry.get('flip'))}, PSNR {COLUMNS['psnr_db'].figure.text(entry.get('psnr_db'))} dB"
+    flip, psnr = (metrics.get(name).short_figure.text(entry.get(name)) for name in ("flip", "psnr_db"))
+    return f"FLIP {flip}, PSNR {psnr} dB"
 
 
 def _gain(choice: Mapping[str, Any], step: Mapping[str, Any]) -> str:
@@ -155,7 +158,7 @@ def _decision(case: Case) -> PageTable:
 
 
 def _winners(groups: Sequence[Case]) -> PageTable:
-    """Return, for each case, the most accurate row and the most accurate within the thesis's time."""
+    """Return each case's most accurate row and its most accurate within the thesis's time."""
     lines: list[list[str]] = []
     has_limit = False
     for group in groups:
@@ -209,8 +212,8 @@ def _displacement_table(grid: Sequence[Mapping[str, Any]]) -> PageTable | None:
         return None
 
     def worse_end(axis: str, warp: str) -> str:
-        points = lines_of[axis].get(warp, ())
-        return f"{max(points[0, 1], points[-1, 1]):.3f}" if len(points) else "–"
+        points = lines_of[axis].get(warp)
+        return "–" if points is None or not len(points) else f"{max(points[0, 1], points[-1, 1]):.3f}"
 
     def reach(axis: str) -> str:
         return f"±{max(abs(row['offset']) for row in grid if row['axis'] == axis):g} {'°' if is_turn(axis) else 'm'}"
@@ -239,7 +242,7 @@ def _regions_table(case: Case) -> PageTable:
 
 def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
     figures = [
-        *(METRICS.get(name).short_figure for name in ("psnr_db", "flip")),
+        *(metrics.get(name).short_figure for name in ("psnr_db", "flip")),
         Figure("sharpness", "sharpness", "", 2),
     ]
     forms = ("fused", "separate")
@@ -257,7 +260,7 @@ def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
 
 
 def _taken_at(at: Mapping[str, Any] | None) -> str:
-    """Return where a section that is not of every case was measured: 'scene room, 400x400, left eye'."""
+    """Return where a section was measured once: 'scene room, 400x400, left eye'."""
     if not at:
         return ""
     parts = [f"scene {at['scene']}"]

@@ -1,4 +1,4 @@
-"""The table to decide from, for the terminal and as Markdown: the cost and the gain of each method."""
+"""The table to decide from, for the terminal and as Markdown: cost and gain of each method."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...metrics import PRIMARY, metrics_in_order
 from ..words import name_pieces
-from .cases import COLUMNS, Case, Row, cases, column, common, measure_label
+from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -27,9 +27,9 @@ MARK = "*"
 def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY) -> Table:
     """Return all rows, case by case, the least error first; `*` marks the Pareto front.
 
-    width: of the terminal. Names of warps with settings are folded between their parts. Then columns
-    are left out, the least important first, until the rest fits; numbers are never cut. measure: the
-    metric that decides.
+    width: of the terminal. Names of warps with settings are folded between their parts. Then
+    columns are left out, the least important first, until the rest fits; numbers are never cut.
+    measure: the metric that decides.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -86,7 +86,7 @@ def _cells(text: str) -> int:
 
 
 def _folded(text: str, width: int) -> str:
-    """Break the text between its pieces into lines of at most `width` cells, unless one piece is wider."""
+    """Break the text between its pieces into lines of at most `width` cells if the pieces allow."""
     lines = [""]
     for piece in name_pieces(text):
         if _cells((lines[-1] + piece).rstrip()) <= width or not lines[-1]:
@@ -115,7 +115,7 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
 
 
 def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
-    clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock"), "?") for row in rows})
+    clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock", ""), "?") for row in rows})
     order = f"ordered by {measure_label(measure)}; {MARK}: no other is both quicker and better"
     lines = [order, f"ms: median per eye, {', '.join(clocks)}"]
     if "mismatch" in names:
@@ -135,8 +135,8 @@ def choice_terms(choice: Mapping[str, Any]) -> str:
 def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, mark: str | None = None) -> str:
     """Return a Markdown table of the rows in their order, one line each; it ends with a line feed.
 
-    columns: names of COLUMNS. mark: a metric; rows on the Pareto front of it and time get bold names.
-    Warps and fills are set as code. Errors: HmdwarpError for an unknown column.
+    columns: names of COLUMNS. mark: a metric; rows on the Pareto front of it and time get bold
+    names. Warps and fills are set as code. Errors: HmdwarpError for an unknown column.
     """
     rows = list(rows)
     chosen = [column(name) for name in columns]

@@ -1,15 +1,8 @@
-"""The page, tables and charts of a study, and the chart of a power simulation."""
+"""The page, tables and charts of a study, and the chart of a power simulation.
 
-from .page import render_study_report
-from .power import PowerLine, power_chart
-from .tables import comparison_lines, condition_lines, csv_tables, pairs_text
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "PowerLine",
-    "comparison_lines",
-    "condition_lines",
-    "csv_tables",
-    "pairs_text",
-    "power_chart",
-    "render_study_report",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

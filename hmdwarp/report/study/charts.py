@@ -1,4 +1,4 @@
-"""The charts of a study's page: every rating, paired differences, and the effect of a trial's place."""
+"""The charts of a study's page: every rating, paired differences, and the place of a trial."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..style import PAGE, SERIES, drawing, dress, svg_text
+from ..style import PAGE, SERIES, Style, drawing, dress, svg_text
 from .tables import condition_text
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _SHIFT_LABEL = "Hodges-Lehmann shift, exact 95 % or next level"
 
 
 def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
-    """Draw every rating of a part as a point, up is better; lines join the compared ratings of one person."""
+    """Draw every rating of a part, up is better; lines join the compared ratings of one person."""
     names, pairs = _columns(part["conditions"], comparisons)
     by_name = {row["condition"]: row for row in part["conditions"]}
     with drawing((part["part"], measure["name"], names)):
@@ -44,7 +44,7 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
 
 
 def forest_chart(rows: Sequence[Row], unit: str) -> str:
-    """Draw the differences of each comparison, their mean with its BCa interval, and the Hodges-Lehmann shift."""
+    """Draw each comparison's differences, their mean (BCa interval) and Hodges-Lehmann shift."""
     shown = [row for row in rows if row["n"]]
     with drawing([(row["part"], row["a"], row["b"], row["mean"]) for row in shown]):
         figure, axes = _figure(_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2))
@@ -65,7 +65,7 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
 
 
 def place_chart(part: Row, measure: Row) -> str:
-    """Draw each rating less its participant's and its condition's mean against the place of its trial."""
+    """Draw each rating, less its participant's and condition's mean, against its trial's place."""
     places = np.array([one["place"] for one in part["places"]])
     rest = np.array([one["rest"] for one in part["places"]])
     with drawing((part["part"], "places", rest.tolist())):
@@ -111,8 +111,8 @@ def _figure(width_in: float, height_in: float) -> tuple[Any, Axes]:
 def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[list[str], list[tuple[int, Row]]]:
     """Return the names of the columns, and the place of each comparison's first one.
 
-    The two conditions of a comparison stand side by side, a condition of two comparisons twice. With
-    too many comparisons there are no lines.
+    The two conditions of a comparison stand side by side, a condition of two comparisons twice.
+    With too many comparisons there are no lines.
     """
     names = [row["condition"] for row in conditions]
     if len(comparisons) > _MOST_PAIRS:
@@ -176,7 +176,7 @@ def _rating_axis(axes: Axes, measure: Row, values: Sequence[float]) -> None:
 def _rating_key(lines: bool) -> list[Any]:
     from matplotlib.lines import Line2D
 
-    ink = {"color": PAGE.ink}
+    ink: Style = {"color": PAGE.ink}
     key = [
         Line2D([], [], marker="o", linestyle="none", markerfacecolor="none", label="one person", **ink),
         Line2D([], [], linewidth=2.2, label="median (▸ mean)", **ink),

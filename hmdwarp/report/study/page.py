@@ -16,9 +16,9 @@ _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated par
 
 
 def render_study_report(data: Row, command: str) -> str:
-    """Return the text of report.html from the content of analysis.json; the same content gives the same text.
+    """Return the text of report.html from the content of analysis.json.
 
-    Everything in it is escaped.
+    The same content gives the same text. Everything in it is escaped.
     """
     return environment().get_template("study.html").render(
         data=data,
@@ -82,7 +82,8 @@ def _missing(rows: Sequence[Row]) -> list[str]:
 
 def _in_words(rows: Sequence[Row]) -> str:
     return "; ".join(
-        f"{row['part']} {row['a']} to {row['b']}: mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".strip()
+        f"{row['part']} {row['a']} to {row['b']}: "
+        f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
         for row in rows
         if row["n"]
     )

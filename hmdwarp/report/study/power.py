@@ -1,4 +1,4 @@
-"""Power against the number of people: a line per comparison, with the uncertainty of the simulation."""
+"""Power against the number of people: a line per comparison, with the simulation's uncertainty."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import attrs
 from ..style import PAPER
 
 QUIET = "#8a939c"
-# Okabe and Ito's colours without yellow and black: distinct with every kind of colour vision. Dashes
-# and markers differ as well.
+# Okabe and Ito's colours without yellow and black: distinct with every kind of colour vision.
+# Dashes and markers differ as well.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 MARKERS, DASHES = "osD^vP", ("solid", (0, (5, 2)), (0, (2, 1.5)))
 

@@ -10,7 +10,8 @@ from ..words import interval, plain, signed
 from .charts import scatter_chart
 
 _HEADS = (
-    ("measure", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""), ("error taken off", "%"), ("95 %", ""), ("best in", "%"),
+    ("measure", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""),
+    ("error removed", "%"), ("95 %", ""), ("best in", "%"),
 )  # fmt: skip
 
 

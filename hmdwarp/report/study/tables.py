@@ -14,8 +14,9 @@ CONDITION_COLUMNS = (
     "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "sd", "q1", "q3", "least", "most",
 )  # fmt: skip
 COMPARISON_COLUMNS = (
-    "scale", "part", "family", "a", "b", "n", "better", "equal", "worse", "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p",
-    "holm", "holm_of", "holm_all", "holm_all_of", "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
+    "scale", "part", "family", "a", "b", "n", "better", "equal", "worse", "mean", "sd", "median",
+    "w_plus", "w_minus", "p", "smallest_p", "holm", "holm_of", "holm_all", "holm_all_of",
+    "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
 )  # fmt: skip
 RATING_COLUMNS = ("scale", "part", "participant", "condition", "value")
 DIFFERENCE_COLUMNS = ("scale", "part", "a", "b", "participant", "difference")
@@ -47,8 +48,8 @@ def _range(low: float | None, high: float | None) -> str:
 def comparison_lines(rows: Sequence[Row]) -> tuple[Heads, list[list[str]]]:
     """Return the heads and cells of the table of comparisons, as a paper prints it."""
     heads = (
-        ("compared", ""), ("pairs", "+/0/-"), ("mean", ""), ("BCa 95 %", ""), ("shift", ""), ("exact interval", ""), ("W+/W-", ""),
-        ("exact p", ""), ("Holm", "family"), ("Holm", "all"), ("r", ""),
+        ("compared", ""), ("pairs", "+/0/-"), ("mean", ""), ("BCa 95 %", ""), ("shift", ""),
+        ("exact interval", ""), ("W+/W-", ""), ("exact p", ""), ("Holm", "family"), ("Holm", "all"), ("r", ""),
     )  # fmt: skip
     return heads, [_comparison(row) for row in rows]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ...geometry import Pose
 from .._scene import Scene, SceneSource, scenes
-from ..effects import SceneEffect
 from ._deck import SKY, deck_textures
 from ._models import StoredModel
 
@@ -20,4 +19,4 @@ def build() -> Scene:
     return Scene("cockpit", SUMMARY, meshes, textures, SKY, viewpoint=VIEWPOINT, walk_bounds_m=WALK_BOUNDS_M)
 
 
-scenes.register(SceneSource("cockpit", SUMMARY, build, SceneEffect.OVERLAY))
+scenes.register(SceneSource("cockpit", SUMMARY, build, ("overlay",)))

@@ -7,12 +7,11 @@ so that what is 3 m behind the floor sways by 5 cm.
 from __future__ import annotations
 
 from .._scene import Background, Scene, SceneSource, scenes
-from ..effects import SceneEffect
 from ..textures import textures_named
 from ._models import StoredModel
 
 SUMMARY = "a gallery with an uneven polished floor, a wall mirror and a chrome ball"
-EFFECTS = SceneEffect.PLANAR_REFLECTIONS | SceneEffect.GLOSSY_REFLECTIONS | SceneEffect.CURVED_REFLECTIONS
+EFFECTS = ("planar_reflections", "glossy_reflections", "curved_reflections")
 WALK_BOUNDS_M = ((-0.9, 0.9, -0.9), (0.9, 2.1, 1.5))
 GREY = Background.uniform((0.5, 0.5, 0.5))  # never seen: the room is closed
 

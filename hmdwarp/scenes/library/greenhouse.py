@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from ...geometry import Pose
 from .._scene import Scene, SceneSource, scenes
-from ..effects import SceneEffect
 from ._deck import SKY, deck_textures
 from ._models import StoredModel
 
@@ -24,4 +23,4 @@ def build() -> Scene:
     return Scene("greenhouse", SUMMARY, meshes, textures, SKY, viewpoint=VIEWPOINT, walk_bounds_m=WALK_BOUNDS_M)
 
 
-scenes.register(SceneSource("greenhouse", SUMMARY, build, SceneEffect.TRANSPARENCY))
+scenes.register(SceneSource("greenhouse", SUMMARY, build, ("transparency",)))

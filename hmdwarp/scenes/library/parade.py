@@ -8,7 +8,6 @@ import numpy as np
 from .._content import Deformation
 from .._scene import Scene, SceneSource, scenes
 from ..deformations import Joint, Skinned, Waving
-from ..effects import SceneEffect
 from ._deck import SKY, deck_textures
 from ._models import StoredModel
 
@@ -66,4 +65,4 @@ def joints() -> tuple[Joint, ...]:
     )
 
 
-scenes.register(SceneSource("parade", SUMMARY, build, SceneEffect.SOFT_MOTION))
+scenes.register(SceneSource("parade", SUMMARY, build, ("soft_motion",)))

@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from ...geometry import Pose
 from .._content import Body
 from .._scene import Scene, SceneSource, scenes
-from ..effects import SceneEffect
 from ..motions import Spinning, Thrown, Track
 from ._deck import SKY, deck_textures
 from ._models import StoredModel
@@ -55,4 +54,4 @@ def cart_track(keys: int = 48) -> Track:
     return Track(times, places, Rotation.from_euler("y", heading[:, None]))
 
 
-scenes.register(SceneSource("workshop", SUMMARY, build, SceneEffect.RIGID_MOTION))
+scenes.register(SceneSource("workshop", SUMMARY, build, ("rigid_motion",)))

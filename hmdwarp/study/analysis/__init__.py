@@ -1,7 +1,8 @@
-"""What ratings say, and what they do not."""
+"""Analysis of ratings: tests, intervals, order effects, copied rows, published figures.
 
-from .comparisons import Resampling
-from .from_csv import Given, from_csv
-from .ratings import Felt, Measure, Rating, Ratings, Sitting, Table
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = ["Felt", "Given", "Measure", "Rating", "Ratings", "Resampling", "Sitting", "Table", "from_csv"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

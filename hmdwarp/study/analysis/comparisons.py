@@ -1,7 +1,8 @@
-"""Paired differences of two conditions, with everything that is said of them."""
+"""Paired comparisons of conditions: which ones, and everything the ratings say of each."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -23,14 +24,16 @@ from ..statistics import (
     smallest_p,
     wilcoxon_exact,
 )
-from .ratings import Measure, Ratings, Table
+from .ratings import Ratings, ScaleInfo, Table
 
-_LEAST_LEVEL = 0.5  # an exact interval that misses more often than that says nothing: that of one difference (0 %), not of two (50 %)
+# An exact interval with a lower level is no use: one difference gives 0 %, two give 50 %.
+_LEAST_LEVEL = 0.5
+_MOST_PAIRED = 45  # comparisons of a part without a plan: ten conditions, each against each
 
 
 @attrs.frozen
 class Resampling:
-    """Of the BCa intervals."""
+    """Options of random draws: BCa intervals where not all resamples count, and copied rows."""
 
     seed: int = SEED
     resamples: int = RESAMPLES
@@ -43,8 +46,9 @@ def compared(
     resampling: Resampling,
     without: Mapping[str, set[str]] | None = None,
 ) -> list[dict[str, Any]]:
-    """All comparisons on a scale as plain data, Holm's correction within each family ("holm") and over all of them ("holm_all").
+    """Return all comparisons on a scale as plain data.
 
+    "holm" is p after Holm's correction within the family, "holm_all" over all comparisons.
     without: by part, participants to leave out.
     """
     rows: list[dict[str, Any]] = []
@@ -52,13 +56,13 @@ def compared(
         for comparison in family.comparisons:
             table = ratings.table(comparison.part, scale).without((without or {}).get(comparison.part, set()))
             if {comparison.a, comparison.b} <= set(table.conditions):
-                rows.append(_compared(table, ratings.measures[scale], family.name, comparison, resampling))
+                rows.append(_compared(table, ratings.scale_info[scale], family.name, comparison, resampling))
     _correct(rows)
     return rows
 
 
 def differences(table: Table, comparison: Comparison, sign: int) -> dict[str, float]:
-    """Of each participant who rated both; positive where b was rated better."""
+    """Return the difference of each participant who rated both; positive where b is better."""
     first, second = table.column(comparison.a), table.column(comparison.b)
     both = np.isfinite(first) & np.isfinite(second)
     return {
@@ -67,13 +71,13 @@ def differences(table: Table, comparison: Comparison, sign: int) -> dict[str, fl
 
 
 def _compared(
-    table: Table, measure: Measure, family: str, comparison: Comparison, resampling: Resampling
+    table: Table, scale: ScaleInfo, family: str, comparison: Comparison, resampling: Resampling
 ) -> dict[str, Any]:
-    found = differences(table, comparison, measure.sign)
+    found = differences(table, comparison, scale.sign)
     values = np.array(list(found.values()))
     row: dict[str, Any] = {
         "part": comparison.part,
-        "scale": measure.name,
+        "scale": scale.name,
         "family": family,
         "a": comparison.a,
         "b": comparison.b,
@@ -88,36 +92,118 @@ def _compared(
 
 
 _STATISTICS = (
-    "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial", "shift", "shift_low", "shift_high", "shift_level",
-    "low", "high",
+    "mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial",
+    "shift", "shift_low", "shift_high", "shift_level", "low", "high",
 )  # fmt: skip
 
 
 def _statistics(values: np.ndarray, resampling: Resampling) -> dict[str, Any]:
     if len(values) > MOST_PAIRS:
         raise InputError(
-            f"{len(values)} participants rated both of two conditions: the exact test is for {MOST_PAIRS} at most"
+            f"{len(values)} participants rated both of two conditions: the exact test takes {MOST_PAIRS} at most"
         )
     test = wilcoxon_exact(values)
     # One difference, or equal ones, have no spread to resample: a point is no interval.
     low, high = (None, None) if is_degenerate(values) else bca(values, resampling.seed, resampling.resamples)
+    sd = float(values.std(ddof=1)) if len(values) > 1 else None
     found = (
-        float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None, float(np.median(values)), test.w_plus, test.w_minus,
-        test.p, smallest_p(test.n), rank_biserial(values), *shift_of(values), low, high,
+        float(values.mean()), sd, float(np.median(values)), test.w_plus, test.w_minus, test.p, smallest_p(test.n),
+        rank_biserial(values), *shift_of(values), low, high,
     )  # fmt: skip
     return dict(zip(_STATISTICS, found, strict=True))
 
 
 def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
-    """Hodges-Lehmann shift, low, high, and how sure that interval is; None for the last three where it is hardly sure of anything."""
+    """Return the Hodges-Lehmann shift, its low and high end, and the level of that interval.
+
+    The last three are None where the level is too low for an interval.
+    """
     shift, level = hodges_lehmann(values), attained_level(len(values))
     return (shift.shift, None, None, None) if level < _LEAST_LEVEL else (shift.shift, shift.low, shift.high, level)
 
 
 def _correct(rows: list[dict[str, Any]]) -> None:
-    """Holm's p in each row. A planned one that nobody rated counts in its family with p = 1, or the rest would look better."""
+    """Put Holm's p into each row.
+
+    A planned comparison without ratings counts with p = 1: leaving it out would favour the rest.
+    """
     groups = [[row for row in rows if row["family"] == name] for name in dict.fromkeys(row["family"] for row in rows)]
     for group, key in [*((group, "holm") for group in groups), (rows, "holm_all")]:
         for row, p in zip(group, holm([1.0 if row["p"] is None else row["p"] for row in group]), strict=True):
             row[key] = p
             row[f"{key}_of"] = len(group)
+
+
+def families_for(ratings: Ratings, requested: Sequence[str] = ()) -> tuple[tuple[Family, ...], str]:
+    """Return the families of comparisons, and a sentence on where they come from.
+
+    requested: from the command line, "A:B;C:D" or "PART/A:B", each text a family. Without it the
+    plan's families. Without a plan, in each part: at each latency no warp against each warp; else
+    each condition against the hidden reference; else all pairs.
+
+    Errors: InputError for names without ratings.
+    """
+    if requested:
+        found = tuple(family for text in requested for family in _requested(text, ratings))
+        return found, "Compared: the pairs of --family."
+    if ratings.families:
+        return ratings.families, "Compared: what the study's file plans."
+    families: list[Family] = []
+    rules = []
+    for part in ratings.parts():
+        pairs, rule = _default_pairs(ratings, part)
+        if pairs:
+            name = f"{part}: {rule}" if part else rule
+            families.append(Family(name, tuple(Comparison(part, a, b) for a, b in pairs)))
+            rules.append(rule)
+    which = "; ".join(dict.fromkeys(rules)) or "nothing, as there is only one condition"
+    return tuple(families), f"Compared: {which}. The data come without a plan; --family chooses other pairs."
+
+
+def _requested(text: str, ratings: Ratings) -> list[Family]:
+    part, slash, rest = text.partition("/")
+    in_part = bool(slash) and part in ratings.parts()
+    parts = [part] if in_part else list(ratings.parts())
+    pairs = [tuple(name.strip() for name in pair.split(":")) for pair in (rest if in_part else text).split(";")]
+    if any(len(pair) != 2 or not all(pair) for pair in pairs):
+        raise InputError(
+            f"--family '{text}': wanted pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
+        )
+    found = []
+    for one in parts:
+        known = ratings.conditions(one)
+        here = [Comparison(one, a, b) for a, b in pairs if a in known and b in known]
+        if here:
+            found.append(Family(f"{one}: as requested" if one else "as requested", tuple(here)))
+    named = {(c.a, c.b) for family in found for c in family.comparisons}
+    for pair in pairs:
+        if pair not in named:
+            names = "; ".join(dict.fromkeys(name for one in parts for name in ratings.conditions(one)))
+            raise InputError(
+                f"--family '{text}': no part has both '{pair[0]}' and '{pair[1]}': the conditions are {names}"
+            )
+    return found
+
+
+def _default_pairs(ratings: Ratings, part: str) -> tuple[list[tuple[str, str]], str]:
+    names = ratings.conditions(part)
+    settings = {name: ratings.settings(part, name) for name in names}
+
+    def rest(name: str) -> tuple:
+        return tuple(sorted((key, str(value)) for key, value in settings[name].items() if key not in ("warp", "fill")))
+
+    bare = [name for name in names if settings[name].get("warp") == "none" and "latency_ms" in settings[name]]
+    pairs = [(a, b) for a in bare for b in names if settings[b].get("warp", "none") != "none" and rest(a) == rest(b)]
+    if pairs:
+        return pairs, "at each latency no warp against each warp"
+    references = ratings.references(part)
+    if references:
+        return [
+            (name, references[0]) for name in names if name not in references
+        ], "each condition against the hidden reference"
+    pairs = list(itertools.combinations(names, 2))
+    if len(pairs) > _MOST_PAIRED:
+        raise InputError(
+            f"{len(names)} conditions and no plan: choose with --family which of the {len(pairs)} pairs to compare"
+        )
+    return pairs, "each condition against each"

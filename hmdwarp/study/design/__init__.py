@@ -1,52 +1,8 @@
-"""Plan of a study: conditions, their orders, and the steps of a session."""
+"""Plan of a study: conditions, their orders, and the steps of a session.
 
-from .nouns import (
-    BLIND,
-    BOTH,
-    FIXED,
-    NOBODY,
-    ORDERS,
-    PARTICIPANT,
-    RANDOM,
-    WILLIAMS,
-    Breaks,
-    Comparison,
-    Condition,
-    Consent,
-    Design,
-    Family,
-    Part,
-    Sickness,
-)
-from .orders import RANDOM_ROWS, Order, allot, rows_for, williams
-from .steps import Ask, Pause, Read, Show, Step, steps_of
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "BLIND",
-    "BOTH",
-    "FIXED",
-    "NOBODY",
-    "ORDERS",
-    "PARTICIPANT",
-    "RANDOM",
-    "RANDOM_ROWS",
-    "WILLIAMS",
-    "Ask",
-    "Breaks",
-    "Comparison",
-    "Condition",
-    "Consent",
-    "Design",
-    "Family",
-    "Order",
-    "Part",
-    "Pause",
-    "Read",
-    "Show",
-    "Sickness",
-    "Step",
-    "allot",
-    "rows_for",
-    "steps_of",
-    "williams",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -9,11 +9,10 @@ from pathlib import Path
 from ...errors import InputError
 from ...registry import unknown_name
 from ...scenes import Scene
-from ...tables import KeyFault, Table, told
-from .nouns import ORDERS, WILLIAMS, Comparison, Condition, Family, Part
-from .settings import DISPLAY, SettingFault, at, check_settings, live_options
+from ...tables import KeyFault, Table, quoted
+from .condition_settings import DISPLAY, SettingFault, check_settings, live_options, resolve_paths
+from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part
 
-ONLY_PART = "main"  # the name of the part of a study that has but one, and gives it none
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "wanted a name of letters, digits, and . _ + - after the first, 64 at most"
 _MOST_CONDITIONS = 100
@@ -21,9 +20,10 @@ _MOST_TRIALS = 1000  # of one session
 
 
 class Checker:
-    """Makes the settings of one condition after the other, and tries them. folder: of the study file. common: its [common]."""
+    """Makes and tries the settings of one condition after the other."""
 
     def __init__(self, folder: Path, common: Table | None, checked: bool) -> None:
+        """Begin without scenes. folder: of the study file; common: its [common]."""
         self._folder, self._common, self._checked = folder, common, checked
         self._scenes: dict[str, Scene] = {}
 
@@ -36,9 +36,10 @@ class Checker:
         beneath: Mapping[str, object] | None = None,
         only: Sequence[str] = (),
     ) -> dict[str, object]:
-        """What holds for a condition: [common] (of which `only` these, where said), then what is `beneath`, then its own.
+        """Return a condition's settings: those of [common], then `beneath`, then its own.
 
-        Errors: KeyFault at the key that is at fault, as far as that can be told.
+        only: the settings to take from [common]; empty for all.
+        Errors: KeyFault at the wrong key, as far as it is known.
         """
         common = self._placed(self._common, _all_of(self._common), "common") if self._common is not None else {}
         mine = self._placed(table, own, who)
@@ -46,7 +47,7 @@ class Checker:
             if name in mine:
                 key = next(key for key in own if key.replace("-", "_") == name)
                 raise table.fault(
-                    key, "is the same for all conditions, as the display is opened once: say it in [common]"
+                    key, "is the same for all conditions, as the display is opened once: put it in [common]"
                 )
         settings = (
             {name: value for name, value in common.items() if not only or name in only} | dict(beneath or {}) | mine
@@ -59,29 +60,23 @@ class Checker:
 
     def _placed(self, table: Table, settings: Mapping[str, object], who: str) -> dict[str, object]:
         try:
-            return at(self._folder, settings)
+            return resolve_paths(self._folder, settings)
         except SettingFault as error:
             raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
 
     def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
-        """At the key that the message speaks of first, or whose value it quotes; else at the condition."""
+        """Blame the key that the message names or whose value it quotes, else the condition."""
         keys = [(table, key, value) for key, value in own.items()]
-        keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
-        spoken = (
-            [named.replace("-", "_")] if named else [word.replace("-", "_") for word in re.findall(r"[\w-]+", says)]
-        )
-        found = [
-            (spoken.index(name), inside, key) for inside, key, _ in keys if (name := key.replace("-", "_")) in spoken
-        ]
-        if found:
-            _, inside, key = min(found, key=lambda one: one[0])
-        else:
-            quoted = re.findall(r"'([^']+)'", says)
-            inside, key = next(
-                ((inside, key) for inside, key, value in keys if any(one in str(value) for one in quoted)),
-                (table, None),
-            )
-        return KeyFault(f"{who}: {says}", inside.path if key is None else (*inside.path, key))
+        if self._common is not None:
+            keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
+        words = [word.replace("-", "_") for word in ([named] if named else re.findall(r"[\w-]+", says))]
+        blamed = [one for one in keys if one[1].replace("-", "_") in words]
+        if blamed:
+            inside, key, _ = min(blamed, key=lambda one: words.index(one[1].replace("-", "_")))
+            return KeyFault(f"{who}: {says}", (*inside.path, key))
+        quoted = re.findall(r"'([^']+)'", says)
+        paths = ((*inside.path, key) for inside, key, value in keys if any(one in str(value) for one in quoted))
+        return KeyFault(f"{who}: {says}", next(paths, table.path))
 
 
 def _all_of(table: Table | None) -> dict[str, object]:
@@ -89,17 +84,17 @@ def _all_of(table: Table | None) -> dict[str, object]:
 
 
 def name_of(table: Table, used: Sequence[str]) -> str:
-    """The table's own name, that none of the others has."""
+    """Return the table's name, which no other table has."""
     name = table.text("name")
     if not NAME.fullmatch(name):
-        raise table.fault("name", f"is {told(name)}: {NAME_WANTED}")
+        raise table.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
     if name.lower() in [one.lower() for one in used]:
-        raise table.fault("name", f"is {name!r} a second time: wanted one that no other has, in capitals or not")
+        raise table.fault("name", f"is {name!r} a second time: wanted a name that differs in more than case")
     return name
 
 
 def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
-    """[[part]] with [[part.condition]] each, or [[condition]] alone for a study of one part."""
+    """Read [[part]] with [[part.condition]], or [[condition]] alone for a study of one part."""
     if "part" in data and "condition" in data:
         raise data.fault("condition", "beside [[part]]: wanted it within one, as [[part.condition]]")
     if "part" not in data:
@@ -135,7 +130,7 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
     if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
         raise trial.fault(
             "order",
-            f"is {WILLIAMS} (also where nothing is said): one condition has no order; wanted two, or order fixed",
+            f"is {WILLIAMS} (the default): one condition has no order; wanted two, or order fixed",
         )
     if len(made) * trial.whole("repeats", 1, _MOST_TRIALS, 1) > _MOST_TRIALS:
         raise trial.fault(
@@ -145,12 +140,12 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
 
 
 def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
-    """[[family]], each with pairs of conditions of one part."""
+    """Read [[family]], each with pairs of conditions of one part."""
     made: list[Family] = []
     for table in data.tables("family"):
         name = table.line("name")
         if name in [family.name for family in made]:
-            raise table.fault("name", f"is {name!r} a second time: wanted one that no other family has")
+            raise table.fault("name", f"is {name!r} a second time: wanted a name that no other family has")
         made.append(Family(name, _comparisons(table, _part_of(table, parts))))
     return tuple(made)
 
@@ -168,7 +163,7 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
     made: list[Comparison] = []
     for number, pair in enumerate(pairs):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
-            raise table.fault("pairs", f'has {told(pair)}: wanted pairs of names, like [["late", "warped"]]', number)
+            raise table.fault("pairs", f'has {quoted(pair)}: wanted pairs of names, like [["late", "warped"]]', number)
         for name in pair:
             if name not in known:
                 raise table.fault(

@@ -1,4 +1,4 @@
-"""A plan as one object for other programs: what `hmdwarp study plan --json` prints."""
+"""A plan as one JSON object: what `hmdwarp study plan --json` prints."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import math
 import attrs
 
 from ..scales import Scale
-from .nouns import Design, Part
+from .definitions import Design, Part, every_scale
 from .orders import rows_for
-from .outline import balance, every_scale, notes, stretches
+from .outline import balance, notes, session_phases
 
 
 def design_as_json(design: Design) -> dict[str, object]:
-    """All of it; times in seconds, orders as lists of names for each repeat."""
+    """Return the whole plan; times in seconds, orders as lists of names for each repeat."""
     return {
         "name": design.name,
         "title": design.title,
@@ -51,11 +51,13 @@ def _scale_json(scale: Scale) -> dict[str, object]:
 
 
 def _part_json(design: Design, part: Part) -> dict[str, object]:
-    rows, session = rows_for(design, part.name), stretches(design, part.name)
+    rows, session = rows_for(design, part.name), session_phases(design, part.name)
     return {
         "name": part.name,
         "conditions": [attrs.asdict(one) for one in part.conditions],
-        "session": [attrs.asdict(one) for one in session],
+        "session": [
+            {"name": one.name, "told": one.content, "steps": one.steps, "seconds": one.seconds} for one in session
+        ],
         "session_seconds": math.fsum(one.seconds for one in session),
         "orders": rows,
         "balance": attrs.asdict(balance(rows, part)),

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Sequence
 
 from ...errors import InputError
-from .nouns import FIXED, RANDOM, WILLIAMS, Design, Part
+from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
 
 Order = tuple[tuple[str, ...], ...]  # names of conditions, one tuple per repeat
 RANDOM_ROWS = 1000  # more than there are participants, so that no two share a row

@@ -1,4 +1,4 @@
-"""Study files (.toml) to Design objects; what is wrong in one is told with its line."""
+"""Reads study files (.toml); errors name the line."""
 
 from __future__ import annotations
 
@@ -6,45 +6,51 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...registry import unknown_name
-from ...tables import Table, parsed, text_of, told
+from ...tables import Table, parsed, quoted, text_of
 from ..scales import Scale
-from ._around import breaks_of, consent_of, practice_of, questionnaires_of, sickness_of
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
-from ._scales import scales_of
-from .nouns import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
+from ._sections import breaks_of, consent_of, practice_of, questionnaires_of, scales_of, sickness_of
+from .definitions import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
 
 SCHEMA = 1
-READY = Path(__file__).resolve().parent.parent / "ready"
-_EXAMPLE = "thesis.toml ('hmdwarp study plan thesis' tells where it lies)"
+SHIPPED = Path(__file__).resolve().parent.parent / "ready"
+_EXAMPLE = "thesis.toml ('hmdwarp study plan thesis' prints its path)"
 
 
-def ready_names() -> list[str]:
-    """Names of the shipped studies, sorted. Files called NAME_more.toml belong to one of them and are none themselves."""
-    return sorted(p.stem for p in READY.glob("*.toml") if "_" not in p.stem)
+def study_names() -> list[str]:
+    """Return the names of the shipped studies, sorted; NAME_more.toml only belongs to a study."""
+    return sorted(p.stem for p in SHIPPED.glob("*.toml") if "_" not in p.stem)
 
 
 def load_design(name_or_path: str, *, checked: bool = True) -> Design:
-    """A shipped study by name, or a .toml file by path. checked: every condition's settings are tried as far as they can be without a
-    display, which takes a second for a large scene. Errors: InputError that names file and line, what was found and what was wanted."""
+    """Load a shipped study by name, or a .toml file by path.
+
+    checked: try every condition's settings as far as possible without a display, which takes a
+    second for a large scene.
+    Errors: InputError that names file and line, what was found and what was wanted.
+    """
     path = _path_of(name_or_path)
     return design_from_text(
-        text_of(path, f"a .toml file, or one of {', '.join(ready_names())}"), str(path), checked=checked
+        text_of(path, f"a .toml file, or one of {', '.join(study_names())}"), str(path), checked=checked
     )
 
 
 def _path_of(name: str) -> Path:
     if name.endswith(".toml"):
         return Path(name)
-    if name in ready_names():
-        return READY / f"{name}.toml"
+    if name in study_names():
+        return SHIPPED / f"{name}.toml"
     if Path(name).is_file():
         raise InputError(f"study file {name}: wanted one whose name ends in .toml")
-    raise unknown_name("study", name, [*ready_names(), "FILE.toml"])
+    raise unknown_name("study", name, [*study_names(), "FILE.toml"])
 
 
 def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
-    """The plan in a text. path: where it lies, for messages and for files it names. checked: False leaves out trying the settings, for
-    looking at a session of long ago whose scenes may be gone. Errors: as load_design."""
+    """Return the plan of a text.
+
+    path: of its file, for messages and for files it names. checked: False does not try the
+    settings, because the scenes of an old session may be gone. Errors: as load_design.
+    """
     return parsed(text, path, lambda data: _design(data, text, path, checked), _EXAMPLE)
 
 
@@ -87,13 +93,13 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
 def _name(data: Table) -> str:
     name = data.text("name")
     if not NAME.fullmatch(name):
-        raise data.fault("name", f"is {told(name)}: {NAME_WANTED}")
+        raise data.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
     return name
 
 
 def _refuse_twice(trial: Table, scales: tuple[Scale, ...], sickness: Sickness | None) -> None:
-    """An answer is known by the trial, the scale and the item it belongs to."""
+    """Refuse a scale that comes twice: an answer is known by trial, scale and item."""
     if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
         raise trial.fault(
-            "scales", f"has '{sickness.scale.name}', which [sickness] asks as well: leave it out of one of them"
+            "scales", f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
         )

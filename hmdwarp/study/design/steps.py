@@ -9,7 +9,7 @@ from __future__ import annotations
 import attrs
 
 from ..scales import Item, Scale
-from .nouns import Condition, Design
+from .definitions import Condition, Design
 
 
 @attrs.frozen

@@ -1,38 +1,8 @@
-"""Dialogs of the participant, shown as panels: questions, consent, breaks and the menu."""
+"""Dialogs of the participant, shown as panels: questions, consent, breaks and the menu.
 
-from .buttons import CONTROLLERS, KEYS, InputHints, hints_for
-from .canvas import PAD, TEXT, WIDTH, width_of, wrapped
-from .choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, BreakDialog, ConsentDialog, MenuDialog
-from .dialog_panels import MessagePanel, QuestionPanel, message_panel, trial_panel
-from .question_dialog import QuestionDialog
-from .scale_layout import LineLayout, ScaleForm, layout_of
-from .study_controls import CONTROLS
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "AGAIN",
-    "BREAK",
-    "CONTINUE",
-    "CONTROLLERS",
-    "CONTROLS",
-    "KEYS",
-    "PAD",
-    "SKIP",
-    "STOP",
-    "TEXT",
-    "WIDTH",
-    "BreakDialog",
-    "ConsentDialog",
-    "InputHints",
-    "LineLayout",
-    "MenuDialog",
-    "MessagePanel",
-    "QuestionDialog",
-    "QuestionPanel",
-    "ScaleForm",
-    "hints_for",
-    "layout_of",
-    "message_panel",
-    "trial_panel",
-    "width_of",
-    "wrapped",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

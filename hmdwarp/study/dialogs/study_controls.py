@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from ...display.controls import Control, control
+from ...display import Control, control
 
 _KEYPAD = {str(digit): (f"KP {digit}",) for digit in range(10)}
 _DIGITS = tuple(Control("digit", key, "", "action", also=also, value=key) for key, also in _KEYPAD.items())
@@ -25,5 +25,5 @@ CONTROLS: tuple[Control, ...] = (
     Control("menu", "Escape", "menu: break, stop", "action", also=("M",), buttons=("menu",)),
     control("recentre"),
     control("full_screen"),
-    attrs.evolve(control("help"), beside_plate=True),  # never over a trial's picture
+    attrs.evolve(control("help"), needs_text_panel=True),  # never over a trial's picture
 )

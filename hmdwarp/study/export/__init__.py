@@ -1,22 +1,10 @@
-"""What leaves the machine: one long table, questionnaires, a BIDS tree with the heads' motion; random words instead of people, no dates."""
+"""Export of a study: one long table, questionnaires, a BIDS data set with the motion of the heads.
 
-from .columns import COLUMNS, LONG_COLUMNS, MISSING, Column, columns_for
-from .rows import answer_rows, long_rows, of_origin, questionnaire_rows, revision_rows, score_rows
-from .write import Exported, ExportOptions, export
+Participants are random words, and no dates leave the machine.
 
-__all__ = [
-    "COLUMNS",
-    "LONG_COLUMNS",
-    "MISSING",
-    "Column",
-    "ExportOptions",
-    "Exported",
-    "answer_rows",
-    "columns_for",
-    "export",
-    "long_rows",
-    "of_origin",
-    "questionnaire_rows",
-    "revision_rows",
-    "score_rows",
-]
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

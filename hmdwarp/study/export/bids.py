@@ -1,7 +1,9 @@
-"""The study as a BIDS data set: what every question was answered, how every head moved, and what all of it is.
+"""Writes a study as a BIDS data set: answers, head motion, and descriptions of both.
 
-No date leaves: instants are told from the beginning of a session, which BIDS writes as a date of 1925.
-Source: BIDS specification 1.9 (bids-specification.readthedocs.io), "Behavioral experiments" and "Motion".
+No date leaves the machine: instants count from the beginning of a session, which BIDS writes as a
+date of 1925.
+Source: BIDS specification 1.9 (bids-specification.readthedocs.io), "Behavioral experiments" and
+"Motion".
 """
 
 from __future__ import annotations
@@ -19,48 +21,52 @@ from ...version import __version__
 from ..design import Design
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
-from .columns import COLUMNS, Column, columns_for, label_of
-from .motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
-from .rows import Row, scales_asked
-from .text import tsv_text
+from .export_rows import Row, all_scales
+from .formats import tsv_text
+from .head_motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
+from .table_columns import COLUMNS, Column, columns_for, label_of
 
 VERSION = "1.9.0"
 FOLDER = "bids"
-EPOCH = datetime(1925, 1, 1)  # BIDS: dates that were shifted for privacy lie in 1925 or before
+EPOCH = datetime(1925, 1, 1)  # BIDS: dates shifted for privacy lie in 1925 or before
 Progress = Callable[[int, int], None]
 
 PARTICIPANTS = (
     Column("participant_id", "text", "sub- and the participant's random word"),
     Column("part", "text", "Parts of the study, in the order of the sessions"),
-    Column("sessions", "whole", "How many sittings there were"),
+    Column("sessions", "whole", "Number of sessions"),
     Column(
-        "status", "text", "How the last sitting ended", levels=next(c for c in COLUMNS if c.name == "status").levels
+        "status", "text", "How the last session ended", levels=next(c for c in COLUMNS if c.name == "status").levels
     ),
 )
 SCANS = (
-    Column("filename", "text", "File that the row is about"),
-    Column("acq_time", "text", "When the showing began: 1925-01-01 is no date, but the beginning of the session"),
-    Column("trial", "whole", "Trial whose head motion it is, 0 for the practice"),
-    Column("condition", "text", "What was shown"),
-    Column("presentation", "whole", "Which showing of the trial it is"),
+    Column("filename", "text", "File of the row"),
+    Column("acq_time", "text", "Beginning of the showing; 1925-01-01 stands for the beginning of the session"),
+    Column("trial", "whole", "Trial of the head motion, 0 for the practice"),
+    Column("condition", "text", "Condition shown"),
+    Column("presentation", "whole", "Showing of the trial"),
 )
 
 
 @attrs.frozen
-class Left:
-    """How many motion files were written, and why others were not."""
+class MotionFiles:
+    """Outcome of the export of head motion."""
 
-    motions: int
-    why_not: tuple[str, ...]
+    written: int
+    left_out: tuple[str, ...]  # reasons
 
 
 def write_bids(
     out: OutputFolder, contents: Contents, design: Design, rows: Sequence[Row], readme: str, progress: Progress
-) -> Left:
-    """contents: of one origin. rows: all answers (rows.answer_rows and the scores), which are distributed over the sessions."""
-    tree = _Tree(out, contents, design, label_of(design.name), scales_asked(contents, design))
+) -> MotionFiles:
+    """Write the data set.
+
+    contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
+    """
+    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design))
     tree.head(readme)
-    count, motions, why_not = sum(_has_motion(one) for one in contents.showings), 0, []
+    count, written = sum(_has_motion(one) for one in contents.showings), 0
+    left_out: list[str] = []
     for session in contents.sessions:
         files = tree.behaviour(
             session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
@@ -68,16 +74,19 @@ def write_bids(
         for showing in (one for one in contents.showings if one.session == session.id and _has_motion(one)):
             try:
                 files.append(tree.motion(session, showing, len(files)))
-                motions += 1
+                written += 1
             except (TraceError, FileNotFoundError) as error:
-                why_not.append(f"{showing.trace}: {str(error).splitlines()[0]}")
-            progress(motions + len(why_not), count)
+                left_out.append(f"{showing.trace}: {str(error).splitlines()[0]}")
+            progress(written + len(left_out), count)
         tree.scans(session, files)
-    return Left(motions, tuple(why_not))
+    return MotionFiles(written, tuple(left_out))
 
 
 def _has_motion(showing: Showing) -> bool:
-    """What was broken off was shown again, and no answer is about it: such poses are kept to the store."""
+    """Return whether to export a showing's trace.
+
+    A showing that was cut off was repeated, and no answer is about it: its poses stay in the store.
+    """
     return bool(showing.complete and showing.trace)
 
 
@@ -90,7 +99,7 @@ class _Tree:
     scales: dict[str, Scale]
 
     def head(self, readme: str) -> None:
-        """What stands above the participants."""
+        """Write the files of the whole data set."""
         self._json("dataset_description.json", {
             "Name": self.design.title,
             "BIDSVersion": VERSION,
@@ -101,7 +110,7 @@ class _Tree:
         people: dict[str, list[Session]] = {}
         for session in self.contents.sessions:
             people.setdefault(session.sub, []).append(session)
-        # By the random word: the order they came in is nobody's business.
+        # By the random word, so that the order of arrival does not show.
         rows = [{
             "participant_id": f"sub-{sub}",
             "part": ", ".join(dict.fromkeys(one.part for one in sessions)),
@@ -109,25 +118,25 @@ class _Tree:
             "status": sessions[-1].status,
         } for sub, sessions in sorted(people.items())]  # fmt: skip
         self._text("participants.tsv", tsv_text(rows, PARTICIPANTS))
-        self._json("participants.json", {**described(PARTICIPANTS), **self._withdrawn()})
+        self._json("participants.json", {**sidecar(PARTICIPANTS), **self._withdrawn()})
 
     def _withdrawn(self) -> dict[str, Any]:
-        """Of people: the store does not keep of which kind one was who withdrew, as it keeps nothing of them."""
+        """Count withdrawn people, whose origin the store no longer knows."""
         if not self.contents.withdrawn or any(one.origin != PERSON for one in self.contents.sessions):
             return {}
-        told = f"{self.contents.withdrawn} withdrew; nothing of them is in here or was kept"
-        return {"Withdrawn": {"Description": told, "Count": self.contents.withdrawn}}
+        text = f"{self.contents.withdrawn} withdrew; all their data were erased"
+        return {"Withdrawn": {"Description": text, "Count": self.contents.withdrawn}}
 
     def behaviour(self, session: Session, rows: Sequence[Row]) -> list[Row]:
-        """All answers of a session. Rows for _scans.tsv."""
+        """Write all answers of a session; return the rows for _scans.tsv."""
         name = f"beh/{self._stem(session)}_beh"
         columns = columns_for(rows, ("phase", "kind"))
         self._text(f"{self._folder(session)}/{name}.tsv", tsv_text(rows, columns))
-        self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **described(columns, self.scales)})
+        self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **sidecar(columns, self.scales)})
         return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
 
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
-        """One showing's head. Errors: TraceError for a trace that cannot be read."""
+        """Write the head motion of a showing. Errors: TraceError for an unreadable trace."""
         track = load_trace(self.contents.folder / "traces" / showing.trace).track
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
@@ -146,10 +155,10 @@ class _Tree:
         }
 
     def scans(self, session: Session, files: Sequence[Row]) -> None:
-        """What was recorded when, from the beginning of the session on."""
+        """List the files with their times since the beginning of the session."""
         name = f"{self._folder(session)}/sub-{session.sub}_ses-{session.number:02d}_scans"
         self._text(f"{name}.tsv", tsv_text(files, SCANS))
-        self._json(f"{name}.json", described(SCANS))
+        self._json(f"{name}.json", sidecar(SCANS))
 
     def _task(self, session: Session) -> dict[str, str]:
         return {
@@ -171,34 +180,32 @@ class _Tree:
         self.out.write_json(f"{FOLDER}/{name}", value)
 
 
-def described(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -> dict[str, Any]:
-    """Sidecar entries of columns; of the scales asked, what their values mean."""
-    told: dict[str, Any] = {}
+def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -> dict[str, Any]:
+    """Describe columns, and the values of the scales, for a JSON sidecar."""
+    out: dict[str, Any] = {}
     for column in columns:
-        told[column.name] = {"Description": column.description}
+        out[column.name] = {"Description": column.description}
         if column.levels:
-            told[column.name]["Levels"] = dict(column.levels)
+            out[column.name]["Levels"] = dict(column.levels)
         if column.units:
-            told[column.name]["Units"] = column.units
-    if scales and "scale" in told:
-        told["scale"]["Levels"] = {name: _about(scale) for name, scale in scales.items()}
-        told["item"]["Levels"] = {item.key: item.text for scale in scales.values() for item in scale.items}
-        told["item"]["Levels"] |= {one.name: one.title or one.name for scale in scales.values() for one in scale.scores}
-    return told
+            out[column.name]["Units"] = column.units
+    if scales and "scale" in out:
+        out["scale"]["Levels"] = {name: _about(scale) for name, scale in scales.items()}
+        items = {item.key: item.text for scale in scales.values() for item in scale.items}
+        out["item"]["Levels"] = items | {
+            one.name: one.title or one.name for scale in scales.values() for one in scale.scores
+        }
+    return out
 
 
 def _about(scale: Scale) -> str:
     good = "low is good" if scale.low_is_good else "high is good"
-    anchors = ", ".join(f"{value:g} {word}" for value, word in scale.anchors.items())
-    source = f"; source: {scale.source}" if scale.source else ""
-    return (
-        f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {good}"
-        + (f" ({anchors})" if anchors else "")
-        + source
-    )
+    words = ", ".join(f"{value:g} {word}" for value, word in scale.anchors.items())
+    anchors, source = f" ({words})" if words else "", f"; source: {scale.source}" if scale.source else ""
+    return f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {good}{anchors}{source}"
 
 
 def _shifted(start_utc: str, at_utc: str) -> str | None:
-    """An instant of a session on BIDS's calendar; None where the machine's clock was set back in between."""
+    """Shift an instant of a session to 1925; None if the machine's clock was set back meanwhile."""
     passed = datetime.fromisoformat(at_utc) - datetime.fromisoformat(start_utc)
     return (EPOCH + passed).isoformat(timespec="milliseconds") if passed >= timedelta(0) else None

@@ -1,52 +1,58 @@
-"""Writes everything of a study that may leave the machine into one folder, whole or not at all."""
+"""Exports a study into one folder, whole or not at all: tables, a README and a BIDS data set."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import attrs
 
 from ...errors import InputError
 from ...report import OutputFolder, counted
+from ...version import __version__
 from ..design import Design
-from ..scales import QUESTIONNAIRE, RATING
-from ..store import PERSON, Contents
-from .bids import described, write_bids
-from .columns import Column, columns_for
-from .parquet import HOW, has_parquet, write_parquet
-from .rows import Row, answer_rows, of_origin, revision_rows, scales_asked, score_rows
-from .text import csv_text, tsv_text
-from .words import counts_told, nobody, readme
+from ..extra import INSTALL
+from ..scales import QUESTIONNAIRE, RATING, Scale
+from ..store import PERSON, PILOT, SIMULATED, Contents
+from .bids import sidecar, write_bids
+from .export_rows import Row, all_scales, answer_rows, of_origin, revision_rows, score_rows
+from .formats import csv_text, has_parquet, tsv_text, write_parquet
+from .table_columns import Column, columns_for
 
 EXTRA = ("phase", "kind")
 REMARKS = (
     Column("participant", "text", "Random word for the participant"),
-    Column("session", "whole", "Which sitting of the participant"),
-    Column("step", "text", "Step of the session it was made in"),
+    Column("session", "whole", "Which session of the participant"),
+    Column("step", "text", "Step of the session in which it was made"),
     Column("by", "text", "Who made it"),
-    Column("text", "text", "What was said, as it was typed"),
+    Column("text", "text", "The remark, as typed"),
 )
+
+
+_WHOSE = {
+    PERSON: ("a person", "people"),
+    PILOT: ("a pilot, who tried the study out", "pilots, who tried the study out"),
+    SIMULATED: ("a program that answered instead of a person", "programs that answered instead of people"),
+}
+_ONE = {PERSON: "person", PILOT: "pilot", SIMULATED: "simulated participant"}
 
 
 @attrs.frozen(kw_only=True)
 class ExportOptions:
-    """origin: whose data, one of store.ORIGINS. remarks: what was typed freely too, which may name somebody. revisions: also every answer
-    that was corrected later. parquet: True for an error where it cannot be written, False for none, None for whether it can be."""
+    """What to export."""
 
-    origin: str = PERSON
-    remarks: bool = False
-    revisions: bool = False
-    parquet: bool | None = None
+    origin: str = PERSON  # one of store.ORIGINS
+    remarks: bool = False  # free text too, which may name people
+    revisions: bool = False  # also answers that were corrected later
+    parquet: bool | None = None  # True: an error where it cannot be written; None: if possible
 
 
 @attrs.frozen
 class Exported:
-    """told: what was written, in sentences."""
+    """Result of an export."""
 
     folder: Path
-    told: tuple[str, ...]
+    notes: tuple[str, ...]  # what was written, in sentences
 
 
 def export(
@@ -56,31 +62,36 @@ def export(
     options: ExportOptions | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Exported:
-    """out: a folder that is not there, or empty: an older export may hold people who have withdrawn since.
+    """Export a study.
 
-    Errors: InputError for a folder that is not empty, a study without such sessions, or a plan that is not theirs; MachineError for a full
-    disk, and where Parquet must be and pyarrow is missing.
+    out: a new or empty folder: an older export may hold people who have withdrawn since.
+    Errors: InputError for a folder that is not empty, a study without such sessions, or a plan that
+    is not theirs; MachineError for a full disk, and where Parquet is required and pyarrow is
+    missing.
     """
     options = options or ExportOptions()
     kept = of_origin(contents, options.origin)
     if not kept.sessions:
-        raise InputError(nobody(contents, options.origin, "export"))
+        raise InputError(no_sessions(contents, options.origin, "export"))
     _refuse_full(out)
     answers = answer_rows(kept, design)
     ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] == RATING]
     with OutputFolder(out, last="README") as folder:
-        told = [counts_told(kept, ratings, options.origin)]
+        notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
-            told.append(
-                f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it was run by"
+            notes.append(
+                f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it "
+                "ran with"
             )
-        told += _tables(folder, kept, design, answers, ratings, options)
-        text = readme(design, kept, ratings, options.origin)
-        left = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
-        told.append(f"bids/: a BIDS data set with {counted(left.motions, 'recording')} of head motion: personal data")
-        told += [f"left out: {why}" for why in left.why_not]
+        notes += _tables(folder, kept, design, answers, ratings, options)
+        text = _readme(design, kept, ratings, options.origin)
+        motion = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
+        notes.append(
+            f"bids/: a BIDS data set with {counted(motion.written, 'recording')} of head motion: personal data"
+        )
+        notes += [f"left out: {why}" for why in motion.left_out]
         folder.write_text("README", text)
-    return Exported(Path(out), tuple(told))
+    return Exported(Path(out), tuple(notes))
 
 
 def _tables(
@@ -94,26 +105,26 @@ def _tables(
     columns = columns_for(ratings)
     folder.write_bytes("ratings.csv", csv_text(ratings, columns).encode())
     folder.write_text("ratings.tsv", tsv_text(ratings, columns))
-    told = ["ratings.csv, ratings.tsv: one row for each rating"]
-    told.append(_parquet(folder, ratings, columns, design, options.parquet))
+    notes = ["ratings.csv, ratings.tsv: one row for each rating"]
+    notes.append(_parquet(folder, ratings, columns, design, options.parquet))
     sickness = [row for row in answers if row["kind"] not in (RATING, QUESTIONNAIRE)]
     questionnaires = [row for row in answers if row["kind"] == QUESTIONNAIRE] + score_rows(contents, design)
     for name, rows in (("sickness", sickness), ("questionnaires", questionnaires)):
         if rows:
             folder.write_text(f"{name}.tsv", tsv_text(rows, _short(rows)))
-            told.append(f"{name}.tsv: {counted(len(rows), 'row')}")
+            notes.append(f"{name}.tsv: {counted(len(rows), 'row')}")
     if options.revisions:
         rows = revision_rows(contents, design)
         folder.write_text("revisions.tsv", tsv_text(rows, _short(rows)))
-        told.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
+        notes.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
     if options.remarks:
-        told.append(_remarks(folder, contents))
-    folder.write_json("columns.json", described(columns_for(answers, EXTRA), scales_asked(contents, design)))
-    return [text for text in told if text]
+        notes.append(_remarks(folder, contents))
+    folder.write_json("columns.json", sidecar(columns_for(answers, EXTRA), all_scales(contents, design)))
+    return [text for text in notes if text]
 
 
 def _short(rows: Sequence[Row]) -> tuple[Column, ...]:
-    """Without what was shown meanwhile: the ratings have that."""
+    """Leave out the columns of what was shown: the ratings have them."""
     return tuple(c for c in columns_for(rows, EXTRA) if not c.name.startswith(("actual_", "measured_")))
 
 
@@ -123,7 +134,7 @@ def _parquet(
     if wanted is False:
         return ""
     if wanted is None and not has_parquet():
-        return f"no ratings.parquet: the package pyarrow is not installed ({HOW})"
+        return f"no ratings.parquet: the package pyarrow is not installed ({INSTALL})"
     write_parquet(folder.path("ratings.parquet"), rows, columns, design.title)
     return "ratings.parquet: the same with typed columns"
 
@@ -131,22 +142,83 @@ def _parquet(
 def _remarks(folder: OutputFolder, contents: Contents) -> str:
     people = {one.id: one for one in contents.sessions}
     rows = [
-        {"participant": people[e.session].sub, "session": people[e.session].number, "step": e.key, **_said(e.data)}
+        {
+            "participant": people[e.session].sub,
+            "session": people[e.session].number,
+            "step": e.key,
+            "by": e.data.get("by"),
+            "text": e.data.get("text"),
+        }
         for e in contents.events
         if e.kind == "remark"
     ]
-    # CSV alone: what people type may hold line ends, which TSV has no way to say.
+    # Only CSV: what people type may hold line ends, which TSV cannot represent.
     folder.write_bytes("remarks.csv", csv_text(rows, REMARKS).encode())
-    return f"remarks.csv: {counted(len(rows), 'remark')}, as typed: read them before you pass them on, they may name somebody"
-
-
-def _said(data: Any) -> Row:
-    return {"by": data.get("by"), "text": data.get("text")}
+    return (
+        f"remarks.csv: {counted(len(rows), 'remark')}, as typed: they may name people; read them before passing them on"
+    )
 
 
 def _refuse_full(out: Path) -> None:
     if out.is_dir() and any(out.iterdir()):
         raise InputError(
-            f"{out}: is there already and not empty: an older export may hold somebody who has withdrawn since; delete it, or name "
-            "another folder by --out"
+            f"{out}: exists and is not empty: an older export may hold participants who have withdrawn since; "
+            "delete it, or "
+            "name another folder with --out"
         )
+
+
+def _counts(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
+    people = len({one.sub for one in contents.sessions})
+    rated = sum(row["value"] is not None for row in ratings)
+    missing = f", {len(ratings) - rated} missing" if len(ratings) > rated else ""
+    whose = _WHOSE[origin][people != 1]
+    sessions, ratings_ = counted(len(contents.sessions), "session"), counted(rated, "rating")
+    return f"{counted(people, 'participant')} ({whose}) in {sessions}, {ratings_}{missing}"
+
+
+def no_sessions(contents: Contents, origin: str, verb: str) -> str:
+    """Describe that there are no sessions of that origin, and what to do.
+
+    contents: of all origins. verb: what cannot be done without them.
+    """
+    there = {one.origin for one in contents.sessions} - {origin}
+    run = "run one with --pilot" if origin == PILOT else "run one"
+    hint = f"{run} first, or check the folder of --store"
+    if PERSON in there:
+        hint = f"it holds sessions of people: leave out --{origin}"
+    elif there:
+        other = min(there)
+        hint = f"it holds {other} ones: use --{other}"
+    return f"{contents.folder}: no session of a {_ONE[origin]} to {verb}: {hint}"
+
+
+def _readme(design: Design, contents: Contents, ratings: Sequence[Row], origin: str) -> str:
+    scales = ", ".join(_scale_text(scale) for scale in design.scales)
+    conditions = "\n".join(f"  {part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts)
+    return f"""{design.title}
+
+Study "{design.name}", exported by hmdwarp {__version__}: {_counts(contents, ratings, origin)}.
+Asked after each trial: {scales}.
+Conditions, by part of the study:
+{conditions}
+
+ratings.csv, ratings.tsv, and ratings.parquet where pyarrow is installed: the same table with one
+row per rating, missing ones included, and what was shown. If the study has them: sickness.tsv,
+sickness between the trials, and questionnaires.tsv, answers and scores before and after the
+session.
+columns.json: meaning, units and values of each column. bids/: the same as a BIDS data set, with the
+motion of the heads.
+Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last
+one counts.
+
+Privacy: participants are random words, which cannot be traced back from this folder. It holds no
+date and no time of day: instants count from the beginning of a session, which BIDS writes as
+1925-01-01. Head motion is personal data all the same: minutes of it identify a person among
+hundreds. Give the folder bids/ only to recipients to whom the participants agreed. Participants who
+withdraw later must be erased here too, by hand: delete this folder and export again.
+"""
+
+
+def _scale_text(scale: Scale) -> str:
+    return f"{scale.name} ({scale.least:g} to {scale.most:g}, {'low' if scale.low_is_good else 'high'} is good)"

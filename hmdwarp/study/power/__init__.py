@@ -1,6 +1,8 @@
-"""How many people a planned effect needs, by simulation of the whole study and its analysis."""
+"""How many people a planned effect needs: simulation of the whole study and its analysis.
 
-from .shares import Share, people_for, share_of
-from .simulation import Power, Strength, power_of
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = ["Power", "Share", "Strength", "people_for", "power_of", "share_of"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,35 +1,8 @@
-"""Scales: one .toml file each, with anchors, direction and source."""
+"""Scales: one .toml file each, with anchors, direction and source.
 
-from ._load import FOLDER, load_scale, scale_names
-from ._scale_model import (
-    KINDS,
-    QUESTIONNAIRE,
-    RATING,
-    SICKNESS,
-    AnswerRange,
-    Item,
-    Scale,
-    Score,
-    most_scored,
-    number_text,
-    range_text,
-    scored,
-)
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "FOLDER",
-    "KINDS",
-    "QUESTIONNAIRE",
-    "RATING",
-    "SICKNESS",
-    "AnswerRange",
-    "Item",
-    "Scale",
-    "Score",
-    "load_scale",
-    "most_scored",
-    "number_text",
-    "range_text",
-    "scale_names",
-    "scored",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

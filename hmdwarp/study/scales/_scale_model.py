@@ -36,7 +36,7 @@ class Score:
 
 @attrs.frozen
 class Scale:
-    """A rating scale, a sickness scale or a questionnaire."""
+    """Rating scale, sickness scale or questionnaire; its fields are what its file says."""
 
     name: str  # the stem of its file
     title: str

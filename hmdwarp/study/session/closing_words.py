@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from ...errors import HmdwarpError
-from ...run.live.recorder import Recorder
+from ...run import Recorder
 from ..design import Design
 from ..store import INTERRUPTED, PERSON, Session, Store
 from .session_options import SessionOptions

@@ -10,16 +10,10 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...run.live import LiveOptions
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
-from ...run.live.openings import open_display
-from ...run.live.watchdog import Watchdog
+from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
 from ...scenes import load_scene
 from ..console import Console, make_console
-from ..design import Ask, Design, Show, steps_of
-from ..design.read import design_from_text, load_design
-from ..design.settings import live_options
+from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
@@ -193,6 +187,6 @@ class _Program:
 
 @attrs.frozen
 class _NoPipeline:
-    """Stands for the driver's stage where nothing is drawn."""
+    """Stand-in for the driver's pipeline host where nothing is drawn."""
 
     options: LiveOptions

@@ -10,8 +10,7 @@ from typing import TypeVar
 import attrs
 
 from ...display import Closed
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
+from ...run import Driver, Ending
 from ..design import Ask, Pause, Read, Show, Step
 from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
 from ..store import COMPLETE, SICK, STOPPED, Showing

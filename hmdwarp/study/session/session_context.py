@@ -8,14 +8,12 @@ from typing import Any
 
 import attrs
 
-from ...display import Command, Display
-from ...display.status import Status
+from ...display import Command, Display, Status
 from ...geometry import Pose
 from ...poses import Origin, PoseSample
 from ..console import Console, ConsoleState
-from ..design import NOBODY as BLIND_TO_NOBODY
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
-from ..design import Design, Show, Step
+from ..design import UNBLINDED, Design, Show, Step
 from ..respondents import Respondent
 from ..store import PILOT, SIMULATED, Session, Store
 from .wording import step_name
@@ -74,7 +72,7 @@ class SessionContext:
     @property
     def tells_condition(self) -> bool:
         """Whether the experimenter may know the condition."""
-        return self.design.blind in (BLIND_TO_PARTICIPANT, BLIND_TO_NOBODY)
+        return self.design.blind in (BLIND_TO_PARTICIPANT, UNBLINDED)
 
     def now_s(self) -> float:
         """Return the time of the display's clock in seconds."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ...display import Command, Label
-from ...run.live.driver import FrameHandler
+from ...run import FrameHandler
 from ..design import Ask, Pause, Read, Step
 from ..dialogs import BreakDialog, ConsentDialog, MenuDialog, MessagePanel, QuestionDialog, hints_for
 from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
@@ -57,7 +57,7 @@ class StepHandler(FrameHandler):
         """Return whether the step is finished or interrupted."""
         return bool(self.interrupt) or self.finished()
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """Carry out all commands; never changes the options of the run.
 
         Commands after the end of a step belonged to it, and are dropped, except stop, menu and
@@ -256,7 +256,7 @@ class PanelHandler(FrameHandler):
         self._left -= 1
         return self._panel
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """Tell the console; the commands do nothing."""
         self._context.tell(self._step, lambda: {"phase": self._phase})
         return False

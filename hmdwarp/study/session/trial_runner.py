@@ -10,12 +10,7 @@ import attrs
 
 from ...display import Command, Label
 from ...errors import InputError
-from ...run.live import LiveOptions
-from ...run.live.driver import Driver
-from ...run.live.ending import Ending
-from ...run.live.host import Stage
-from ...run.live.log import LiveLog
-from ...run.live.recorder import Recorder
+from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import Scene
 from ..actual import actual_of
 from ..design import Show
@@ -50,18 +45,18 @@ class TrialHandler(StepHandler):
     the middle of a run; a recorded head starts anew that long before. The time of the trial counts
     from its first picture, on the display's clock.
 
-    panel: lies over the black, since panel_ns. wait_s: see first_picture_wait_s.
+    panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
     ahead = True
     phase = "showing"
 
-    def __init__(
-        self, context: SessionContext, step: Show, panel: Label, panel_ns: int, log: LiveLog, wait_s: float
-    ) -> None:
+    step: Show
+
+    def __init__(self, context: SessionContext, step: Show, panel_ns: int, log: LiveLog, wait_s: float) -> None:
         super().__init__(context, step)
-        self._show, self._panel, self._panel_ns, self._log, self._wait_s = step, panel, panel_ns, log, wait_s
+        self._panel_ns, self._log, self._wait_s = panel_ns, log, wait_s
         self._arrived = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
@@ -76,11 +71,11 @@ class TrialHandler(StepHandler):
 
     def finished(self) -> bool:
         """Return whether the trial's seconds are over."""
-        return self._first_ns is not None and self.seen_s >= self._show.seconds
+        return self._first_ns is not None and self.seen_s >= self.step.seconds
 
     def label(self) -> Label:
         """Return the panel with the number, and nothing over pictures."""
-        return "" if self.pictures else self._panel
+        return "" if self.pictures else number_panel(self.step, self.context.steps)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -92,9 +87,9 @@ class TrialHandler(StepHandler):
     def take(self, by: str, command: Command) -> None:
         """Do nothing: no command changes a trial."""
 
-    def obey(self, commands: Sequence[Command]) -> bool:
+    def handle(self, commands: Sequence[Command]) -> bool:
         """Carry out the commands, and lead from the black to the pictures."""
-        super().obey(commands)
+        super().handle(commands)
         if not self.pictures:
             self._lead()
         return False
@@ -122,10 +117,10 @@ class TrialHandler(StepHandler):
         status = self._log.status
         return {
             "phase": self.phase,
-            "left_s": self._show.seconds - self.seen_s,
+            "left_s": self.step.seconds - self.seen_s,
             "rate_hz": status.rate_hz,
             "missed": status.missed,
-            "condition": self._show.condition.name if self.context.tells_condition else "",
+            "condition": self.step.condition.name if self.context.tells_condition else "",
         }
 
 
@@ -158,15 +153,14 @@ class TrialRunner:
             with ExitStack() as stack:
                 stack.enter_context(log)
                 recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
-                stage = self._stage(step)
-                stack.callback(stage.close)
+                host = self._pipeline(step)
+                stack.callback(host.close)
                 stack.callback(log.leave)
-                recorder.begin(context.display)
-                log.begin(context.display, stage)
-                panel = number_panel(step, context.steps)
-                handler = TrialHandler(context, step, panel, panel_ns, log, self.wait_s)
+                recorder.begin(context.display.about, context.display.rate_hz)
+                log.begin(context.display, host)
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s)
                 log.status.heading = context.title(step)
-                Driver(context.display, stage, self.ending, context.say).run(handler, log, recorder)
+                Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt
         except BaseException:
             with suppress(Exception):  # the first error is the one to report
@@ -176,10 +170,10 @@ class TrialRunner:
             self.recording = None
         return self._end(showing, log, complete), handler
 
-    def _stage(self, step: Show) -> Stage:
+    def _pipeline(self, step: Show) -> PipelineHost:
         """Build a new pipeline, even for the same settings: it must remember nothing."""
         options = self.options_of(step)
-        return Stage(self.context.display, options, self.scenes[options.scene])
+        return PipelineHost(self.context.display, options, self.scenes[options.scene])
 
     def _end(self, showing: Showing, log: LiveLog, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column)

@@ -1,41 +1,8 @@
-"""What happened, on the disk before the next thing happens."""
+"""Store of a study's data: everything is on the disk before the next thing happens.
 
-from .folders import store_folder
-from .nouns import (
-    COMPLETE,
-    INTERRUPTED,
-    ORIGINS,
-    PERSON,
-    PILOT,
-    RUNNING,
-    SICK,
-    SIMULATED,
-    STATUSES,
-    STOPPED,
-    Answer,
-    Contents,
-    Event,
-    Session,
-    Showing,
-)
-from .store import Store
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = [
-    "COMPLETE",
-    "INTERRUPTED",
-    "ORIGINS",
-    "PERSON",
-    "PILOT",
-    "RUNNING",
-    "SICK",
-    "SIMULATED",
-    "STATUSES",
-    "STOPPED",
-    "Answer",
-    "Contents",
-    "Event",
-    "Session",
-    "Showing",
-    "Store",
-    "store_folder",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""What belongs to an event, a session, a showing, as one text in a row."""
+"""JSON texts of events, sessions and showings."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from typing import Any
 
 
 def to_json(data: Mapping[str, Any]) -> str:
-    """Numbers that are none (NaN, infinite) become null: JSON has no word for them. NumPy's numbers and arrays become plain ones.
+    """Encode data; NaN and infinite numbers become null, NumPy's numbers and arrays plain ones.
 
-    Errors: TypeError for what is no data.
+    Errors: TypeError for other objects.
     """
     return json.dumps(_plain(data), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
 def from_json(text: str) -> Any:
-    """What to_json wrote."""
+    """Decode a text that to_json wrote."""
     return json.loads(text)
 
 
 def clean(text: str) -> str:
-    """What a terminal's broken bytes became (lone surrogates) is "?": no database takes them, and a remark must not end a session."""
+    """Replace lone surrogates, a terminal's broken bytes, by "?": the database refuses them."""
     return text.encode(errors="replace").decode()
 
 

@@ -1,4 +1,4 @@
-"""The clock of the store: which instant it is, for people, and how much time has passed, for sums."""
+"""Clock of the store: the time of day, and a monotonic clock for durations."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from typing import Protocol
 
 
 class Clock(Protocol):
-    """utc: for people, may be set back. mono_ns: never goes back, and means nothing after the machine started anew."""
+    """Time of day, which may be set back, and time since boot, which never is."""
 
     def utc(self) -> datetime:
-        """Now, with a time zone."""
+        """Return the time of day, with a time zone."""
 
     def mono_ns(self) -> int:
-        """Nanoseconds from some instant on."""
+        """Return nanoseconds since some instant."""
 
 
 class MachineClock:
-    """The machine's own."""
+    """The machine's own clock."""
 
     def utc(self) -> datetime:
-        """As Clock.utc."""
+        """Return the time of day, in UTC."""
         return datetime.now(UTC)
 
     def mono_ns(self) -> int:
-        """As Clock.mono_ns."""
+        """Return nanoseconds of the monotonic clock."""
         return time.monotonic_ns()
 
 
 def text_of(instant: datetime) -> str:
-    """ISO 8601 to the millisecond, always as long: such texts sort as the instants do."""
+    """Format as ISO 8601 to the millisecond, of fixed length: texts sort as instants do."""
     return instant.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def seconds_back(before: str, now: str) -> float:
-    """By how much `now` lies before `before`; negative where it does not."""
+    """Return by how much `now` lies before `before`; negative where it does not."""
     return (datetime.fromisoformat(before) - datetime.fromisoformat(now)).total_seconds()

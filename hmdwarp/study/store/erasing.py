@@ -1,8 +1,9 @@
-"""Erasing a participant: rows, traces, and the bytes they lay in; what was begun is finished at the next opening.
+"""Erases a participant: rows, traces, and the bytes they took; an interrupted erasure resumes.
 
-A mark comes first (the participant is no longer read from then on), the traces next, the rows and the mark in one transaction, the bytes of
-the file last. What a program cannot reach: copies that a flash disk keeps in blocks it took out of use, snapshots and journals of
-a file system, backups, and what was exported before. Whoever promises erasure must see to these.
+A mark comes first (from then on the participant is no longer read), the traces next, the rows and
+the mark in one transaction, the bytes of the file last. Beyond reach are copies that a flash disk
+keeps in retired blocks, snapshots and journals of a file system, backups, and earlier exports.
+A promise of erasure must cover these too.
 """
 
 from __future__ import annotations
@@ -13,23 +14,29 @@ from contextlib import suppress
 from pathlib import Path
 
 from ...errors import HmdwarpError, InputError, MachineError
-from .codes import check_code
-from .faults import told, transaction
-from .folders import FILE, TRACES, sync
+from .admission import check_code
+from .faults import transaction, translated
+from .folders import DATABASE, TRACES, sync
 
 _CHUNK = 1 << 20
 
 
 def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
-    """Everything of a participant but the code. Errors: InputError for one who is not known or has withdrawn already."""
-    with transaction(db, folder / FILE):
+    """Erase all data of a participant but the code.
+
+    Errors: InputError for an unknown or withdrawn participant.
+    """
+    with transaction(db, folder / DATABASE):
         participant, _ = known(db, code)
         db.execute("UPDATE participant SET withdrawing = 1 WHERE id = ?", (participant,))
     finish_erasing(db, folder)
 
 
 def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
-    """The participant's row and sub. Errors: InputError for one who is not known or has withdrawn already."""
+    """Return the participant's row and sub.
+
+    Errors: InputError for an unknown or withdrawn participant.
+    """
     check_code(code)
     if db.execute("SELECT 1 FROM withdrawn WHERE code = ?", (code,)).fetchone():
         raise InputError(f"participant {code} has withdrawn already: nothing is left of them here")
@@ -40,14 +47,17 @@ def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
 
 
 def finish_erasing(db: sqlite3.Connection, folder: Path) -> list[str]:
-    """What is marked, or was left half done by a program that died; the codes. Nothing to do is the rule, and costs two queries."""
-    with told(folder / FILE):
+    """Finish erasures that are marked, or that a program left when it died; return the codes.
+
+    Usually there is none, which takes two queries.
+    """
+    with translated(folder / DATABASE):
         marked = db.execute("SELECT id, code, sub FROM participant WHERE withdrawing").fetchall()
     for id_, code, sub in marked:
         _erase_traces(folder / TRACES, sub)
-        with transaction(db, folder / FILE):
+        with transaction(db, folder / DATABASE):
             _erase_rows(db, id_, code)
-    with told(folder / FILE):
+    with translated(folder / DATABASE):
         codes = [code for (code,) in db.execute("SELECT code FROM withdrawn WHERE NOT cleaned")]
     if codes:
         _clean(db, folder, [sub for _, _, sub in marked])
@@ -65,10 +75,10 @@ def _erase_rows(db: sqlite3.Connection, participant: int, code: str) -> None:
 
 
 def _erase_traces(traces: Path, sub: str) -> None:
-    """Overwritten, then unlinked: the name alone going would leave the poses on the disk until something else takes the place."""
+    """Overwrite, then unlink the traces: unlinking alone would leave the poses on the disk."""
     try:
         for path in sorted(traces.iterdir()) if traces.is_dir() else ():
-            if sub in path.name:  # a copy or a half-written one beside it has it too
+            if sub in path.name:  # also of a copy or partial file
                 if path.is_file() and not path.is_symlink():
                     _overwrite(path)
                 path.unlink()
@@ -76,9 +86,7 @@ def _erase_traces(traces: Path, sub: str) -> None:
             sync(traces)
     except OSError as error:
         why = error.strerror or str(error)
-        raise MachineError(
-            f"{traces}: cannot erase ({why}); what is left goes at the next try: make it writable"
-        ) from error
+        raise MachineError(f"{traces}: cannot erase ({why}); the next try erases the rest: make it writable") from error
 
 
 def _overwrite(path: Path) -> None:
@@ -93,30 +101,33 @@ def _overwrite(path: Path) -> None:
 
 
 def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
-    """The file is written anew without what was deleted, and the log beside it emptied. secure_delete has overwritten the rows before; what
-    it does not reach are copies of rows in pages that were split, and the log."""
-    with told(folder / FILE):
+    """Rewrite the file without the deleted rows, and empty the log beside it.
+
+    secure_delete has overwritten the rows, but not copies in pages that were split, nor the log.
+    """
+    with translated(folder / DATABASE):
         _empty_log(db, folder)  # zeros over the old rows in their own place, before the file gets shorter
         db.execute("VACUUM")
         _empty_log(db, folder)
     _check_bytes(folder, subs)
-    with transaction(db, folder / FILE):
+    with transaction(db, folder / DATABASE):
         db.execute("UPDATE withdrawn SET cleaned = 1")
 
 
 def _empty_log(db: sqlite3.Connection, folder: Path) -> None:
     if db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
         raise MachineError(
-            f"{folder}: another program reads the study's data: close it and say it again, the erasing is not over"
+            f"{folder}: another program reads the study's data, so the erasure is not finished: close it and "
+            "repeat the command"
         )
 
 
 def _check_bytes(folder: Path, subs: list[str]) -> None:
-    """Trust is good: the random word that all of a person's files and rows hang on must be nowhere."""
+    """Check that the random word of all of a person's files and rows is gone."""
     for path in sorted(folder.rglob("*")):
         with suppress(FileNotFoundError):
             found = [sub for sub in subs if sub in path.name or (path.is_file() and sub.encode() in path.read_bytes())]
             if found:
                 raise HmdwarpError(
-                    f"{path}: still holds something of a participant who withdrew: keep it closed, and report this"
+                    f"{path}: still holds data of a participant who withdrew: do not pass it on, and report this"
                 )

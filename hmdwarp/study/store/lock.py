@@ -1,4 +1,8 @@
-"""One writer at a time: a lock that the kernel holds, and lets go of when the program dies, however it dies."""
+"""One writer at a time: a lock that the kernel holds, and frees when the program dies.
+
+filelock 4.2 opens, locks and classifies errors in the same way; the holder's name, full disks and
+the messages, which are most of this file, it leaves to its caller.
+"""
 
 from __future__ import annotations
 
@@ -19,13 +23,16 @@ _NOT_HERE = frozenset({errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EINVAL})
 
 
 class Lock:
-    """Exclusive, for a folder. The file holds who has it, for the message; what counts is the kernel's flock, never the text.
+    """Exclusive lock of a folder. Only the kernel's flock counts; the file names the holder.
 
-    flock and not POSIX locks: those go when any file handle on it is closed, and two within one program would not see each other.
-    Errors: MachineError where another has it, with its words, and on a file system without locks; InputError where it cannot be written.
+    flock and not POSIX locks: closing any handle of the file frees those, and two within one
+    program do not exclude each other.
+    Errors: MachineError, naming the holder, where another has it, and on a file system without
+    locks; InputError where it cannot be written.
     """
 
     def __init__(self, folder: Path, since: datetime) -> None:
+        """Take the lock. since: for the message to others."""
         self.path = folder / NAME
         try:
             self._file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o600)
@@ -54,7 +61,7 @@ class Lock:
             os.pwrite(self._file, text.encode(), 0)
 
     def _holder(self) -> str:
-        """As "since 14:03, process 123 on HOST"; "" where the file does not tell."""
+        """Return "since 14:03 on 2026-01-31, process 123 on HOST"; "" where it is not known."""
         with suppress(OSError, ValueError, KeyError, TypeError):
             said = json.loads(os.pread(self._file, 4096, 0))
             since = datetime.fromisoformat(said["since"]).strftime("%H:%M on %Y-%m-%d")
@@ -62,7 +69,7 @@ class Lock:
         return ""
 
     def close(self) -> None:
-        """Let go. The file stays: removing it would let two have locks on two files of one name."""
+        """Free the lock. The file stays: without it two could lock two files of one name."""
         if self._file >= 0:
             with suppress(OSError):
                 os.ftruncate(self._file, 0)
@@ -74,9 +81,7 @@ def _no_place(error: OSError, folder: Path) -> HmdwarpError:
     why = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
         return MachineError(f"{folder}: cannot write ({why}): make room, or choose another folder (--store)")
-    return InputError(
-        f"{folder}: cannot write ({why}): a study keeps its data where it may write; choose another folder (--store)"
-    )
+    return InputError(f"{folder}: cannot write ({why}): choose another folder for the study's data (--store)")
 
 
 def _refused(error: OSError, folder: Path, holder: str) -> HmdwarpError:
@@ -86,6 +91,6 @@ def _refused(error: OSError, folder: Path, holder: str) -> HmdwarpError:
     if error.errno in _NOT_HERE:
         return MachineError(
             f"{folder}: this file system cannot lock files ({error.strerror}), as some network drives; "
-            "two sessions at once could not be told apart: keep the study on a disk of this machine (--store)"
+            "two sessions at once would not exclude each other: keep the study on a disk of this machine (--store)"
         )
     return _no_place(error, folder)

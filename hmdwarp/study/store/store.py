@@ -1,11 +1,13 @@
-"""The store of a study: every event is on the disk when the call that tells it returns.
+"""Store of a study: every event is on the disk when the call that records it returns.
 
-SQLite and not a log that is only appended to, because
-* withdrawal must erase in the middle: a log would have to be written anew, and to be right at every instant of that;
-* guards against a doubled rating are part of the file (UNIQUE over session, question and revision), not of the program that writes it;
-* an event, the row it makes and the order it takes up are one transaction: there is no state in between to come back to after a crash;
+SQLite rather than an append-only log, because
+* withdrawal must erase in the middle: a log would be rewritten, valid at every instant;
+* constraints against a doubled rating are part of the file (UNIQUE over session, question and
+  revision), not of the program that writes it;
+* an event, its row and the order that it takes are one transaction: a crash leaves nothing between;
 * an export may read while a session writes.
-WAL with synchronous=FULL: a commit returns after an fsync. One writer at a time, by a lock of the kernel's that goes with the program.
+WAL with synchronous=FULL: a commit returns after an fsync. A lock of the kernel, which ends with
+the program, allows one writer at a time.
 """
 
 from __future__ import annotations
@@ -18,27 +20,26 @@ from pathlib import Path
 from typing import Any
 
 from ..design import Ask, Design, Show
-from . import beginning, reading
+from . import admission, queries
 from ._json import clean, to_json
 from .clock import Clock, MachineClock
 from .erasing import erase, known
-from .faults import told
+from .faults import translated
 from .folders import check_place, sync_trace, trace_name
-from .nouns import RUNNING, STATUSES, Answer, Contents, Session, Showing
-from .opened import Opened
+from .records import RUNNING, STATUSES, Answer, Contents, Session, Showing
+from .store_connection import Connection
 
 
-class _Undone(Exception):  # noqa: N818 (nothing is wrong: a transaction is given up)
-    """What was only tried must not stay."""
+class _Undone(Exception):  # noqa: N818 (no error: rolls a transaction back)
+    """Rolls back a transaction that was only a trial."""
 
 
 class Store:
-    """The data of one study, in a folder. Use as a context manager.
+    """Data of one study in a folder; a context manager.
 
-    folder: see folders.store_folder. create: make it where there is none, when the first session begins; a session that is refused
-    leaves nothing behind. study: whose it must be, None for anybody's. say: gets a sentence now and then. Opened for reading, which needs
-    no lock; the first call that writes takes it, until the store is closed.
-    Errors, of every method too: InputError and MachineError, as faults.store_error and lock.Lock say.
+    It opens for reading, which needs no lock; the first call that writes takes the lock until the
+    store is closed.
+    Errors, of every method too: InputError and MachineError, as faults.store_error and lock.Lock.
     """
 
     def __init__(
@@ -49,8 +50,13 @@ class Store:
         say: Callable[[str], None] = lambda text: None,
         clock: Clock | None = None,
     ) -> None:
-        self._opened = Opened(Path(folder), create, study, say, clock or MachineClock())
-        self.folder, self.traces = self._opened.folder, self._opened.traces
+        """Open the store of a folder, see folders.store_folder.
+
+        create: create it when the first session begins; a refused session leaves no folder behind.
+        study: name that the store must have; None for any. say: receives notes for the user.
+        """
+        self._connection = Connection(Path(folder), create, study, say, clock or MachineClock())
+        self.folder, self.traces = self._connection.folder, self._connection.traces
 
     def __enter__(self) -> Store:
         return self
@@ -59,15 +65,15 @@ class Store:
         self.close()
 
     def close(self) -> None:
-        """Let go of everything. May be called twice. A session that is not ended may be resumed."""
-        self._opened.close()
+        """Free lock and database. May be called twice. A session without an end may be resumed."""
+        self._connection.close()
 
     @property
     def name(self) -> str:
-        """The study's; "" before there is anything."""
-        return self._opened.name
+        """Name of the study; "" for an empty store."""
+        return self._connection.name
 
-    # --- a session ------------------------------------------------------------------------------------------------------
+    # --- sessions ---
 
     def begin(
         self,
@@ -78,116 +84,125 @@ class Store:
         new_session: bool = False,
         facts: Mapping[str, Any] | None = None,
     ) -> Session:
-        """A new session, running, with the order whose turn it is.
+        """Begin a session with the next order; return it, running.
 
-        code: the participant's; "new" draws one. origin: of ORIGINS. new_session: whether the participant must be known instead of unknown.
-        Errors: InputError for a code that is none, is known (or unknown, with new_session), withdrew, or is of another origin; for a part
-        that is none; for a plan whose meaning is another than that of the sessions before (beginning.check_plan).
+        code: the participant's; "new" draws one. origin: one of ORIGINS. new_session: the
+        participant must be known instead of unknown.
+        Errors: InputError for a code that is invalid, known (or unknown, with new_session),
+        withdrawn or of another origin; for an unknown part; for a plan whose signature differs from
+        that of earlier sessions (admission.check_plan).
         """
-        part = beginning.the_part(design, part)
-        if not self._opened.name:
-            beginning.check_first(code, new_session)  # before a folder is made
-        self._opened.lock(design.name)
-        with self._opened.write() as db:
-            participant = beginning.participant_for(db, code, part, origin, new_session)
-            mended = beginning.check_plan(db, design, part, origin)
-            now = self._opened.now()
-            id_ = beginning.new_session(db, design, part, participant, origin, facts or {}, now)
-            session = reading.session(db, id_)
+        part = admission.chosen_part(design, part)
+        if not self._connection.name:
+            admission.check_first(code, new_session)  # before a folder is created
+        self._connection.lock(design.name)
+        with self._connection.write() as db:
+            participant = admission.participant_for(db, code, part, origin, new_session)
+            mended = admission.check_plan(db, design, part, origin)
+            now = self._connection.now()
+            id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
+            session = queries.session(db, id_)
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
-            self._opened.event(session, "begin", data=data)
+            self._connection.event(session, "begin", data=data)
         if mended:
-            self._opened.say(
-                "the study's file is another than in the session before, but shows and asks the same; both are kept"
+            self._connection.say(
+                "the study's file changed since the last session, but not what it shows and asks; both texts are kept"
             )
         return session
 
     def would_begin(self, design: Design, part: str | None, code: str, origin: str, new_session: bool = False) -> None:
-        """Nothing, or what `begin` would refuse: to be told before anybody puts a headset on. A store that is not there yet is not made."""
-        part = beginning.the_part(design, part)
-        if not self._opened.name:
-            beginning.check_first(code, new_session)
+        """Raise what `begin` would refuse, before the participant puts the headset on.
+
+        A missing store is not created.
+        """
+        part = admission.chosen_part(design, part)
+        if not self._connection.name:
+            admission.check_first(code, new_session)
             check_place(self.folder)
             return
-        self._opened.lock(design.name)
-        with suppress(_Undone), self._opened.write() as db:
-            beginning.participant_for(db, code, part, origin, new_session)
-            beginning.check_plan(db, design, part, origin)
+        self._connection.lock(design.name)
+        with suppress(_Undone), self._connection.write() as db:
+            admission.participant_for(db, code, part, origin, new_session)
+            admission.check_plan(db, design, part, origin)
             raise _Undone
 
     def would_resume(self, code: str, part: str | None = None) -> Session:
-        """The session that `resume` would go on with. Errors: as resume."""
-        self._opened.lock()
-        with told(self._opened.path):
-            return beginning.to_resume(self._opened.db, code, part)
+        """Return the session that `resume` would resume. Errors: as resume."""
+        self._connection.lock()
+        with translated(self._connection.path):
+            return admission.to_resume(self._connection.db, code, part)
 
     def check_same(self, session: Session, design: Design) -> None:
-        """Errors: InputError where `design`, read from the session's plan, means something else than it did when the session began."""
-        with told(self._opened.path):
-            beginning.check_same(self._opened.db, design, session)
+        """Raise InputError where `design`, read from the session's plan, has a new signature."""
+        with translated(self._connection.path):
+            admission.check_same(self._connection.db, design, session)
 
     def resume(self, code: str, part: str | None = None, facts: Mapping[str, Any] | None = None) -> Session:
-        """Go on with the interrupted session of a participant. facts: of this run of the program, kept with the event.
+        """Resume the interrupted session of a participant.
 
+        facts: of this run of the program, kept with the event.
         Errors: InputError where there is none, or several parts have one and none is named.
         """
-        self._opened.lock()
-        with self._opened.write() as db:
-            session = beginning.to_resume(db, code, part)
+        self._connection.lock()
+        with self._connection.write() as db:
+            session = admission.to_resume(db, code, part)
             db.execute("UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (RUNNING, session.id))
-            self._opened.event(session, "resume", data=facts or {})
-            return reading.session(db, session.id)
+            self._connection.event(session, "resume", data=facts or {})
+            return queries.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
-        """status: any of STATUSES but RUNNING. why: in words, "" where nobody must give a reason."""
+        """End a session. status: any of STATUSES but RUNNING. why: in words, "" for none."""
         if status not in STATUSES or status == RUNNING:
             raise ValueError(f"a session does not end as {status!r}")
-        with self._opened.going_on(session) as db:
-            self._opened.event(session, "end", data={"status": status, "why": why})
-            now = self._opened.now()
+        with self._connection.running(session) as db:
+            self._connection.event(session, "end", data={"status": status, "why": why})
+            now = self._connection.now()
             db.execute(
                 "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
                 (status, now, clean(why), session.id),
             )
-            return reading.session(db, session.id)
+            return queries.session(db, session.id)
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
-        """Any event. data: what JSON can hold; NumPy's numbers too, NaN becomes null."""
-        with self._opened.going_on(session):
-            self._opened.event(session, kind, key, data)
+        """Record an event. data: as JSON can hold, and NumPy's numbers; NaN becomes null."""
+        with self._connection.running(session):
+            self._connection.event(session, kind, key, data)
 
     def finish_step(self, session: Session, key: str) -> None:
-        """A Read was agreed to, a Pause is over."""
+        """Record that the participant agreed to a Read, or that a Pause is over."""
         self.record(session, "finished", key)
 
     def begin_showing(
         self, session: Session, step: Show, settings: Mapping[str, Any], recorded: bool = True
     ) -> Showing:
-        """Before the first picture. Where the program dies from here on, the showing stays, incomplete, with as much trace as there is.
+        """Record a showing before its first picture.
 
-        recorded: whether there will be a trace, at traces / showing.trace, a name that was never used.
+        If the program dies from here on, the showing stays, incomplete, with a partial trace.
+        recorded: there will be a trace, at traces / showing.trace, a name that is never reused.
         """
-        with self._opened.going_on(session) as db:
+        with self._connection.running(session) as db:
             query = "SELECT coalesce(max(presentation), 0) + 1 FROM showing WHERE session = ? AND key = ?"
             presentation = db.execute(query, (session.id, step.key)).fetchone()[0]
             trace = self.path_for(session, step, presentation).name if recorded else ""
-            id_ = db.execute(
-                """INSERT INTO showing (session, key, trial, repeat, condition, presentation, settings, trace, started_utc)
-                  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-                (session.id, step.key, step.trial, step.repeat, step.condition.name, presentation, to_json(settings), trace,
-                 self._opened.now()),
-            ).lastrowid  # fmt: skip
-            self._opened.event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
-            return reading.showing(db, id_)
+            id_ = admission.insert(
+                db, "showing", session=session.id, key=step.key, trial=step.trial, repeat=step.repeat,
+                condition=step.condition.name, presentation=presentation, settings=to_json(settings), trace=trace,
+                started_utc=self._connection.now(),
+            )  # fmt: skip
+            self._connection.event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
+            return queries.showing(db, id_)
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
-        """After the last picture, and after the trace was closed: one that has nothing in it (no file) is none. actual: see study/run."""
+        """Record the end of a showing, after its trace is closed; a missing file is no trace.
+
+        actual: as study/actual.py.
+        """
         trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
-        with self._opened.going_on(session) as db:
+        with self._connection.running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
-            self._opened.event(session, "shown", showing.key, {"showing": showing.id, "complete": complete})
-            return reading.showing(db, showing.id)
+            self._connection.event(session, "shown", showing.key, {"showing": showing.id, "complete": complete})
+            return queries.showing(db, showing.id)
 
     def shown(
         self,
@@ -198,7 +213,7 @@ class Store:
         actual: Mapping[str, Any],
         complete: bool,
     ) -> Showing:
-        """Both at once, for what takes no time. trace: whether there is one."""
+        """Record beginning and end of a showing at once. trace: whether there is one."""
         return self.end_showing(session, self.begin_showing(session, step, settings, recorded=trace), actual, complete)
 
     def answer(
@@ -210,50 +225,53 @@ class Store:
         by: str,
         showing: Showing | int | None = None,
     ) -> Answer:
-        """A confirmed answer; a further one to the same question is a new revision, and both are kept.
+        """Record a confirmed answer; another one to the same question is a new revision.
 
-        value: None for "cannot say". seconds: since the question came. by: "participant", "experimenter", "simulated".
+        value: None for "cannot say". seconds: since the question appeared. by: "participant",
+        "experimenter" or "simulated".
         """
         if value is not None and not math.isfinite(value):
             raise ValueError(f"an answer of {value} to {step.key}")
-        with self._opened.going_on(session) as db:
+        with self._connection.running(session) as db:
             query = "SELECT coalesce(max(revision), 0) + 1 FROM answer WHERE session = ? AND key = ?"
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
-            self._opened.event(session, "answer", step.key, {"value": value, "revision": revision})
-            id_ = db.execute(
-                """INSERT INTO answer (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing)
-                  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)""",
-                (session.id, step.key, revision, step.phase, step.trial, step.scale.name, step.item.key, value, float(seconds), by,
-                 self._opened.now(), showing.id if isinstance(showing, Showing) else showing),
-            ).lastrowid  # fmt: skip
-            return reading.answer(db, id_)
+            self._connection.event(session, "answer", step.key, {"value": value, "revision": revision})
+            id_ = admission.insert(
+                db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
+                scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
+                at_utc=self._connection.now(), showing=showing.id if isinstance(showing, Showing) else showing,
+            )  # fmt: skip
+            return queries.answer(db, id_)
 
-    # --- what there is --------------------------------------------------------------------------------------------------
+    # --- data ---
 
     def done(self, session: Session) -> set[str]:
-        """Keys of the steps that are over: answered Asks, complete Shows, and those finish_step was told of."""
-        with told(self._opened.path):
-            return reading.done(self._opened.db, session.id)
+        """Return the keys of answered Asks, complete Shows, and steps of finish_step."""
+        with translated(self._connection.path):
+            return queries.done(self._connection.db, session.id)
 
     def answers(self, session: Session) -> tuple[Answer, ...]:
-        """Those that count, one for each question, in the order the questions were first answered."""
-        with told(self._opened.path):
-            return reading.counting(self._opened.db, session.id)
+        """Return the last answer to each question, in the order of the first answers."""
+        with translated(self._connection.path):
+            return queries.last_answers(self._connection.db, session.id)
 
     def contents(self, pilot: bool = False) -> Contents:
-        """Everything of one moment, every revision and every showing: of people (or simulated ones), or of pilots."""
-        with told(self._opened.path):
-            return reading.contents(self._opened.db, self.folder, pilot)
+        """Return all data of one moment: of people (or simulated participants), or of pilots."""
+        with translated(self._connection.path):
+            return queries.contents(self._connection.db, self.folder, pilot)
 
     def path_for(self, session: Session, step: Show, presentation: int) -> Path:
-        """Of the head's trace."""
+        """Return the path of a head trace."""
         return self.traces / trace_name(session.sub, session.number, step.trial, presentation)
 
     def measured(self, showing_id: int, data: Mapping[str, Any]) -> None:
-        """What was found out about a showing's pictures afterwards, in place of what was found before. The lock is held for a moment."""
-        locked = self._opened.lock()
+        """Replace the figures measured of a showing's pictures.
+
+        Holds the lock only for this call.
+        """
+        locked = self._connection.lock()
         try:
-            with self._opened.write() as db:
+            with self._connection.write() as db:
                 changed = db.execute(
                     "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
                 ).rowcount
@@ -261,28 +279,37 @@ class Store:
                     raise KeyError(showing_id)
         finally:
             if locked:
-                self._opened.unlock()
+                self._connection.unlock()
 
     def lock(self) -> list[str]:
-        """Become the one who writes, if not so already. The codes whose withdrawal had been cut off and ended just then."""
-        self._opened.lock()
-        return self._opened.finished
+        """Take the lock; return the codes whose interrupted withdrawal ended then."""
+        self._connection.lock()
+        return self._connection.finished
 
     def holdings(self, code: str) -> tuple[str, str, dict[str, int]]:
-        """A participant's code as it was first written, the sub, and how many rows there are, by kind. Errors: InputError for one who is
-        not known or has withdrawn."""
-        with told(self._opened.path):
-            participant, sub = known(self._opened.db, code)
-            return reading.code_of(self._opened.db, participant), sub, reading.counts(self._opened.db, participant)
+        """Return a participant's code as first written, the random word, and row counts by table.
+
+        Errors: InputError for an unknown or withdrawn participant.
+        """
+        with translated(self._connection.path):
+            participant, sub = known(self._connection.db, code)
+            return (
+                queries.code_of(self._connection.db, participant),
+                sub,
+                queries.counts(self._connection.db, participant),
+            )
 
     def withdraw(self, code: str) -> None:
-        """Erase all that is there of a participant but the code; study/withdraw.py tells more. Errors: InputError for an unknown code."""
-        self._opened.lock()
-        erase(self._opened.db, self.folder, code)
+        """Erase all data of a participant but the code, see study/withdraw.py.
+
+        Errors: InputError for an unknown code.
+        """
+        self._connection.lock()
+        erase(self._connection.db, self.folder, code)
 
 
 def _consent(design: Design) -> dict[str, str]:
-    """Which text was there to be agreed to: it may lie in a file of its own, which the plan's text does not hold."""
+    """Identify the consent text: it may be in its own file, which the plan's text does not hold."""
     if design.consent is None:
         return {}
     return {

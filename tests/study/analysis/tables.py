@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from hmdwarp.study.analysis import Measure, Rating, Ratings
-from hmdwarp.study.design.read import READY
+from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo
+from hmdwarp.study.design import SHIPPED
 from hmdwarp.study.scales import load_scale
 
-PUBLISHED = READY / "thesis_ratings.csv"
-GRADE = Measure.of(load_scale("grade"))
+PUBLISHED = SHIPPED / "thesis_ratings.csv"
+GRADE = ScaleInfo.of(load_scale("grade"))
 
 
 def ratings_of(
-    values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: Measure = GRADE
+    values: dict[str, list[float | None]], part: str = "", reference: str = "", measure: ScaleInfo = GRADE
 ) -> Ratings:
     """values: by condition, a rating of each participant (called a, b, c, ..)."""
     rows = [
@@ -39,7 +39,9 @@ def ratings_of(
 def in_order(
     effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1
 ) -> list[Rating]:
-    """Ratings of four conditions in the orders of a Williams square: effect per trial, carry times what the condition before is worth."""
+    """Ratings of four conditions in the orders of a Williams square: effect per trial, carry times
+    what the condition before is worth.
+    """
     from hmdwarp.study.design import williams
 
     random, rows = np.random.default_rng(seed), []

@@ -1,4 +1,6 @@
-"""Tables of others: delimiters, decimal commas, names of columns, directions; what is wrong is told with its line."""
+"""Tables of others: delimiters, decimal commas, names of columns, directions; what is wrong is told
+with its line.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis import Given, from_csv
-from hmdwarp.study.analysis.families import families_for
+from hmdwarp.study.analysis import SourceOptions, families_for, from_csv
 
 from .tables import PUBLISHED, written
 
@@ -38,8 +39,8 @@ def test_rows_without_the_name_of_a_scale_are_not_lost(tmp_path, named):
     rows = [
         {"participant": str(k), "condition": "late", "scale": named if k % 2 else "", "rating": "3"} for k in range(6)
     ]
-    found = from_csv(written(tmp_path / "table.csv", rows), Given(low_is_good=True))
-    assert len(found.rows) == 6 and found.scales() == ("rating", named) and not found.felt
+    found = from_csv(written(tmp_path / "table.csv", rows), SourceOptions(low_is_good=True))
+    assert len(found.rows) == 6 and found.rated_scales() == ("rating", named) and not found.survey
 
 
 def test_a_decimal_comma_is_understood_and_told(tmp_path):
@@ -71,12 +72,12 @@ def test_the_direction_is_asked_for_where_it_could_be_either(tmp_path):
     path = written(tmp_path / "table.csv", [{**ROWS[0], "Score": "4"}, {**ROWS[1], "Score": "5"}])
     with pytest.raises(InputError, match="--low-is-good, --high-is-good, or --scale"):
         from_csv(path)
-    assert from_csv(path, Given(low_is_good=False)).measures["rating"].sign == -1
-    assert from_csv(path, Given(scale="acr")).measures["acr"].sign == -1
+    assert from_csv(path, SourceOptions(low_is_good=False)).scale_info["rating"].sign == -1
+    assert from_csv(path, SourceOptions(scale="acr")).scale_info["acr"].sign == -1
 
 
 def test_a_guessed_scale_is_told():
-    assert any("taken for the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
+    assert any("read on the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
 
 
 def test_columns_may_be_named(tmp_path):
@@ -86,7 +87,7 @@ def test_columns_may_be_named(tmp_path):
         match=r"table\.csv:1: no column for the participant among who, what, how: .*--column participant=NAME",
     ):
         from_csv(path)
-    found = from_csv(path, Given({"participant": "who", "condition": "what", "rating": "how"}))
+    found = from_csv(path, SourceOptions({"participant": "who", "condition": "what", "rating": "how"}))
     assert found.rows[0].condition == "late"
 
 
@@ -95,7 +96,7 @@ WRONG = [
     ("Subject,Cond,Score\n1,late,1e999\n", "wrong.csv:2: rating '1e999'"),
     ("Subject,Cond,Score\n,late,6\n", "wrong.csv:2: no participant"),
     ("Subject,Cond,Score\n1,late\n", "wrong.csv:2: 2 fields, wanted 3"),
-    ("Subject,Score\n1,6\n", "nothing says which condition was rated"),
+    ("Subject,Score\n1,6\n", "no column gives the condition"),
     ("Subject,Cond,Score\n", "has no rows below its header"),
     ("", "wrong.csv:1: no column for the participant"),
     ("Subject,Cond,Score,Trial\n1,late,6,first\n", "wrong.csv:2: place 'first'"),
@@ -115,14 +116,14 @@ def test_what_is_wrong_is_told_with_its_line(tmp_path, text, told):
 
 def test_a_value_outside_of_the_scale_is_a_typing_error(tmp_path):
     with pytest.raises(InputError, match=r"table\.csv:2: rating 45: the scale 'grade' goes from 1 to 6"):
-        from_csv(written(tmp_path / "table.csv", [{**ROWS[0], "Score": "45"}]), Given(scale="grade"))
+        from_csv(written(tmp_path / "table.csv", [{**ROWS[0], "Score": "45"}]), SourceOptions(scale="grade"))
 
 
 def test_pilots_and_programs_never_count_with_people(tmp_path):
     rows = [{**ROWS[0], "origin": "person"}, {**ROWS[3], "origin": "simulated"}, {**ROWS[3], "origin": "pilot"}]
     path = written(tmp_path / "table.csv", rows)
-    assert [row.participant for row in from_csv(path, Given(low_is_good=True)).rows] == ["7"]
-    pilots = from_csv(path, Given(low_is_good=True, origin="pilot"))
+    assert [row.participant for row in from_csv(path, SourceOptions(low_is_good=True)).rows] == ["7"]
+    pilots = from_csv(path, SourceOptions(low_is_good=True, origin="pilot"))
     assert [row.participant for row in pilots.rows] == ["x"] and any("not of people" in note for note in pilots.notes)
 
 

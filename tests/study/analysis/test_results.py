@@ -1,4 +1,6 @@
-"""What is said of made-up ratings whose truth is known: comparisons, order, doubles, claims, the reference, and the words for them."""
+"""What is said of made-up ratings whose truth is known: comparisons, order, doubles, claims, the
+reference, and the words for them.
+"""
 
 from __future__ import annotations
 
@@ -12,20 +14,15 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import comparison_lines
-from hmdwarp.study.analysis import Measure, Rating, Ratings
-from hmdwarp.study.analysis.claims import load_claims
-from hmdwarp.study.analysis.copied import copied
-from hmdwarp.study.analysis.effects import order_effects
+from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, analyse, copied_rows, load_claims, order_effects
 from hmdwarp.study.analysis.sentences import of_copied, of_order, of_reference
-from hmdwarp.study.analysis.whole import analyse
 from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
-pytestmark = pytest.mark.usefixtures("quick_corrections")
 
-ACR = Measure("acr", "Quality", low_is_good=False, least=1, most=5)
+ACR = ScaleInfo("acr", "Quality", low_is_good=False, least=1, most=5)
 PAIR = (Family("one", (Comparison("", "late", "warped"),)),)
 LATE, WARPED = [5, 4, 5, 4.5, 6, 5, 4, 5], [3, 3, 2.5, 4, 4, 3, 3.5, 3]
 
@@ -50,7 +47,9 @@ def test_a_shown_difference_is_said_plainly():
 
 @pytest.mark.parametrize(("late", "warped", "way"), [(5, 4, "better"), (4, 5, "worse")])
 def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way):
-    """Seven pairs one way, nineteen alike: p = 2/2^7, though the shift, which counts the nineteen, is 0."""
+    """Seven pairs one way, nineteen alike: p = 2/2^7, though the shift, which counts the nineteen,
+    is 0.
+    """
     row = first(ratings_of({"late": [late] * 7 + [4] * 19, "warped": [warped] * 7 + [4] * 19}))
     assert row["shift"] == 0 and row["p"] == 2 / 2**7
     assert row["sentence"].endswith(f"'warped' was rated {way}.")
@@ -58,7 +57,7 @@ def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way)
 
 def test_more_people_than_the_exact_test_takes_are_told_so():
     with pytest.raises(
-        InputError, match="1001 participants rated both of two conditions: the exact test is for 1000 at most"
+        InputError, match="1001 participants rated both of two conditions: the exact test takes 1000 at most"
     ):
         compared_many(1001)
 
@@ -70,23 +69,23 @@ def compared_many(people: int) -> None:
 
 def test_pairs_that_are_alike_are_not_too_few_people():
     said = first(ratings_of({"late": [4] * 8, "warped": [4] * 7 + [3]}))["sentence"]
-    assert "1 unequal pair can give no smaller p than 1.000" in said and "whatever the ratings" not in said
+    assert "1 unequal pair cannot give a p below 1.000" in said and "whatever the ratings" not in said
 
 
 def test_a_difference_that_is_not_shown_is_not_called_none():
     said = first(ratings_of({"late": [4, 3, 5, 4, 3.5, 4, 5, 3], "warped": [3, 4, 4, 4.5, 3, 5, 4, 3]}))["sentence"]
-    assert "no difference is shown, which does not say that there is none" in said
+    assert "no difference is shown, which does not mean that there is none" in said
     assert "the ratings fit anything from a loss of" in said and "to a gain of" in said
 
 
 def test_too_few_people_show_nothing_either_way():
     said = first(ratings_of({"late": [5, 5, 6, 5], "warped": [1, 2, 1, 1.5]}))["sentence"]
-    assert "4 unequal pairs can give no smaller p than .125" in said and "nothing either way" in said
+    assert "4 unequal pairs cannot give a p below .125" in said and "nothing either way" in said
 
 
 def test_nobody_rated_both():
     row = first(ratings_of({"late": [5, None], "warped": [None, 3]}))
-    assert row["n"] == 0 and row["holm"] == 1.0 and "nothing can be said" in row["sentence"]
+    assert row["n"] == 0 and row["holm"] == 1.0 and "cannot be compared" in row["sentence"]
 
 
 def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
@@ -131,12 +130,14 @@ def test_whatever_people_answer_it_is_json_without_nan(a, b, c):
     json.dumps(analyse(ratings), allow_nan=False)
 
 
-# --- order ----------------------------------------------------------------------------------------------------------------
+# --- order ----------------------------------------------------------------------------------------
+# ------------------------
 
 
 def test_a_drift_is_found_with_its_size():
     found = order_effects(in_order(effect=0.2))
-    # 96 ratings, noise 0.3, places of variance 1.25: the slope's standard error is about 0.3 / sqrt(96 * 1.25) = 0.03.
+    # 96 ratings, noise 0.3, places of variance 1.25: the slope's standard error is about 0.3 /
+    # sqrt(96 * 1.25) = 0.03.
     assert found["place"]["p"] < 0.001 and found["place"]["slope"] == pytest.approx(0.2, abs=0.12)
     assert found["place"]["low"] <= 0.2 <= found["place"]["high"]
 
@@ -168,12 +169,15 @@ def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
     table = anova_lm(ols("y ~ C(who) + C(what) + place + C(before)", frame).fit(), typ=2)
     found = order_effects(rows)
     assert found["place"]["f"] == pytest.approx(table.loc["place", "F"], rel=1e-9)
-    # What came before the first trial is nothing, which the place tells too: of five levels the table counts four, as here.
+    # What came before the first trial is nothing, which the place tells too: of five levels the
+    # table counts four, as here.
     assert found["previous"]["f"] == pytest.approx(table.loc["C(before)", "F"], rel=1e-9)
 
 
 def test_what_came_before_is_no_slope_per_trial():
-    """One condition shown four times: before it was nothing, or itself. One column, but not of numbers."""
+    """One condition shown four times: before it was nothing, or itself. One column, but not of
+    numbers.
+    """
     rows = [row for k in range(6) for row in repeated(k)]
     found = order_effects(rows)
     assert "slope" in found["place"] and found["previous"]["df"] == 1 and "slope" not in found["previous"]
@@ -200,18 +204,19 @@ def test_two_effects_that_cannot_be_told_apart_say_so():
     found = order_effects(rows)
     assert found["place"]["f"] == pytest.approx(found["previous"]["f"]) and found["place"]["p"] < 0.05
     said = of_order(found, GRADE)
-    assert said[0].endswith("it changed the ratings; here it cannot be told apart from the condition shown before.")
-    assert said[1].endswith("it changed the ratings; here it cannot be told apart from the place of a trial.")
+    assert said[0].endswith("it changed the ratings; here it is confounded with the condition shown before.")
+    assert said[1].endswith("it changed the ratings; here it is confounded with the place of a trial.")
 
 
 def test_one_order_for_all_cannot_be_told_from_the_conditions():
     rows = [row for row in in_order() if row.participant in ("p0", "p4", "p8", "p12")]  # the square has four rows
     found = order_effects(rows)
-    assert "everybody saw them in the same order" in found["place"]["why_not"]
-    assert "everybody saw them in the same order" in found["previous"]["why_not"]
+    assert "all participants saw them in the same order" in found["place"]["why_not"]
+    assert "all participants saw them in the same order" in found["previous"]["why_not"]
 
 
-# --- doubles --------------------------------------------------------------------------------------------------------------
+# --- doubles --------------------------------------------------------------------------------------
+# ------------------------
 
 
 def two_parts(second: list[list[float]]) -> Ratings:
@@ -224,10 +229,10 @@ def two_parts(second: list[list[float]]) -> Ratings:
 
 def test_copied_rows_are_found_and_others_are_not():
     free = (np.random.default_rng(6).integers(4, 24, (6, 3)) / 4).tolist()
-    assert copied(two_parts(free), "grade", 1) == []
+    assert copied_rows(two_parts(free), "grade", 1) == []
     taken = two_parts(free)
     source = taken.table("one", "grade").values[:3].tolist()
-    (found,) = copied(two_parts([*free[:3], *source]), "grade", 1)
+    (found,) = copied_rows(two_parts([*free[:3], *source]), "grade", 1)
     assert [(row["first"], row["second"]) for row in found["rows"]] == [("a", "d"), ("b", "e"), ("c", "f")]
     assert found["people"] == 3 and found["by_chance"] < 0.001
 
@@ -235,12 +240,13 @@ def test_copied_rows_are_found_and_others_are_not():
 def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
     rows = [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0]] * 3
     made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
-    (found,) = copied(Ratings(tuple(r for one in made for r in one.rows), {"grade": GRADE}), "grade", 1)
+    (found,) = copied_rows(Ratings(tuple(r for one in made for r in one.rows), {"grade": GRADE}), "grade", 1)
     assert found["by_chance"] > 0.5 and found["within"] > 0
-    assert "no sign that any were copied" in of_copied(found) and "most likely" not in of_copied(found)
+    assert "no sign of copying" in of_copied(found) and "most likely" not in of_copied(found)
 
 
-# --- claims ---------------------------------------------------------------------------------------------------------------
+# --- claims ---------------------------------------------------------------------------------------
+# ------------------------
 
 
 def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
@@ -256,7 +262,7 @@ def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
         ('title = "it"\n[[claim]]\npart = "x"\ndifference = 1\n', "claims.toml:4: "),
         ('title = "it"\n[[claim]]\npart = "x"\nlatency_ms = "soon"\n', "claims.toml:4: "),
         ('title = "it"\n[[claim]]\npart = "x"\nlatency_ms = 1\nfoo = 2\n', "claims.toml:5: "),
-        ("title = \n", "claims.toml: "),
+        ("title = \n", "claims.toml:1: "),
     ],
 )
 def test_a_wrong_file_of_claims_is_told_with_its_line(tmp_path, text, told):
@@ -270,10 +276,10 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
     on_acr, on_grade = ratings_of({"x": [4.0]}, measure=ACR), ratings_of({"x": [2.0]})
     both = Ratings(
         on_acr.rows + on_grade.rows,
-        {"grade": GRADE, "acr": ACR, "slider": Measure("slider", "Other", low_is_good=False)},
+        {"grade": GRADE, "acr": ACR, "slider": ScaleInfo("slider", "Other", low_is_good=False)},
     )
-    assert both.scales() == ("grade", "acr")
+    assert both.rated_scales() == ("grade", "acr")
 
 
 def test_a_reference_that_nobody_rated_is_not_praised():
-    assert of_reference({"rated": 0, "missed": []}) == "Nobody rated the hidden reference."
+    assert of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."

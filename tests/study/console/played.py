@@ -57,7 +57,7 @@ def main() -> None:
         "--states", default="showing", help="names of STATES; the file LOG.state may name another one meanwhile"
     )
     parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--do", default="", help="once, after one and a half seconds: see deed()")
+    parser.add_argument("--do", default="", help="once, when the last question is to be repeated: see deed()")
     options = parser.parse_args()
     with options.log.open("a", encoding="utf-8", buffering=1) as log:
         try:
@@ -69,7 +69,6 @@ def main() -> None:
 
 def play(options: argparse.Namespace, log) -> None:
     chosen, ended = options.log.with_suffix(".state"), time.monotonic() + options.seconds
-    began = time.monotonic()
     with make_console(options.console, "latency-and-warp") as console:
         console.say("the session begins")
         todo = options.do
@@ -82,9 +81,9 @@ def play(options: argparse.Namespace, log) -> None:
                 console.say(f"asked for: {command.control}")
                 if command.control == "stop":
                     return
-            if todo and time.monotonic() - began > 1.5:
-                deed(todo, console)
-                todo = ""
+                if command.control == "again" and todo:
+                    deed(todo, console)
+                    todo = ""
             time.sleep(1 / 60)
 
 

@@ -39,6 +39,12 @@ def show(log: Path, state: str) -> None:
     new.replace(log.with_suffix(".state"))
 
 
+def do(terminal: Terminal) -> None:
+    """Have the session do what it was started for, once its console is there."""
+    terminal.until("SHOWING")
+    terminal.keys("r")
+
+
 def left_the_page(terminal: Terminal) -> bool:
     """The last page switched to is the one the shell is on, and the cursor is to be seen."""
     pages = re.findall(rb"\x1b\[\?1049[hl]", terminal.raw)
@@ -153,6 +159,7 @@ def test_what_is_looked_for_is_there_in_every_size(log):
 def test_what_happened_is_read_to_its_end(log):
     """The end of a line is often what happened; here it does not fit into one row."""
     with played(log, "--do", "say", size=(60, 20)) as terminal:
+        do(terminal)
         terminal.until("questionnaire (SSQ), question")
         terminal.until("15 of 16: left unanswered.")
 
@@ -235,7 +242,7 @@ def test_ctrl_c_reaches_the_program_and_the_terminal_is_restored(log):
 def test_however_the_program_ends_the_terminal_is_restored_and_what_was_said_is_to_be_read(log, deed, status, words):
     with played_by_a_shell(log, "--do", deed) as terminal:
         before = terminal.modes()
-        terminal.until("SHOWING")
+        do(terminal)
         for word in words:
             terminal.until(word)
         terminal.until_holds(lambda: terminal.modes() == before)
@@ -250,6 +257,7 @@ def test_however_the_program_ends_the_terminal_is_restored_and_what_was_said_is_
 )
 def test_what_is_printed_meanwhile_stands_in_the_journal_and_is_printed_afterwards(log, deed, words):
     with played(log, "--do", deed) as terminal:
+        do(terminal)
         for word in words:
             terminal.until(word)
         assert "trial 3 of 12" in terminal.lines()[2]  # nothing is torn
@@ -262,17 +270,19 @@ def test_what_is_printed_meanwhile_stands_in_the_journal_and_is_printed_afterwar
 def test_without_its_screen_the_session_goes_on_with_lines(log):
     with played(log, "--do", "kill-screen") as terminal:
         before = terminal.modes()
+        do(terminal)
         terminal.until("the session goes on")
         assert terminal.modes() == before and left_the_page(terminal)
         terminal.keys("remark still here\n")
         terminal.until("asked for: remark")
         terminal.keys("stop\n")
         assert terminal.ended() == 0
-    assert asked(log) == [("remark", "still here"), ("stop", None)]
+    assert asked(log) == [("again", None), ("remark", "still here"), ("stop", None)]
 
 
 def test_a_program_that_stands_still_is_seen(log):
     with played(log, "--do", "still") as terminal:
+        do(terminal)
         terminal.until("NO NEWS FOR")
         terminal.until("NO NEWS FOR", there=False)
 

@@ -6,10 +6,20 @@ from itertools import product
 
 import pytest
 
-from hmdwarp.study.design import Ask, Pause, Show, rows_for, steps_of
-from hmdwarp.study.design.as_json import design_as_json
-from hmdwarp.study.design.outline import balance, least_p, least_participants, notes, stretches
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.design import (
+    Ask,
+    Pause,
+    Show,
+    balance,
+    design_as_json,
+    design_from_text,
+    least_participants,
+    notes,
+    rows_for,
+    session_phases,
+    steps_of,
+)
+from hmdwarp.study.statistics import smallest_p
 
 from .plans import WHOLE
 
@@ -25,7 +35,7 @@ def design(*changes: tuple[str, str]):
 def test_a_session_is_all_its_steps_and_their_time():
     plan = design()
     steps = steps_of(plan, rows_for(plan, "run-1")[0], "run-1")
-    told = stretches(plan, "run-1")
+    told = session_phases(plan, "run-1")
     assert [one.name for one in told] == [
         "consent",
         "before",
@@ -42,7 +52,7 @@ def test_a_session_is_all_its_steps_and_their_time():
 
 
 def test_breaks_come_between_trials():
-    told = {one.name: one for one in stretches(design(("every = 6", "every = 2")), "run-1")}
+    told = {one.name: one for one in session_phases(design(("every = 6", "every = 2")), "run-1")}
     assert (told["breaks"].steps, told["breaks"].seconds) == (2, 60)
 
 
@@ -61,8 +71,10 @@ def test_balance_is_counted():
     assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))
 
 
-def smallest_p(n: int) -> float:
-    """By going through all 2^n ways n differences can turn out: how many are as extreme as all in one direction."""
+def by_enumeration(n: int) -> float:
+    """By going through all 2^n ways n differences can turn out: how many are as extreme as all in
+    one direction.
+    """
     sums = [sum(rank for rank, sign in enumerate(signs, 1) if sign) for signs in product((0, 1), repeat=n)]
     most = n * (n + 1) // 2
     return sum(abs(one - most / 2) >= most / 2 for one in sums) / len(sums)
@@ -70,19 +82,19 @@ def smallest_p(n: int) -> float:
 
 @pytest.mark.parametrize("n", range(1, 9))
 def test_the_smallest_p_of_n_pairs(n):
-    assert least_p(n) == smallest_p(n)
+    assert smallest_p(n) == by_enumeration(n)
 
 
 @pytest.mark.parametrize("comparisons", [1, 3, 6, 20])
 def test_with_fewer_people_nothing_can_be_found(comparisons):
     need = least_participants(comparisons)
-    assert comparisons * least_p(need) <= 0.05 < comparisons * least_p(need - 1)
+    assert comparisons * smallest_p(need) <= 0.05 < comparisons * smallest_p(need - 1)
 
 
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ([('order = "williams"', 'order = "fixed"')], "the order is the same for everybody"),
+        ([('order = "williams"', 'order = "fixed"')], "the order is the same for all participants"),
         ([('order = "williams"', 'order = "random"')], "random orders are balanced only on average"),
         ([], "part run-1: 3 conditions, an odd number, need 6 orders; 4 would need 4"),
         ([], "part run-2: no condition is a hidden reference"),
@@ -91,9 +103,9 @@ def test_with_fewer_people_nothing_can_be_found(comparisons):
         ([], "the scales go different ways (grade: low, acr: high is good)"),
         ([("loss = 0.02\n", ""), ("jitter = 'uniform:20'\n", "")], "part run-2: 'b' has the settings of 'a'"),
         ([("seconds = 20", "seconds = 0.5")], "'late-200' is 0.2 s late, shown for 0.5 s"),
-        ([], "part run-2: no [[family]] says what will be compared"),
+        ([], "part run-2: no [[family]] plans a comparison"),
         ([("stop_at = 15\nrise = 8\n", "")], "sickness has no stop rule"),
-        ([('[sickness]\nscale = "fms"\nevery = 1\nstop_at = 15\nrise = 8\n', "")], "nobody is asked about sickness"),
+        ([('[sickness]\nscale = "fms"\nevery = 1\nstop_at = 15\nrise = 8\n', "")], "no question about sickness"),
         ([("[practice]\nseconds = 60\nlatency = 10\n", "")], "there is no [practice]"),
         ([('[consent]\nversion = "1"\ntext = "You may stop at any moment."\n', "")], "there is no [consent]"),
         ([("loss = 0.02", 'lens = "radial"')], "'a' applies a lens, which a headset's runtime does by itself"),

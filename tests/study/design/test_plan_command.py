@@ -37,7 +37,7 @@ def test_people_are_told_everything_in_80_columns(study):
     told = " ".join(out.split())
     for text in (
         "Everything at once",
-        "both see numbers of trials only",
+        "both see only numbers of trials",
         "Williams design, seed 7",
         "60 s first, not scored: scene planes, size 96x120, latency 10, warp none, fill none",
         "fms after every trial; ends the session at 15 or more or at 8 worse than at first",

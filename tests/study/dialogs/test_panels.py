@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from hmdwarp.display.desktop.views import shown
-from hmdwarp.display.notice import KEPT, MOST_HIGH_M, MOST_WIDE_M, Notices
+from hmdwarp.display.desktop.views import window_view
+from hmdwarp.display.notice import KEPT, MAX_HEIGHT_M, MAX_WIDTH_M, Notices
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.study.dialogs import (
@@ -101,7 +101,7 @@ def test_every_scale_is_drawn_and_pointed_at(scale, u, v):
 @EVERY
 def test_all_of_a_panel_is_seen_at_full_size_in_a_headset(scale):
     height = panel_of(scale).height()  # Notice._in_head: 0.056 m for 38 pixels
-    assert WIDTH * 0.056 / 38 <= MOST_WIDE_M and height * 0.056 / 38 <= MOST_HIGH_M
+    assert WIDTH * 0.056 / 38 <= MAX_WIDTH_M and height * 0.056 / 38 <= MAX_HEIGHT_M
 
 
 def test_numbers_at_the_line_do_not_touch():
@@ -172,13 +172,13 @@ def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
     try:
         panel, text = notices.of(panel_of(SHIPPED[0])), notices.of("tracking lost")
         assert np.allclose(
-            panel.plate_from_place(size, None) @ (300, 400, 1), (0.5, 0.5, 1), atol=1 / panel.ink.height
+            panel.uv_from_pixel(size, None) @ (300, 400, 1), (0.5, 0.5, 1), atol=1 / panel.ink.height
         )  # to the pixel
-        assert (text.plate_from_place(size, None) @ (300, 400, 1))[1] > 1  # above it
-        eye = shown("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
+        assert (text.uv_from_pixel(size, None) @ (300, 400, 1))[1] > 1  # above it
+        eye = window_view("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
         tall = notices.of(panel_of(next(one for one in SHIPPED if one.name == "misc")))
         for notice in (panel, tall):
-            corners = [notice.plate_from_place((640, 800), eye) @ (x, y, 1) for x in (0, 640) for y in (0, 800)]
+            corners = [notice.uv_from_pixel((640, 800), eye) @ (x, y, 1) for x in (0, 640) for y in (0, 800)]
             uv = np.array([corner[:2] / corner[2] for corner in corners])
             assert uv.min(axis=0).max() < 0 and uv.max(axis=0).min() > 1, "an eye sees all of it"
     finally:

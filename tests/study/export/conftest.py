@@ -10,8 +10,7 @@ import pytest
 
 from hmdwarp.poses import PoseTrack
 from hmdwarp.poses.formats.native import write_native
-from hmdwarp.study.design import Ask, Show, steps_of
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, PILOT, Store
 
 TEXT = """

@@ -1,4 +1,6 @@
-"""The export's tables read back, by another reader than the program's own (analysis.from_csv), which knows no types of columns."""
+"""The export's tables read back, by another reader than the program's own (analysis.from_csv),
+which knows no types of columns.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +9,15 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from hmdwarp.study.export.columns import FLAG, MISSING, NUMBER, WHOLE, Column
+from hmdwarp.study.export import FLAG, INTEGER, MISSING, NUMBER, Column
 
 _READ = {"true": True, "false": False}
 
 
 def read_table(text: str, columns: Sequence[Column], delimiter: str = ",") -> list[dict[str, Any]]:
-    """Back to rows, by the types of the columns; None for n/a. Errors: KeyError for a column that is not among them, ValueError."""
+    """Back to rows, by the types of the columns; None for n/a. Errors: KeyError for a column that
+    is not among them, ValueError.
+    """
     types = {column.name: column.type for column in columns}
     reader = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter)
     return [{name: _value(types[name], value) for name, value in row.items()} for row in reader]
@@ -24,4 +28,4 @@ def _value(type_: str, text: str) -> Any:
         return None
     if type_ == FLAG:
         return _READ[text]
-    return {NUMBER: float, WHOLE: int}.get(type_, str)(text)
+    return {NUMBER: float, INTEGER: int}.get(type_, str)(text)

@@ -1,4 +1,6 @@
-"""The BIDS tree: names and contents by the rules of the specification, poses as they were recorded, no date anywhere."""
+"""The BIDS tree: names and contents by the rules of the specification, poses as they were recorded,
+no date anywhere.
+"""
 
 import csv
 import json
@@ -8,8 +10,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.study.export import export
-from hmdwarp.study.export.motion import CHANNELS, Rates, motion_text
+from hmdwarp.study.export import CHANNELS, Rates, export, motion_text
 
 from .conftest import write_trace
 
@@ -124,10 +125,11 @@ def test_rates_tell_how_uneven_samples_are(tmp_path):
     assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps)) and rates.effective_hz == pytest.approx(
         399e9 / steps.sum()
     )
-    # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from its middle, half of it on either side.
+    # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from
+    # its middle, half of it on either side.
     assert 0.02 < rates.uneven < 0.15
     even = track.evolve(time_ns=np.arange(400) * 11_111_111, max_gap_ns=10**9)
-    assert Rates.of(even).uneven == 0 and "0.0%" in Rates.of(even).told()
+    assert Rates.of(even).uneven == 0 and "0.0%" in Rates.of(even).describe()
     assert motion_text(even).splitlines()[1].startswith("0.011111\t")
 
 
@@ -167,5 +169,5 @@ def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design
     (store.traces / showings[0].trace).write_text("no trace at all\n", encoding="utf-8")
     (store.traces / showings[1].trace).unlink()
     made = export(contents, design, tmp_path / "out")
-    assert len([text for text in made.told if text.startswith("left out: ")]) == 2
+    assert len([text for text in made.notes if text.startswith("left out: ")]) == 2
     assert len(list(made.folder.rglob("*_motion.tsv"))) == 11 - 2

@@ -1,4 +1,6 @@
-"""The tables: what they hold, that they read back as they were, and that no nasty value breaks them."""
+"""The tables: what they hold, that they read back as they were, and that no nasty value breaks
+them.
+"""
 
 import csv
 import io
@@ -11,10 +13,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study.design.read import design_from_text
-from hmdwarp.study.export import COLUMNS, LONG_COLUMNS, ExportOptions, columns_for, export, long_rows
-from hmdwarp.study.export.columns import FLAG, NUMBER, WHOLE
-from hmdwarp.study.export.text import csv_text, field_text, tsv_text
+from hmdwarp.study.design import design_from_text
+from hmdwarp.study.export import (
+    COLUMNS,
+    FLAG,
+    INTEGER,
+    LONG_COLUMNS,
+    NUMBER,
+    ExportOptions,
+    columns_for,
+    csv_text,
+    export,
+    field_text,
+    long_rows,
+    tsv_text,
+)
 from hmdwarp.study.store import PILOT, SIMULATED
 
 from .conftest import NASTY, TEXT
@@ -22,7 +35,7 @@ from .reading import read_table
 
 VALUES = {
     NUMBER: st.floats(allow_nan=False, allow_infinity=False),
-    WHOLE: st.integers(-(2**53), 2**53),
+    INTEGER: st.integers(-(2**53), 2**53),
     FLAG: st.booleans(),
 }
 TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1).filter(
@@ -107,7 +120,7 @@ def test_how_the_pictures_were_measured_stands_beside_what_was_measured(store, d
 def test_a_files_folder_is_not_told(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
-    from hmdwarp.study.export.rows import settings_row
+    from hmdwarp.study.export import settings_row
 
     row = settings_row(design_from_text(text, str(tmp_path / "s.toml"), checked=False).parts[0].conditions[0].settings)
     assert row["delay_trace"] == "delays.csv"
@@ -136,7 +149,7 @@ def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design,
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     made = export(store.contents(), design, tmp_path / "out")
     assert not (made.folder / "ratings.parquet").exists() and (made.folder / "ratings.csv").exists()
-    assert any("pip install 'hmdwarp[study]'" in text for text in made.told)
+    assert any("pip install 'hmdwarp[study]'" in text for text in made.notes)
     with pytest.raises(MachineError, match="pyarrow"):
         export(store.contents(), design, tmp_path / "other", ExportOptions(parquet=True))
     assert not (tmp_path / "other").exists()
@@ -157,7 +170,8 @@ def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store
             if session.status == "stopped" and phase == "after":
                 assert set(values.values()) | set(scores.values()) == {"n/a"}
                 continue
-            # VRSQ by its paper: items 1 to 4 are oculomotor (of 12), 5 to 9 disorientation (of 15), both in percent; total: their mean.
+            # VRSQ by its paper: items 1 to 4 are oculomotor (of 12), 5 to 9 disorientation (of 15),
+            # both in percent; total: their mean.
             given = [float(value) for value in values.values()]
             wanted = 100 * sum(given[:4]) / 12, 100 * sum(given[4:]) / 15
             assert [float(scores[one.name]) for one in vrsq.scores] == pytest.approx([*wanted, sum(wanted) / 2])
@@ -199,7 +213,7 @@ def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_
     mixed = attrs.evolve(store.contents(), sessions=(*store.contents().sessions, *store.contents(pilot=True).sessions))
     export(mixed, design, tmp_path / "mixed")
     assert (tmp_path / "mixed/ratings.csv").read_bytes() == (people / "ratings.csv").read_bytes()
-    with pytest.raises(InputError, match="it holds sessions of people: leave --simulated away"):
+    with pytest.raises(InputError, match="it holds sessions of people: leave out --simulated"):
         export(store.contents(), design, tmp_path / "none", ExportOptions(origin=SIMULATED))
 
 
@@ -213,7 +227,7 @@ def test_an_older_export_is_not_written_over(store, design, tmp_path):
 
 def test_another_plan_is_refused(store, design, tmp_path):
     other = design_from_text(TEXT.replace('name = "warped"', 'name = "renamed"'), "late.toml")
-    with pytest.raises(InputError, match="this plan has not"):
+    with pytest.raises(InputError, match="this plan lacks"):
         export(store.contents(), other, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -226,5 +240,5 @@ def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(
         assert (before / name).read_bytes() == (made.folder / name).read_bytes()
     told = json.loads((made.folder / "columns.json").read_text(encoding="utf-8"))
     assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(
-        made.told
+        made.notes
     )

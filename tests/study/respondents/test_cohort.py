@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.study.design import Ask, Show, Sickness, steps_of
-from hmdwarp.study.design.read import load_design
+from hmdwarp.study.design import Ask, Show, Sickness, load_design, steps_of
 from hmdwarp.study.respondents import Population, RatingModel, SicknessModel, Simulated, load_model
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import why_sick
@@ -125,7 +124,7 @@ def answer_of(rule: Sickness, trial: int, value: float) -> Answer:
 
 def test_made_up_ratings_are_those_of_the_cohort():
     made, found = cohort(9, seed=4), simulate_study(DESIGN, MODEL, 9, 4)
-    assert len(found.rows) == 9 * 4 and found.origin == "simulated" and len(found.sittings) == 9
+    assert len(found.rows) == 9 * 4 and found.origin == "simulated" and len(found.sessions) == 9
     table = found.table(PART, "grade")
     wanted = made.per_condition("grade")[
         :, [[one.name for one in DESIGN.parts[0].conditions].index(name) for name in table.conditions]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import kstest, norm
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design.read import load_design
+from hmdwarp.study.design import load_design
 from hmdwarp.study.respondents import (
     Population,
     RatingModel,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import attrs
-from run.live.offscreen import OffscreenDisplay
+from run.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
 from hmdwarp.study.console import ConsoleState

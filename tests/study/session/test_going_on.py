@@ -8,7 +8,7 @@ import pytest
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study import actual, scales
-from hmdwarp.study.design.read import load_design
+from hmdwarp.study.design import load_design
 from hmdwarp.study.session import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
@@ -182,7 +182,7 @@ def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkey
 
 def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
     """The recording meets it first; the same words, whatever does."""
-    from hmdwarp.run.live.lines import Lines
+    from hmdwarp.run.lines import Lines
 
     path, put = study(tmp_path), Lines._put
 
@@ -234,7 +234,7 @@ def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatc
     own.write_text(was.replace("step = 0.25", "step = 1"), encoding="utf-8")
     ran = run(monkeypatch, gpu, path, resume=True)
     assert isinstance(ran.error, InputError)
-    assert "(scales): put it back" in str(ran.error)
+    assert "(scales): undo that" in str(ran.error)
     own.write_text(was, encoding="utf-8")
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
@@ -244,7 +244,7 @@ def test_what_is_refused_is_refused_before_a_display_is_opened(monkeypatch, gpu,
     assert run(monkeypatch, gpu, path).session.status == COMPLETE
     for options, told in [
         ({}, "--new-session begins another"),
-        ({"resume": True}, "no interrupted session to go on with"),
+        ({"resume": True}, "no interrupted session to resume"),
         ({"participant": "nobody", "resume": True}, "not known"),
         ({"participant": "Anna Meier"}, "must not be a name"),
         ({"part": "two"}, "--part two is not in"),

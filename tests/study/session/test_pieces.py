@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.study.actual import NOTHING, NUMBERS, actual_of
-from hmdwarp.study.session import SessionOptions, angles_deg, first_picture_wait_s
+from hmdwarp.study.session import SessionOptions, first_picture_wait_s, head_angles_deg
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study
@@ -111,7 +111,7 @@ def test_what_nobody_measured_is_nothing_and_no_nan():
         ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
         ({"source": "offscreen", "pilot": True}, "--trace"),
         ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
-        ({"console": "chair"}, "wanted auto, terminal, lines, none"),
+        ({"console": "chair"}, "wanted auto or terminal or lines or none"),
     ],
 )
 def test_options_that_cannot_be_meant(options, told):

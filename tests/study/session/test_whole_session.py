@@ -6,11 +6,10 @@ import re
 
 import numpy as np
 import pytest
-from run.live.offscreen import PERIOD_NS, RATE_HZ
+from run.offscreen import PERIOD_NS, RATE_HZ
 
-from hmdwarp.pipeline.options import RunOptions
 from hmdwarp.poses import load_trace
-from hmdwarp.run.replay import replay
+from hmdwarp.run import RunOptions, replay
 from hmdwarp.study.actual import NUMBERS, TEXTS
 from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
 
@@ -101,13 +100,13 @@ def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(mo
     """
     from hmdwarp.study.session import trial_runner
 
-    class Slow(trial_runner.Stage):
+    class Slow(trial_runner.PipelineHost):
         def __init__(self, display, options, scene) -> None:
             super().__init__(display, options, scene)
             if options.warp == "rotation":
                 display._at_ns += round(0.6 * LEAD_S * 1e9)
 
-    monkeypatch.setattr(trial_runner, "Stage", Slow)
+    monkeypatch.setattr(trial_runner, "PipelineHost", Slow)
     handed = run(monkeypatch, gpu, study(tmp_path)).display.handed
     waits = []
     for number in (1, 2):

@@ -7,8 +7,7 @@ import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from hmdwarp.study.design import Ask, Design, Show, Step, steps_of
-from hmdwarp.study.design.read import design_from_text
+from hmdwarp.study.design import Ask, Design, Show, Step, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, Session, Showing, Store
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -82,7 +81,10 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
 
 
 def go_through(store: Store, session: Session, value: float = 2.25, trace: str = "") -> None:
-    """Every step of it that is not done. trace: what is written as each head's recording, "" for none."""
+    """Every step of it that is not done.
+
+    trace: what is written as each head's recording, "" for none.
+    """
     showing: Showing | None = None
     for step in steps(session):
         if step.key in store.done(session):
@@ -121,7 +123,10 @@ class SetClock:
 
 
 def child(code: str, *words: object, before: tuple[str, ...] = (), **more) -> subprocess.Popen:
-    """Another program that runs `code`, with the names of this module, in the project's folder. before: what it is started by."""
+    """Another program that runs `code`, with the names of this module, in the project's folder.
+
+    before: what it is started by.
+    """
     head = "import sys, os, json\nfrom pathlib import Path\nfrom tests.study.store.sessions import *\n"
     command = [*before, sys.executable, "-c", head + code, *map(str, words)]
     return subprocess.Popen(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)

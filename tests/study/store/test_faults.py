@@ -1,4 +1,6 @@
-"""Full disks, folders that may not be written, damaged files, two at once, clocks set back: for real, and nothing confirmed is lost."""
+"""Full disks, folders that may not be written, damaged files, two at once, clocks set back: for
+real, and nothing confirmed is lost.
+"""
 
 from __future__ import annotations
 
@@ -17,15 +19,16 @@ import needs
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.study.store import COMPLETE, Store
-from hmdwarp.study.store.folders import FILE
+from hmdwarp.study.store import COMPLETE, DATABASE, Store
 
 from .sessions import SetClock, answered, asks, begun, child, whole
 
 
 @functools.cache
 def own_mounts() -> tuple[str, ...]:
-    """What a program with mounts of its own is started by: nothing of them is seen outside, and they go with it."""
+    """What a program with mounts of its own is started by: nothing of them is seen outside, and
+    they go with it.
+    """
     way = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-rm")
     trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
     if shutil.which("unshare") and not subprocess.run(trial, capture_output=True, check=False).returncode:
@@ -34,7 +37,9 @@ def own_mounts() -> tuple[str, ...]:
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
-    """A disk of 600 kB, filled by somebody else's file in the middle of a session; then that one goes away again."""
+    """A disk of 600 kB, filled by somebody else's file in the middle of a session; then that one
+    goes away again.
+    """
     code = """
 import subprocess, errno
 folder = Path(sys.argv[1])
@@ -97,7 +102,10 @@ subprocess.run(["mount", "--bind", folder, folder], check=True)
 subprocess.run(["mount", "-o", "remount,bind,ro", folder], check=True)
 out = []
 for act in (
-    lambda s: len(s.contents().answers), lambda s: begun(s, "P02").code, lambda s: s.resume("P01").code, lambda s: s.withdraw("P01")
+    lambda s: len(s.contents().answers),
+    lambda s: begun(s, "P02").code,
+    lambda s: s.resume("P01").code,
+    lambda s: s.withdraw("P01"),
 ):
     try:
         with Store(Path(folder) / "data", create=True) as store: out.append(act(store))
@@ -123,7 +131,9 @@ def test_a_place_for_nothing(tmp_path):
 
 
 def test_a_cut_off_session_on_a_read_only_disk_is_not_read_by_halves(tmp_path):
-    """What is in the log beside the file would be missed: a copy is asked for, and the copy has it all."""
+    """What is in the log beside the file would be missed: a copy is asked for, and the copy has it
+    all.
+    """
     code = """
 with Store(Path(sys.argv[1]) / "data", create=True) as store:
     session = begun(store)
@@ -131,7 +141,7 @@ with Store(Path(sys.argv[1]) / "data", create=True) as store:
     os._exit(0)
 """
     answered(code, tmp_path)
-    (tmp_path / "data" / f"{FILE}-shm").unlink()  # readers make it anew where they may
+    (tmp_path / "data" / f"{DATABASE}-shm").unlink()  # readers make it anew where they may
     (kind, message), *_ = json.loads(answered(READ_ONLY, tmp_path, before=own_mounts()))
     assert kind == "MachineError" and "copy the folder" in message
     shutil.copytree(tmp_path / "data", tmp_path / "copy")
@@ -139,7 +149,8 @@ with Store(Path(sys.argv[1]) / "data", create=True) as store:
         assert len(copy.contents().answers) == len(asks(copy.contents().sessions[0]))
 
 
-# --- files that are something else -----------------------------------------------------------------------------------------
+# --- files that are something else
+# -----------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -169,33 +180,33 @@ def test_a_folder_with_something_else_in_it(tmp_path):
 
 
 def test_no_such_folder_and_a_file_in_its_place(tmp_path):
-    with pytest.raises(InputError, match="no data of a study there"):
+    with pytest.raises(InputError, match="holds no data of a study"):
         Store(tmp_path / "nowhere")
     (tmp_path / "file").write_text("x")
-    with Store(tmp_path / "file", create=True) as store, pytest.raises(InputError, match="cannot be made"):
+    with Store(tmp_path / "file", create=True) as store, pytest.raises(InputError, match="cannot be created"):
         begun(store)
 
 
 def test_a_file_that_is_no_database(tmp_path):
-    (tmp_path / FILE).write_bytes(b"ratings: 3, 4, 5\n" * 100)
+    (tmp_path / DATABASE).write_bytes(b"ratings: 3, 4, 5\n" * 100)
     for error in refusals(tmp_path):
         assert isinstance(error, InputError) and "no database" in str(error)
-    assert (tmp_path / FILE).read_bytes() == b"ratings: 3, 4, 5\n" * 100
+    assert (tmp_path / DATABASE).read_bytes() == b"ratings: 3, 4, 5\n" * 100
 
 
 def test_a_database_of_something_else(tmp_path):
-    db = sqlite3.connect(tmp_path / FILE)
+    db = sqlite3.connect(tmp_path / DATABASE)
     db.execute("CREATE TABLE bookmarks (url)")
     db.commit()
     db.close()
-    before = (tmp_path / FILE).read_bytes()
+    before = (tmp_path / DATABASE).read_bytes()
     for error in refusals(tmp_path):
-        assert isinstance(error, InputError) and "not of a study of hmdwarp" in str(error)
-    assert (tmp_path / FILE).read_bytes() == before
+        assert isinstance(error, InputError) and "not of an hmdwarp study" in str(error)
+    assert (tmp_path / DATABASE).read_bytes() == before
 
 
 def test_a_store_of_a_newer_program(made):
-    db = sqlite3.connect(made / FILE)
+    db = sqlite3.connect(made / DATABASE)
     db.execute("PRAGMA user_version = 99")
     db.close()
     for error in refusals(made):
@@ -203,40 +214,41 @@ def test_a_store_of_a_newer_program(made):
 
 
 def test_a_page_that_was_overwritten_is_found_before_anything_is_written(made):
-    data = bytearray((made / FILE).read_bytes())
+    data = bytearray((made / DATABASE).read_bytes())
     for page in range(5, len(data) // 4096, 3):  # not the schema's own: it must open and still be refused
         data[page * 4096 : page * 4096 + 512] = os.urandom(512)
-    (made / FILE).write_bytes(data)
+    (made / DATABASE).write_bytes(data)
     with pytest.raises(InputError, match="damaged.*work on a copy"), Store(made) as store:
         begun(store, "Q1")
-    assert (made / FILE).read_bytes() == data
+    assert (made / DATABASE).read_bytes() == data
 
 
 def test_a_file_that_was_cut_off(made):
-    size = (made / FILE).stat().st_size
-    os.truncate(made / FILE, size // 2 // 4096 * 4096)
+    size = (made / DATABASE).stat().st_size
+    os.truncate(made / DATABASE, size // 2 // 4096 * 4096)
     for error in refusals(made):
         assert isinstance(error, InputError) and "damaged" in str(error)
 
 
 def test_a_program_that_died_while_it_made_the_store(tmp_path):
     """An empty file, or an empty database: begun anew."""
-    (tmp_path / FILE).touch()
+    (tmp_path / DATABASE).touch()
     with Store(tmp_path, create=True) as store:
         begun(store)
     other = tmp_path / "other"
     other.mkdir()
-    db = sqlite3.connect(other / FILE)
+    db = sqlite3.connect(other / DATABASE)
     db.execute("PRAGMA journal_mode = WAL")
     db.close()
-    assert (other / FILE).stat().st_size
-    with pytest.raises(InputError, match="no data of a study there"):
+    assert (other / DATABASE).stat().st_size
+    with pytest.raises(InputError, match="holds no data of a study"):
         Store(other)
     with Store(other, create=True) as store:
         begun(store)
 
 
-# --- two at once -----------------------------------------------------------------------------------------------------------
+# --- two at once ----------------------------------------------------------------------------------
+# -------------------------
 
 
 def test_two_programs_at_once(tmp_path):
@@ -244,7 +256,8 @@ def test_two_programs_at_once(tmp_path):
     code = """
 store = Store(Path(sys.argv[1]), create=True)
 begun(store)
-helper = subprocess.Popen(["sleep", "120"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+null = subprocess.DEVNULL
+helper = subprocess.Popen(["sleep", "120"], stdin=null, stdout=null, stderr=null)
 print(helper.pid, flush=True)
 sys.stdin.read()
 """
@@ -259,7 +272,8 @@ sys.stdin.read()
         ):
             with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError) as error:
                 act(store)
-            wanted = rf"a session of this study is running already \(since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+\)"
+            since = rf"since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+"
+            wanted = rf"a session of this study is running already \({since}\)"
             assert re.search(wanted, str(error.value))
         with Store(tmp_path / "data") as store:
             assert store.contents().sessions[0].status == "running"
@@ -304,10 +318,10 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
 
 
 def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.05)
+    monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.05)
     with Store(tmp_path / "data", create=True) as store:
         session = begun(store)
-        other = sqlite3.connect(tmp_path / "data" / FILE, isolation_level=None)
+        other = sqlite3.connect(tmp_path / "data" / DATABASE, isolation_level=None)
         other.execute("BEGIN IMMEDIATE")
         with pytest.raises(MachineError, match="another program holds it"):
             store.answer(session, asks(session)[0], 2, 1.0, "participant")
@@ -315,7 +329,8 @@ def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, mon
         assert store.answer(session, asks(session)[0], 2, 1.0, "participant").revision == 1
 
 
-# --- time ------------------------------------------------------------------------------------------------------------------
+# --- time -----------------------------------------------------------------------------------------
+# -------------------------
 
 
 def test_a_clock_set_back_is_told_once_and_changes_no_order(tmp_path):
@@ -348,12 +363,15 @@ def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):
     assert not said
 
 
-# --- the disk itself -------------------------------------------------------------------------------------------------------
+# --- the disk itself ------------------------------------------------------------------------------
+# -------------------------
 
 
 @needs.programs("strace")
 def test_an_answer_is_synced_before_the_call_returns(tmp_path):
-    """Seen by what the program asks the system for: between any two lines it prints there is a sync of the log."""
+    """Seen by what the program asks the system for: between any two lines it prints there is a sync
+    of the log.
+    """
     trace = tmp_path / "calls"
     code = """
 store = Store(Path(sys.argv[1]), create=True)
@@ -373,7 +391,7 @@ for ask in asks(session)[:5]:
     parts = trace.read_text().split('"one "')
     assert len(parts) == 7
     for between in parts[1:-1]:
-        synced = [line for line in between.splitlines() if "sync(" in line and f"{FILE}-wal" in line]
+        synced = [line for line in between.splitlines() if "sync(" in line and f"{DATABASE}-wal" in line]
         assert synced, between
     creation = [line for line in parts[0].splitlines() if "fsync(" in line]
     synced = [line.split("<")[1].split(">")[0] for line in creation]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import random
 import sqlite3
 
-from hmdwarp.study.store import Store
-from hmdwarp.study.store.folders import FILE
+from hmdwarp.study.store import DATABASE, Store
 
 from .killing import Killing
 
@@ -28,7 +27,10 @@ def job(folder):
 
 
 def test_no_confirmed_answer_is_missing_or_doubled(tmp_path):
-    """Every third store is new: the making of one is killed as well. The log is taken over into the file (at 1000 pages) several times."""
+    """Every third store is new: the making of one is killed as well.
+
+    The log is taken over into the file (at 1000 pages) several times.
+    """
     chance = random.Random(3)
     confirmed: dict[int, list[tuple]] = {}
     with Killing(ANSWERS) as killing:
@@ -42,7 +44,7 @@ def test_no_confirmed_answer_is_missing_or_doubled(tmp_path):
 
 
 def check(folder, kept, kills) -> None:
-    if not (folder / FILE).exists() or not kept:
+    if not (folder / DATABASE).exists() or not kept:
         return
     with Store(folder) as store:
         found = store.contents()
@@ -53,7 +55,7 @@ def check(folder, kept, kills) -> None:
     assert len(there) - len(kept) <= kills, "what was stored and not yet told: at most one each time"
     assert there == told, "an answer and its line in the journal are one"
     assert [value for value, *_ in there] == sorted(value for value, *_ in there)
-    db = sqlite3.connect(folder / FILE)
+    db = sqlite3.connect(folder / DATABASE)
     assert (
         db.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         and db.execute("PRAGMA foreign_key_check").fetchall() == []

@@ -1,13 +1,15 @@
-"""What a store does not take: names, doubled codes, another study, a plan that became another. Each in words that say what to do."""
+"""What a store does not take: names, doubled codes, another study, a plan that became another.
+
+Each in words that say what to do.
+"""
 
 from __future__ import annotations
 
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design.read import design_from_text
-from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store
-from hmdwarp.study.store.meaning import differences, meaning
+from hmdwarp.study.design import design_from_text
+from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store, plan_signature, signature_changes
 
 from .sessions import TEXT, begun, design, whole
 
@@ -22,7 +24,7 @@ def store(tmp_path):
 def test_a_code_that_may_be_a_name_is_refused(store, code):
     with pytest.raises(InputError, match="must not be a name"):
         begun(store, code)
-    with pytest.raises(InputError, match="leave --new-session away"):
+    with pytest.raises(InputError, match="leave out --new-session"):
         begun(store, "P01", new_session=True)
     assert not store.folder.exists(), "what is refused leaves nothing behind"
 
@@ -40,7 +42,7 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path, code):
         begun(store, "P01")
     with Store(tmp_path / "data", create=True) as store:
         with pytest.raises(
-            InputError, match=r"session 1 of part 'one' interrupted\): --resume goes on with it, --new-session begins"
+            InputError, match=r"session 1 of part 'one' interrupted\): --resume resumes it, --new-session begins"
         ):
             begun(store, code)
         store.end(store.resume(code), COMPLETE)
@@ -55,7 +57,7 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path, code):
 
 def test_a_new_session_of_nobody_is_refused(store):
     whole(store, "P01")
-    with pytest.raises(InputError, match="P10 is not known here: leave --new-session away"):
+    with pytest.raises(InputError, match="P10 is not known here: leave out --new-session"):
         begun(store, "P10", new_session=True)
 
 
@@ -70,7 +72,7 @@ def test_a_code_is_of_one_kind(tmp_path, origin):
 
 def test_what_cannot_be_gone_on_with(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
-        with pytest.raises(InputError, match="no data of a study there"):
+        with pytest.raises(InputError, match="holds no data of a study"):
             store.resume("P01")
         whole(store, "P01")
         for code, why in (("P02", "not known"), ("P01", "no interrupted session"), ("a b", "must not be a name")):
@@ -102,7 +104,7 @@ def test_a_store_is_of_one_study(store, tmp_path):
 
 
 CHANGES = [
-    ("latency = 200", "latency = 250", "conditions ('b' is another)"),
+    ("latency = 200", "latency = 250", "conditions ('b' changed)"),
     ('name = "d"', 'name = "e"', "conditions ('e' is new, 'd' is gone)"),
     ("seconds = 2\n", "seconds = 3\n", "seconds"),
     ("seed = 5", "seed = 6", "seed"),
@@ -119,7 +121,7 @@ def test_a_plan_that_means_something_else_begins_no_session(store, was, is_, tol
     changed = design(TEXT.replace(was, is_, 1))
     with pytest.raises(InputError) as error:
         store.begin(changed, "one", "P02", "person")
-    assert f"were made with another plan ({told})" in str(error.value) and "study of its own" in str(error.value)
+    assert f"ran with another plan ({told})" in str(error.value) and "study of its own" in str(error.value)
     assert store.begin(changed, "one", "T1", PILOT).plan == changed.text, "rehearsals are where a plan is changed"
     assert [one.code for one in store.contents().sessions] == ["P01"], "nothing came of the refused one"
 
@@ -133,7 +135,7 @@ def test_what_may_be_mended_in_a_plan_is_kept_with_the_session(tmp_path):
             "every = 2\nseconds = 1", "every = 3\nseconds = 9"
         )
         session = store.begin(design(mended), "one", "P02", "person")
-        assert session.plan == mended and "both are kept" in said[0]
+        assert session.plan == mended and "both texts are kept" in said[0]
         assert store.contents().sessions[0].plan == TEXT
         before, two, after = mended.partition('name = "two"')
         other_part = before + two + after.replace('name = "a"', 'name = "z"')
@@ -152,32 +154,32 @@ def test_an_interrupted_session_goes_on_with_its_own_plan(tmp_path):
 
 def test_orders_made_in_another_way_are_noticed(store, monkeypatch):
     """A later version of this program may make other orders from the same file."""
-    from hmdwarp.study.store import beginning
+    from hmdwarp.study.store import admission
 
     whole(store, "P01")
-    made = beginning.rows_for
-    monkeypatch.setattr(beginning, "rows_for", lambda plan, part: made(plan, part)[::-1])
+    made = admission.rows_for
+    monkeypatch.setattr(admission, "rows_for", lambda plan, part: made(plan, part)[::-1])
     with pytest.raises(InputError, match="another plan \\(the orders\\)"):
         begun(store, "P02")
 
 
 def test_meanings_of_one_text_agree():
-    assert differences(meaning(design(), "one"), meaning(design(), "one")) == []
-    swapped = meaning(design(), "one")
+    assert signature_changes(plan_signature(design(), "one"), plan_signature(design(), "one")) == []
+    swapped = plan_signature(design(), "one")
     swapped["conditions"] = swapped["conditions"][::-1]
-    assert differences(meaning(design(), "one"), swapped) == ["conditions (in another order)"]
+    assert signature_changes(plan_signature(design(), "one"), swapped) == ["conditions (in another order)"]
 
 
 def test_a_plan_is_the_same_from_another_working_folder_and_when_its_folder_was_moved(tmp_path, monkeypatch):
     text = TEXT.replace("[trial]", '[common]\nscene = "mine.glb"\n[trial]')
     monkeypatch.chdir(tmp_path)
     here, there, whole_path, elsewhere = (
-        meaning(design_from_text(text, str(path), checked=False), "one")
+        plan_signature(design_from_text(text, str(path), checked=False), "one")
         for path in ("s.toml", "moved/s.toml", tmp_path / "s.toml", tmp_path.parent / "s.toml")
     )
     assert here == there == whole_path == elsewhere
-    other = meaning(design_from_text(text.replace("mine.glb", "../mine.glb"), "s.toml", checked=False), "one")
-    assert differences(here, other)
+    other = plan_signature(design_from_text(text.replace("mine.glb", "../mine.glb"), "s.toml", checked=False), "one")
+    assert signature_changes(here, other)
 
 
 def test_the_text_agreed_to_is_known_by_its_hash(store):
@@ -213,8 +215,8 @@ def test_a_place_that_cannot_be_is_told_before(tmp_path):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "paper.tex").write_text("x")
     for name, why in (
-        ("file", "cannot be made"),
-        ("file/below", "file may not be written to"),
+        ("file", "cannot be created"),
+        ("file/below", "file is not writable"),
         ("other", "something else"),
     ):
         with Store(tmp_path / name, create=True) as store, pytest.raises(InputError, match=why):

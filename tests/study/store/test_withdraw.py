@@ -1,4 +1,6 @@
-"""Who withdraws is gone: from what is read, from the bytes of every file, and after a kill in the middle; the code alone stays."""
+"""Who withdraws is gone: from what is read, from the bytes of every file, and after a kill in the
+middle; the code alone stays.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,17 @@ POSE = "0.7342918{}"
 
 
 def told_of(number: int) -> list[bytes]:
-    """What only participant P<number> left: the remark (in the row, in the event and as JSON), the rating as SQLite has it, the pose."""
+    """What only participant P<number> left: the remark (in the row, in the event and as JSON), the
+    rating as SQLite has it, the pose.
+    """
     return [REMARK.format(number).encode(), struct.pack(">d", RATING + number), POSE.format(number).encode()]
 
 
 def filled(store: Store, numbers: range) -> list[str]:
-    """Whole sessions with all that; the subs. A question is asked again, a session is interrupted and gone on with."""
+    """Whole sessions with all that; the subs.
+
+    A question is asked again, a session is interrupted and gone on with.
+    """
     subs = []
     for number in numbers:
         session = begun(store, f"P{number}", facts={"headset": f"of {REMARK.format(number)}"})
@@ -59,7 +66,7 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
                 "the test looks for what is there"
             )
         erased = withdraw(store, "P2")
-        assert "1 session, " in erased.words() and "5 head traces" in erased.words()
+        assert "1 session, " in erased.describe() and "5 head traces" in erased.describe()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
             assert subs[2].encode() not in data and not [mark for mark in told_of(2) if mark in data], when
@@ -81,15 +88,15 @@ def test_the_tombstone_is_the_code_alone(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         filled(store, range(1))
         withdraw(store, "p0")
-        assert store._opened.db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
+        assert store._connection.db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
         for table in ("participant", "session", "answer", "showing", "event", "plan"):
-            assert store._opened.db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
+            assert store._connection.db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
         for again in (lambda: withdraw(store, "P0"), lambda: holdings(store, "P0")):
             with pytest.raises(InputError, match="has withdrawn already"):
                 again()
-        with pytest.raises(InputError, match="a code is not used again"):
+        with pytest.raises(InputError, match="codes are not reused"):
             begun(store, "P0")
-        with pytest.raises(InputError, match="nothing to go on with"):
+        with pytest.raises(InputError, match="nothing to resume"):
             store.resume("P0")
         with pytest.raises(InputError, match="P9 is not known here"):
             withdraw(store, "P9")
@@ -136,20 +143,20 @@ def test_traces_are_overwritten_before_they_go(tmp_path):
 
 
 def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.1)
+    monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.1)
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         with Store(tmp_path / "data") as reader:
-            reader._opened.db.execute("BEGIN")
-            reader._opened.db.execute("SELECT count(*) FROM answer").fetchone()
+            reader._connection.db.execute("BEGIN")
+            reader._connection.db.execute("SELECT count(*) FROM answer").fetchone()
             with pytest.raises(MachineError, match="another program reads"):
                 withdraw(store, "P0")
             assert [one.code for one in store.contents().sessions] == ["P1"], "nobody reads them any more in any case"
-            reader._opened.db.execute("ROLLBACK")
+            reader._connection.db.execute("ROLLBACK")
     said: list[str] = []
     with Store(tmp_path / "data", say=said.append) as store:
         assert withdraw(store, "P0") is None
-        assert "had been cut off" in said[0]
+        assert "was interrupted" in said[0]
         assert subs[0].encode() not in everything(tmp_path / "data")
 
 
@@ -161,7 +168,8 @@ def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
             withdraw(store, "P0")
 
 
-# --- killed in the middle --------------------------------------------------------------------------------------------------
+# --- killed in the middle
+# --------------------------------------------------------------------------------------------------
 
 KILLED = """
 import importlib
@@ -180,7 +188,9 @@ with Store(Path(sys.argv[1])) as store: withdraw(store, "P1")
 
 
 def check_finished(folder, subs) -> None:
-    """The next one who writes finishes it; a reader before that sees nothing of it, or all where nothing had been begun."""
+    """The next one who writes finishes it; a reader before that sees nothing of it, or all where
+    nothing had been begun.
+    """
     with Store(folder) as store:
         seen = {one.code for one in store.contents().sessions}
         assert {"P0", "P2"} <= seen
@@ -195,9 +205,17 @@ def check_finished(folder, subs) -> None:
 
 @pytest.mark.parametrize(
     ("step", "count"),
-    [("_erase_traces", 0), ("_overwrite", 0), ("_overwrite", 2), ("_erase_rows", 0), ("_clean", 0), ("_empty_log", 0), ("_empty_log", 1),
-     ("_check_bytes", 0)],
-)  # fmt: skip
+    [
+        ("_erase_traces", 0),
+        ("_overwrite", 0),
+        ("_overwrite", 2),
+        ("_erase_rows", 0),
+        ("_clean", 0),
+        ("_empty_log", 0),
+        ("_empty_log", 1),
+        ("_check_bytes", 0),
+    ],
+)
 def test_killed_before_each_step(tmp_path, step, count):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(3))
@@ -220,7 +238,9 @@ def job(folder):
 
 
 def test_killed_at_any_moment(tmp_path):
-    """Within the time that an unhindered one takes, most often early in it, where most is done; the steps themselves are hit above."""
+    """Within the time that an unhindered one takes, most often early in it, where most is done; the
+    steps themselves are hit above.
+    """
     chance = random.Random(11)
     with Killing(WITHDRAWS) as killing:
         for round_ in range(7):

@@ -1,4 +1,6 @@
-"""hmdwarp study withdraw, as typed: it tells what there is, asks, erases, and says what it cannot reach."""
+"""hmdwarp study withdraw, as typed: it tells what there is, asks, erases, and says what it cannot
+reach.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,7 @@ def test_it_erases_and_says_what_it_cannot_reach(study):
     done = ran(study, "p01", "--yes")
     assert done.returncode == 0 and done.stderr == ""
     assert done.stdout.startswith("Participant P01 has withdrawn; erased: 1 session, ")
-    assert "their order is free" in done.stdout and "Exports, reports, copies and backups" in done.stdout
+    assert "their order is free" in done.stdout and "Earlier exports, reports, copies and backups" in done.stdout
     assert codes(study) == ["P02"]
     again = ran(study, "P01", "--yes")
     assert again.returncode == 2 and "has withdrawn already" in again.stderr and again.stderr.count("\n") == 1
@@ -52,7 +54,7 @@ def test_it_asks_on_a_terminal(study, answer, left, told):
     pexpect = pytest.importorskip("pexpect")
     words = ["-m", "hmdwarp", "study", "withdraw", str(study), "p01"]
     screen = pexpect.spawn(sys.executable, words, encoding="utf-8", timeout=120, dimensions=(24, 200))
-    screen.expect("holds of participant P01: 1 session, .*those given again counted.*Erase it for good.*: ")
+    screen.expect("holds of participant P01: 1 session, .*revisions included.*Erase it for good.*: ")
     screen.sendline(answer)
     screen.expect(told)
     screen.expect(pexpect.EOF)
@@ -83,7 +85,7 @@ def test_a_file_that_became_wrong_keeps_nobody_from_withdrawing(study):
 def test_no_data_and_no_such_participant(study, tmp_path):
     for words, told in (
         ((study, "P99"), "P99 is not known here"),
-        ((study, "P01", "--store", tmp_path / "x"), "no data of a study there"),
+        ((study, "P01", "--store", tmp_path / "x"), "holds no data of a study"),
     ):
         done = ran(*words, "--yes")
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1

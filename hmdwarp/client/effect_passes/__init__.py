@@ -1,0 +1,7 @@
+"""Passes that several effects share, and their parts."""
+
+from .closing import Closing
+from .motion import REACH_M, REACH_S, MotionPass
+from .reflections import Reflections
+
+__all__ = ["REACH_M", "REACH_S", "Closing", "MotionPass", "Reflections"]

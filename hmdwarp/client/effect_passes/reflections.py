@@ -1,0 +1,124 @@
+"""One pass for all mirrors.
+
+The mirrored world is warped as geometry and drawn into the warped surfaces.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+
+from ...errors import PlanError
+from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
+from ..carry import as_image
+from ..effects import ShownPass
+from ..warps.iterative import Iterative
+from .closing import Closing
+
+if TYPE_CHECKING:
+    from ...frames import EyeImage
+    from ...gpu.shaders import Compute
+    from ..inputs import PassInputs
+    from ..picture import ShownPicture
+
+GLOSSY = "glossy_reflections"
+
+
+class _DeepIterative(Iterative):
+    """`iterative` that also writes the inverse depth of each shown pixel, -1 in holes."""
+
+    def prepare(self) -> None:
+        super().prepare()
+        self.shown_inverse_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
+
+    def gather(self, path: str, **defines: object) -> Compute:
+        return super().gather(path, WRITES_DEPTH=1, **defines)
+
+    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
+        self.shown_inverse_depth.bind_to_image(2, read=False, write=True)
+        super().run_gather(program, inputs, into, shown_inverse_depth=2, **uniforms)
+
+    def close(self) -> None:
+        super().close()
+        self.shown_inverse_depth.release()
+
+
+class Reflections(ShownPass):
+    """Warps what the mirrors show by its own depth, and the surfaces along with the colour.
+
+    The mirrored world is gathered (`iterative`), and its holes are closed from around them. Under
+    scan-out it is shown as in the middle of it. Holes of the picture that a fill has closed mirror
+    as much as their surroundings.
+    """
+
+    name = "reflections"
+    reads = ("shown.colour", "rendered.reflection")
+    carries = True
+
+    def prepare(self) -> None:
+        gpu, shown = self.gpu, self.shown_size
+        glossy = GLOSSY in self.parts
+        self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if glossy else {}))
+        self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
+        self._deep = _DeepIterative(gpu, self.rendered_size, shown) if glossy else None
+        self._warp = self._deep or Iterative(gpu, self.rendered_size, shown)
+        self._closing = Closing(gpu, shown)
+        self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
+        self._plain = [allocate(gpu.gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1)]
+
+    @classmethod
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
+        # The layer's depth once; its colour and the surface for each shown pixel read, warped and
+        # read again; the picture both ways.
+        return 4 * rendered_pixels + 8 * shown_pixels * (2 * 3 + 2)
+
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
+        reflection = inputs.rendered.get("reflection")
+        if reflection is None:
+            raise PlanError(
+                "reflections are compensated, but this frame has no layer of them; frames from a scene have it"
+            )
+        seen = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, reflection.seen), others=())
+        self._warp.run(seen, self._seen)
+        self.gpu.barrier()
+        self._closing.run(self._seen.texture)
+        free = iter(self._plain)
+        self.tools.carry.along(inputs, lambda image: self._surface_of(image, free), self._surface)
+        self.gpu.barrier()
+        self._closing.run(self._surface.texture)
+        self._draw(inputs, picture, into)
+
+    def _surface_of(self, image: EyeImage, free) -> moderngl.Texture:
+        if "reflection" in image:
+            return image["reflection"].surface
+        into = next(free)
+        image.colour.bind_to_image(0, read=True, write=False)
+        into.bind_to_image(1, read=False, write=True)
+        self._nothing.uniforms.set(rendered_colour=0, surface=1, rendered_size=image.size)
+        self._nothing.run(*image.size)
+        self.gpu.barrier()
+        return into
+
+    def _draw(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
+        read = {"picture": picture.colour.texture, "surface": self._surface.texture}
+        if self._deep is not None:
+            read["seen_inverse_depth"] = self._deep.shown_inverse_depth
+        for unit, texture in enumerate(read.values(), start=1):
+            texture.bind_to_image(unit, read=True, write=False)
+        into.bind_for_writing()
+        self._seen.texture.use(0)
+        units = {name: unit for unit, name in enumerate(read, start=1)}
+        mirrors = mirrors_in_eye(inputs.rendered["reflection"].mirrors, inputs.middle) | tangents_of_pixels(
+            inputs.middle, self.shown_size
+        )
+        pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
+        self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
+        self._compose.run(*self.shown_size)
+
+    def close(self) -> None:
+        for owner in (self._warp, self._closing):
+            owner.close()
+        release_all(self._seen, self._surface, *self._plain)

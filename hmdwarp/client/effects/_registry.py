@@ -1,0 +1,49 @@
+"""The registry of effects: it also says what a scene calls for and what a run compensates."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from typing import TYPE_CHECKING
+
+from ...errors import InputError
+from ...registry import Registry, unknown_name
+from ._base import Effect
+
+if TYPE_CHECKING:
+    from ...scenes import Scene
+
+AUTO, NONE, FORBID = "auto", "none", "no-"
+
+
+class EffectRegistry(Registry[Effect]):
+    """Effects by name, with an order in which lists show them."""
+
+    def of(self, scene: Scene) -> tuple[str, ...]:
+        """Return the names of the effects that a scene's content calls for."""
+        return self.ordered(one.name for one in self if any(one.applies(scene, mesh) for mesh in scene.meshes))
+
+    def selected(self, text: str, declared: Collection[str]) -> tuple[str, ...]:
+        """Return the names of the effects that a run compensates: `declared`, changed by `text`.
+
+        text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each
+        forced, or forbidden by "no-" before it. Forcing an effect without content costs its pass
+        and changes no picture.
+        Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
+        """
+        known = self.names()
+        forced, forbidden = set[str](), set[str]()
+        for word in filter(None, (part.strip() for part in text.split(","))):
+            name = word.removeprefix(FORBID)
+            if word == NONE:
+                forbidden.update(known)
+            elif name in known:
+                (forced if name == word else forbidden).add(name)
+            elif word != AUTO:
+                raise unknown_name("effect", name, [*known, *(f"{FORBID}{one}" for one in known), AUTO, NONE])
+        if both := self.ordered(forced & forbidden):
+            raise InputError(f"effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
+        return self.ordered({*declared, *forced} - forbidden)
+
+    def ordered(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the names in the order of their effects."""
+        return tuple(sorted(names, key=lambda name: self.get(name).order))

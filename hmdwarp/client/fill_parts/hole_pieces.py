@@ -1,0 +1,83 @@
+"""The parts of a picture that have holes.
+
+They are listed while it is copied, so that further passes, dispatched by the GPU, run there alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import moderngl
+import numpy as np
+
+from ...errors import InputError
+
+if TYPE_CHECKING:
+    from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
+    from ..picture import ShownPicture
+
+PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
+_HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three counts of work groups, one of pieces
+_WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH, _FILLED_TOO = range(5)  # image units
+
+
+class HolePieces:
+    """The list of pieces with holes of the newest picture; owns its buffers.
+
+    with_depth: copies the inverse depth too. twice: copies the colour to a second texture as well.
+    """
+
+    def __init__(
+        self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, twice: bool = False
+    ) -> None:
+        self._gpu, self._size, self._stamp = gpu, size, 0
+        self._program = gpu.shaders.compute("fills/holes.comp", WITH_DEPTH=int(with_depth), TWICE=int(twice))
+        self.count = -(-size[0] // PIECE[0]) * -(-size[1] // PIECE[1])
+        most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
+        if self.count * PIECE[0] > 64 * most:
+            raise InputError(
+                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a "
+                "smaller one"
+            )
+        self.list = gpu.gl.buffer(reserve=len(_HEADER) + 4 * self.count)
+        self._stamps = gpu.gl.buffer(bytes(8 * self.count))
+
+    def find(self, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
+        """Copy the picture and list its pieces with holes.
+
+        Return the stamp that its pieces with covered pixels now have.
+        """
+        self._stamp = self._stamp % (2**32 - 1) + 1
+        self.list.write(_HEADER)
+        uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
+        _bind(picture.colour.texture, into.colour.texture, _WARPED)
+        if self._program.uniforms.declares("warped_depth") and picture.inverse_depth is not None:
+            _bind(picture.inverse_depth, into.depth, _WARPED_DEPTH)
+            uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
+        if too is not None:
+            too.bind_to_image(_FILLED_TOO, read=False, write=True)
+            uniforms["filled_too"] = _FILLED_TOO
+        self.list.bind_to_storage_buffer(0)
+        self._stamps.bind_to_storage_buffer(1)
+        self._program.uniforms.set(**uniforms)
+        self._program.run(*self._size)
+        self._gpu.barrier()
+        return self._stamp
+
+    def run(self, program: Compute) -> None:
+        """Run a program that includes lib/hole_columns.glsl over the listed pieces."""
+        self.list.bind_to_storage_buffer(0)
+        self._stamps.bind_to_storage_buffer(1)
+        program.program.run_indirect(self.list)
+        self._gpu.barrier()
+
+    def close(self) -> None:
+        """Free the buffers."""
+        self.list.release()
+        self._stamps.release()
+
+
+def _bind(source: moderngl.Texture, into: moderngl.Texture, unit: int) -> None:
+    source.bind_to_image(unit, read=True, write=False)
+    into.bind_to_image(unit + 1, read=False, write=True)

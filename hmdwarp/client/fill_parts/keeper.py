@@ -1,0 +1,135 @@
+"""Keeps rendered pictures, and forgets of them what newer ones disprove."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import moderngl
+
+from ...geometry import View, WarpMap
+from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, tiles
+from ..warp_kinds import DEPTH_FLOOR
+
+if TYPE_CHECKING:
+    from ...frames import EyeImage
+    from ...gpu.context import Gpu
+
+BYTES_PER_PIXEL = 13  # of a kept picture
+
+# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest
+# shows in 4 x 4 pixels around it; and by how much darker or brighter than all of them, absolute in
+# linear light and as a share of the brightest. Textures seen from elsewhere differ by less, as
+# their detail is filtered by distance.
+TOLERANCE = 0.05
+COLOUR_MARGIN = (0.08, 0.25)
+_IDS = 1  # texture unit
+_COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  # image units
+
+
+@attrs.frozen(eq=False)
+class Slot:
+    """Room for one picture."""
+
+    colour: moderngl.Texture  # rgba16f
+    inverse_depth: moderngl.Texture  # r32f
+    seeds: moderngl.Texture  # r32f: the nearest of each 2 x 2 pixels.
+
+    @classmethod
+    def of(cls, gpu: Gpu, size: tuple[int, int]) -> Slot:
+        """Return an empty slot for pictures of that size."""
+        return cls(allocate(gpu.gl, size, COLOUR, linear=True), allocate(gpu.gl, size, SCALAR), seeds_for(gpu, size))
+
+    def release(self) -> None:
+        """Free the textures."""
+        release_all(self.colour, self.inverse_depth, self.seeds)
+
+
+def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
+    """Return the texture for the seeds of a picture of that size."""
+    return allocate(gpu.gl, tiles(size, 2), SCALAR)
+
+
+class Keeper:
+    """Programs and buffers for rendered pictures of one size."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self._gpu, self._size = gpu, size
+        self._keep, self._bounds, self._forget = (
+            gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "bounds", "forget")
+        )
+        self._seed = gpu.shaders.compute("fills/memory_seeds.comp")
+        cells = tiles(size, 2)
+        self._depths = allocate(gpu.gl, cells, (2, "f4"))
+        self._lowest, self._highest = (allocate(gpu.gl, cells, COLOUR) for _ in range(2))
+        self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), NUMBER), allocate(gpu.gl, (1, 1), COLOUR)
+        self._no_ids.write(bytes(2), alignment=1)
+        self._no_velocity.write(bytes(8))
+
+    def keep(self, rendered: EyeImage, slot: Slot) -> None:
+        """Copy what stands still."""
+        self._bind_rendered(rendered)
+        self._bind_slot(slot, read=False)
+        ids = rendered["ids"].numbers if "ids" in rendered else self._no_ids
+        velocity = rendered.get("velocity", self._no_velocity)
+        ids.use(_IDS)
+        velocity.bind_to_image(_SECOND, read=True, write=False)
+        units = {
+            "rendered_colour": _COLOUR,
+            "rendered_depth": _DEPTH,
+            "kept_colour": _KEPT_COLOUR,
+            "kept_depth": _KEPT_DEPTH,
+        }
+        self._run(self._keep, self._size, ids=_IDS, velocity=_SECOND, rendered_size=self._size, **units)
+        self.seed(slot.inverse_depth, slot.seeds)
+
+    def seed(self, inverse_depth: moderngl.Texture, seeds: moderngl.Texture) -> None:
+        """Write the nearest of each 2 x 2 pixels."""
+        inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+        seeds.bind_to_image(_FIRST, read=False, write=True)
+        self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
+
+    def compare_with(self, rendered: EyeImage) -> None:
+        """Take `rendered` as the picture that forget() compares with."""
+        self._bind_rendered(rendered)
+        units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH}
+        self._bind_bounds(read=False)
+        self._run(self._bounds, self._depths.size, rendered_size=self._size, **units, **self._bound_units())
+
+    def forget(self, slot: Slot, kept: View, rendered: View) -> None:
+        """Forget what the picture of compare_with(), seen from `rendered`, disproves of `slot`.
+
+        kept: the view of the picture in the slot.
+        """
+        there = WarpMap.between(kept, self._size, rendered, self._size)
+        self._bind_slot(slot, read=True)
+        self._bind_bounds(read=True)
+        units = {"kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH, **self._bound_units()}
+        limits = {"depth_tolerance": TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": COLOUR_MARGIN}
+        self._run(self._forget, self._size, H=there.H, e=there.e, rendered_size=self._size, **units, **limits)
+        self.seed(slot.inverse_depth, slot.seeds)
+
+    def _bind_rendered(self, rendered: EyeImage) -> None:
+        rendered.colour.bind_to_image(_COLOUR, read=True, write=False)
+        rendered.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
+
+    def _bind_slot(self, slot: Slot, *, read: bool) -> None:
+        slot.colour.bind_to_image(_KEPT_COLOUR, read=read, write=True)
+        slot.inverse_depth.bind_to_image(_KEPT_DEPTH, read=read, write=True)
+
+    def _bind_bounds(self, *, read: bool) -> None:
+        for texture, unit in ((self._depths, _FIRST), (self._lowest, _SECOND), (self._highest, _THIRD)):
+            texture.bind_to_image(unit, read=read, write=not read)
+
+    @staticmethod
+    def _bound_units() -> dict[str, int]:
+        return {"depths": _FIRST, "lowest": _SECOND, "highest": _THIRD}
+
+    def _run(self, program, size: tuple[int, int], **uniforms: object) -> None:
+        self._gpu.barrier()
+        program.uniforms.set(**uniforms)
+        program.run(*size)
+
+    def close(self) -> None:
+        """Free the textures."""
+        release_all(self._depths, self._lowest, self._highest, self._no_ids, self._no_velocity)

@@ -1,0 +1,29 @@
+"""Kinds of warps: base classes and passes on which warps, fills and effects are built."""
+
+from .composite import CompositeWarp, DepthPicture
+from .gather import GatherWarp, bind_rendered_colour
+from .guesses import DepthGuesses, no_pieces, piece_list
+from .homography import HomographyWarp
+from .mesh import MeshWarp, steepest
+from .scatter import OrderedScatter, ScatterWarp, check_room
+from .seeds import Seeds
+from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
+
+__all__ = [
+    "DEPTH_FLOOR",
+    "DEPTH_TOLERANCE",
+    "CompositeWarp",
+    "DepthGuesses",
+    "DepthPicture",
+    "GatherWarp",
+    "HomographyWarp",
+    "MeshWarp",
+    "OrderedScatter",
+    "ScatterWarp",
+    "Seeds",
+    "bind_rendered_colour",
+    "check_room",
+    "no_pieces",
+    "piece_list",
+    "steepest",
+]

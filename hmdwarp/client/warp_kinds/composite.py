@@ -1,0 +1,114 @@
+"""The kind of warps that put several pictures with depth together.
+
+The shown rays are intersected with one picture after the other; one hit stays per pixel.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, ClassVar
+
+import attrs
+import moderngl
+
+from ...geometry import View, WarpMap
+from ...gpu.textures import allocate, release_all
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from .guesses import PIECE_ROWS, DepthGuesses, piece_list
+from .scatter import check_room
+from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
+
+if TYPE_CHECKING:
+    from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
+    from ..inputs import PassInputs
+
+_COLOUR = 1  # texture unit
+_RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
+_GUESSES = 3
+
+
+@attrs.frozen(eq=False)
+class DepthPicture:
+    """A picture with depth and the view it was rendered for."""
+
+    colour: moderngl.Texture  # As in EyeImage.
+    inverse_depth: moderngl.Texture  # As in EyeImage.
+    view: View
+
+
+class CompositeWarp(Warp):
+    """A gather from several pictures, each seeded by a scatter of its depth alone.
+
+    The scatter leaves in each shown pixel the nearest depth that lands there. The gather starts
+    from these guesses, its own and its neighbours', and finds where the ray meets the picture's
+    surface (lib/meeting.glsl).
+    """
+
+    kind = "scatter"
+    best: ClassVar[tuple[int, str]] = (1, "f4")  # texture format of the best hit so far
+
+    def prepare(self) -> None:
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
+        self._guesses = DepthGuesses(self.gpu, self.shown_size)
+        self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
+        self._choose, self._first, self._more = (
+            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS) for k in range(3)
+        )
+        self._stamp = 0
+        self._best = allocate(self.gpu.gl, self.shown_size, self.best)
+
+    @abstractmethod
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+        """Return the pictures to put together, in the order of preference between equals."""
+
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
+        """Return what the warp's own shader reads besides, by uniform name."""
+        return {}
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        into.bind_for_writing(_RESULT)
+        self._best.bind_to_image(_BEST, read=True, write=True)
+        own = self.own_uniforms(inputs)
+        for index, picture in enumerate(self.pictures(inputs)):
+            self._guesses.empty(self._pieces)
+            self._guesses.scatter(picture.inverse_depth, picture.view, inputs.shown, _DEPTH)
+            self._gather(picture, inputs.shown, own, is_first=index == 0)
+
+    def _gather(self, picture: DepthPicture, shown: View, own: dict[str, object], *, is_first: bool) -> None:
+        size = picture.colour.size
+        back = WarpMap.between(shown, self.shown_size, picture.view, size)
+        chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_rendered_colour
+        picture.colour.filter = (chosen, chosen)
+        picture.colour.use(_COLOUR)
+        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
+        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
+        units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
+        uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
+        if is_first:
+            self._first.uniforms.set(**uniforms)
+            self._dispatch(self._first, self.shown_size)
+            return
+        self._stamp = self._stamp % 0xFFFFFFFF + 1
+        self._choose.uniforms.set(stamp=self._stamp, **uniforms)
+        self._dispatch(self._choose, self.shown_size)
+        self._more.uniforms.set(**uniforms)
+        self.gpu.barrier()
+        self._more.program.run_indirect(self._pieces)
+
+    def _dispatch(self, program: Compute, size: tuple[int, int]) -> None:
+        self.gpu.barrier()
+        program.run(*size)
+
+    def close(self) -> None:
+        self._guesses.close()
+        release_all(self._pieces, self._best)
+
+    @classmethod
+    def bytes_of(cls, pictures: int, rendered_pixels: int, shown_pixels: int) -> int:
+        # For each picture: its depth read, the guesses emptied, raised (read, written) and read;
+        # depth and the best hit so far read and written once more. Of all pictures one colour read
+        # and one written for each shown pixel.
+        best = cls.best[0] * DEPTH_BYTES
+        each = rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
+        return pictures * each + shown_pixels * 2 * COLOUR_BYTES

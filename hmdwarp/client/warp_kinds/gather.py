@@ -1,0 +1,119 @@
+"""The kind of warps in which each shown pixel finds where it was rendered.
+
+One shader function per warp runs for the shown view or fused with the lens, for all rows at once or
+row by row.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import moderngl
+import numpy as np
+
+from ...geometry import View, WarpMap
+from ..lens import bind_texels
+from ..warps import Warp
+
+if TYPE_CHECKING:
+    from ...frames import EyeImage
+    from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
+    from ..inputs import PassInputs
+
+_COLOUR = 0  # texture unit
+
+
+class GatherWarp(Warp):
+    """A warp whose shader has `vec4 gathered(vec2 shown, vec3 base, vec3 parallax)`.
+
+    It returns the colour of the shown pixel at `shown`. `base + parallax * inverse_depth` is the
+    rendered pixel (homogeneous) of a point at that inverse depth in the shown view.
+
+    The shader samples by `sampled(p)` of lib/gather.glsl, the quicker one of sampler and image
+    loads. If it defines PREPARE, the name of a function, before it includes OUTPUT, that function
+    runs once
+    before the loop over rows: for copies of uniforms.
+    """
+
+    kind = "gather"
+    fuses = True
+    scans_out = True
+    rows: ClassVar[int] = 8  # pixels of one column per invocation; 4 suits heavy shaders
+
+    def gather(self, path: str, **defines: object) -> Compute:
+        """Return the program of `path` for this warp's output."""
+        lens = self.output.lens
+        if lens is None:
+            defines |= {"ROWS": self.rows}
+        else:
+            defines |= {"LENS": lens.library, **lens.library_defines()}
+        if self.output.scanout:
+            defines |= {"SCANOUT": 1}
+        return self.gpu.shaders.compute(
+            path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines
+        )
+
+    def map_between(self, shown: View, rendered: View) -> WarpMap:
+        """Return the map from shown to rendered pixels."""
+        return WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
+
+    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
+        """Bind the colour and the result, set map and sizes, and run for every output pixel."""
+        maps = self.maps(inputs)
+        self.bind_colour(inputs, _COLOUR, maps)
+        into.bind_for_writing()
+        self.set_sizes(program)
+        program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
+        if self.output.lens is not None:
+            bind_texels(program, self.picture(inputs))
+            program.uniforms.set(
+                panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
+            )
+        program.run(*into.size)
+
+    def picture(self, inputs: PassInputs) -> moderngl.Texture:
+        """Return the texture that the shader samples."""
+        return inputs.rendered.colour
+
+    def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
+        """Bind that texture for the sampler."""
+        exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
+        bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
+
+    def maps(self, inputs: PassInputs) -> list[WarpMap]:
+        """Return the map of the shown view; with scan-out of its first, middle and last instant."""
+        if not self.output.scanout:
+            return [self.map_between(inputs.shown, inputs.rendered.view)]
+        first, last = inputs.shown, inputs.shown_last if inputs.shown_last is not None else inputs.shown
+        middle = View(first.pose.towards(last.pose, 0.5), first.fov)
+        return [self.map_between(view, inputs.rendered.view) for view in (first, middle, last)]
+
+    def _coefficients(self, maps: list[WarpMap]) -> dict[str, np.ndarray]:
+        """Return H and e; with scan-out their parabola through three instants, t from 0 to 1.
+
+        t = 0 at the first row, 1 past the last. A head that turns by an angle a during scan-out
+        leaves the parabola by at most a^3 / (72 sqrt 3) rad, in the middle of either half: 5
+        degrees (300 a second, 16.7 ms) are 5e-6, half a hundredth of a pixel at 1000 pixels a
+        radian. It follows translation exactly. Derived in tests/reference/scanout.py.
+        """
+        if len(maps) == 1:
+            return {"H": maps[0].H, "e": maps[0].e}
+        named: dict[str, np.ndarray] = {}
+        for name in ("H", "e"):
+            first, middle, last = (getattr(one, name) for one in maps)
+            square = 2 * (first + last - 2 * middle)
+            named |= {name: first, f"{name}_linear": last - first - square, f"{name}_square": square}
+        return named
+
+
+def bind_rendered_colour(rendered: EyeImage, unit: int, *, whole_pixels: bool) -> None:
+    """Bind the rendered colour for bilinear samples, or nearest ones if all fall on pixel centres.
+
+    Bilinear hardware computes the centre's coordinate with an error of up to 1e-4 pixels (llvmpipe)
+    or 1/512 (GPUs), enough to change the last bit of a dark pixel beside a bright one. Nearest
+    samples keep an unmoved head bit-exact.
+    """
+    chosen = moderngl.NEAREST if whole_pixels else moderngl.LINEAR
+    rendered.colour.filter = (chosen, chosen)
+    rendered.colour.use(unit)

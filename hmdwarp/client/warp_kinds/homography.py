@@ -1,0 +1,23 @@
+"""The kind of warps through one homography: a single bilinear sample per pixel."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .gather import GatherWarp
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..inputs import PassInputs
+
+
+class HomographyWarp(GatherWarp):
+    """A gather through a 3x3 matrix that does not depend on depth."""
+
+    reads = ("rendered.colour",)
+
+    def prepare(self) -> None:
+        self._program = self.gather("warps/rotation.comp")
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.run_gather(self._program, inputs, into)

@@ -1,0 +1,243 @@
+"""The kind of warps that draw the rendered picture as a mesh.
+
+Its cells are listed on the GPU and drawn with a depth test.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import moderngl
+import numpy as np
+
+from ...errors import InputError, MachineError
+from ...geometry import View, WarpMap
+from ...gpu.scopes import drawing_into
+from ...gpu.textures import COLOUR, Canvas, allocate, release_all
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, Warp
+from .gather import bind_rendered_colour
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...gpu.shaders import Compute
+    from ..inputs import PassInputs
+
+VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound
+MOST_SIDE = 2**14 - 2  # a cell's index has 14 bits a side, and there is one more than pixels
+QUADS = 2**14  # in one draw: a corner's index has 16 bits
+GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
+BLOCK_BYTES, CALL_BYTES = 24, 20
+CHUNK = 8  # as in shaders/warps/mesh_draws.glsl
+
+
+class MeshWarp(Warp):
+    """A warp that draws cells between pixel centres.
+
+    Whole cells are two triangles, cut ones are drawn in quarters. Settings have `steepest_deg`: the
+    angle from facing up to which a plane counts as one surface from one pixel to the next.
+    """
+
+    kind = "scatter"
+    reads = ("rendered.colour", "rendered.inverse_depth")
+    adaptive: ClassVar[bool]  # Whether cells merge where that moves little.
+
+    def prepare(self) -> None:
+        _check_machine(self.name, self.gpu.gl.info)
+        _check_side(self.name, self.rendered_size)
+        self._compile()
+        self._allocate()
+
+    @property
+    def cuts(self) -> tuple[bool, bool]:
+        """Whether sheets are cut by slope, and by vertex identity."""
+        return True, False
+
+    @property
+    def merging(self) -> dict[str, Any]:
+        """Uniforms of the shaders that merge: tolerance in shown pixels and coarsest cell."""
+        return {}
+
+    def _compile(self) -> None:
+        slope, vertex = map(int, self.cuts)
+        shaders, adaptive = self.gpu.shaders, int(self.adaptive)
+        self._blocks = shaders.compute("warps/mesh_blocks.comp", ADAPTIVE=adaptive, SLOPE=slope)
+        self._merge = shaders.compute("warps/mesh_merge.comp", ADAPTIVE=adaptive)
+        self._order = shaders.compute("warps/mesh_order.comp", CHUNKS=0)
+        self._list = shaders.compute("warps/mesh_list.comp")
+        if self.adaptive:
+            self._count, self._choose = (
+                shaders.compute("warps/mesh_triangles.comp", STAGE=stage) for stage in range(2)
+            )
+            self._order_triangles = shaders.compute("warps/mesh_order.comp", CHUNKS=1)
+        self._cells = shaders.draw(
+            "warps/mesh_cells.vert", "warps/mesh_cells.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex
+        )
+        self._pieces = shaders.draw(
+            "warps/mesh_pieces.vert", "warps/mesh_pieces.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex
+        )
+
+    def _allocate(self) -> None:
+        gl, (wide, high) = self.gpu.gl, self.rendered_size
+        cells = (wide + 1) * (high + 1)
+        self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.rendered_size)
+        groups = self._groups[0] * self._groups[1]
+        self._calls = -(-cells // QUADS), 1 if self.adaptive else -(-4 * cells // QUADS)
+        chunks = -(-cells // CHUNK)
+        # Blocks, groups, draws of cells and of pieces, cells, cut cells, the dispatch over them;
+        # their triangles, chunks and masks.
+        sizes = [
+            groups * (GROUP // BLOCK) ** 2 * BLOCK_BYTES,
+            8 * groups,
+            *(CALL_BYTES * n for n in self._calls),
+            8 * cells,
+            4 * cells,
+            16,
+        ]
+        if self.adaptive:
+            sizes += [32 * cells, 4 * chunks, 8 * chunks]
+        _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.rendered_size)
+        self._buffers = [gl.buffer(reserve=size) for size in sizes]  # bound as they are numbered in the shaders
+        corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
+        self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
+        self._arrays = [
+            gl.vertex_array(self._cells.program, [], index_buffer=self._corners, index_element_size=2),
+            gl.vertex_array(
+                self._pieces.program, [], index_buffer=None if self.adaptive else self._corners, index_element_size=2
+            ),
+        ]
+        self._colour = allocate(gl, self.shown_size, COLOUR)
+        self._depth = gl.depth_renderbuffer(self.shown_size)
+        self._framebuffer = gl.framebuffer([self._colour], self._depth)
+
+    @classmethod
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
+        # Each rendered pixel's depth to make cells and again to draw them, its colour once; the
+        # shown colour and depth cleared and written, the depth read for its test.
+        return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        rendered, shown = inputs.rendered, inputs.shown
+        forward = WarpMap.between(rendered.view, self.rendered_size, shown, self.shown_size)
+        rendered.inverse_depth.bind_to_image(0, read=True, write=False)
+        for binding, buffer in enumerate(self._buffers):
+            buffer.bind_to_storage_buffer(binding)
+        self._make_cells(forward, rendered.view)
+        bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
+        self._draw(forward, shown, rendered.view)
+        into.copy_from(self._framebuffer)
+
+    def _make_cells(self, forward: WarpMap, rendered: View) -> None:
+        named = {
+            "H": forward.H,
+            "e": forward.e,
+            "rendered_size": self.rendered_size,
+            "shown_size": self.shown_size,
+            "rendered_inverse_depth": 0,
+            "steepest": self._steepest(rendered),
+            "reach": reach(forward, self.shown_size),
+            "group_count": self._groups[0] * self._groups[1],
+            "draws": self._calls,
+            "draw_quads": QUADS,
+            **self.merging,
+        }
+        side = GROUP // BLOCK
+        blocks = self._groups[0] * side, self._groups[1] * side
+        for program, size in (
+            (self._blocks, blocks),
+            (self._merge, self._groups),
+            (self._order, (1, 1)),
+            (self._list, blocks),
+        ):
+            self._run(program, named, partial(program.run, *size))
+        if self.adaptive:
+            self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
+            self._run(self._order_triangles, named, lambda: self._order_triangles.run(1))
+            self._run(self._choose, named, lambda: self._choose.program.run_indirect(self._buffers[6]))
+
+    def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
+        program.uniforms.set_declared(**named)
+        dispatch()
+        self.gpu.barrier()
+
+    def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
+        gl = self.gpu.gl
+        back = WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
+        named = {
+            "H": forward.H,
+            "e": forward.e,
+            "rendered_size": self.rendered_size,
+            "shown_size": self.shown_size,
+            "rendered_pixel": (1 / self.rendered_size[0], 1 / self.rendered_size[1]),
+            "rendered_inverse_depth": 0,
+            "rendered_colour": 0,
+            "steepest": self._steepest(rendered),
+            "rendered_from_shown": back.H,
+            "rendered_parallax": back.e,
+            "overlap": overlap(self.merging.get("tolerance", 0.0)),
+        }
+        with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
+            self._framebuffer.clear(depth=0.0)
+            gl.depth_func = ">"  # the depth written is larger where it is nearer
+            for draw, array, calls, count in zip(
+                (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
+            ):
+                draw.uniforms.set_declared(**named)
+                array.render_indirect(calls, moderngl.TRIANGLES, count=count)
+            gl.depth_func = "<"
+
+    def _steepest(self, rendered: View) -> tuple[float, float]:
+        return steepest(rendered, self.rendered_size, self.settings.steepest_deg)
+
+    def close(self) -> None:
+        release_all(*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth)
+
+
+def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
+    """Return the most by which a plane's inverse depth changes from pixel to pixel, on each axis.
+
+    It is a share of the inverse depth itself, for a plane seen `angle_deg` from facing. A plane's
+    inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture
+    it grows by tan(angle) of itself for each 1 of tangent.
+    """
+    left, right, down, up = rendered.fov.tangents
+    slope = float(np.tan(np.deg2rad(angle_deg)))
+    return slope * (right - left) / size[0], slope * (up - down) / size[1]
+
+
+def reach(forward: WarpMap, shown_size: tuple[int, int]) -> float:
+    """Return the most shown pixels by which a point moves for 1/m more.
+
+    At equal depths in both views its place P moves along e - P e_z.
+    """
+    wide, high = shown_size
+    corners = np.array([[0, 0], [wide, 0], [0, high], [wide, high]])
+    return float(np.linalg.norm(forward.e[:2] - corners * forward.e[2], axis=1).max())
+
+
+def overlap(tolerance: float) -> float:
+    """Return the rendered pixels by which large cells overlap their neighbours.
+
+    Both may be off by the tolerance, and the rasteriser by 1/256.
+    """
+    return min(2 * tolerance + 1 / 32, 0.5)
+
+
+def _check_machine(name: str, info: dict[str, Any]) -> None:
+    """Raise MachineError where vertex shaders cannot read buffers; GL 4.3 does not promise it."""
+    blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
+    if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
+        found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
+        raise MachineError(f"{found}: '{name}' wants {VERTEX_BLOCKS} and {BINDINGS}; use warp 'splat' or 'search'")
+
+
+def _check_side(name: str, size: tuple[int, int]) -> None:
+    if max(size) > MOST_SIDE:
+        raise InputError(f"a rendered picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
+
+
+def _check_room(name: str, limit_bytes: int, wanted_bytes: int, size: tuple[int, int]) -> None:
+    if wanted_bytes > limit_bytes:
+        wanted = f"a rendered picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
+        raise InputError(f"{wanted}, this GPU has room for {limit_bytes}")

@@ -1,0 +1,112 @@
+"""The kind of warps in which rendered pixels move, and the keys that decide which one stays."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+
+from ...errors import InputError
+from ...geometry import WarpMap
+from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+
+if TYPE_CHECKING:
+    from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
+    from ..inputs import PassInputs
+
+RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
+_UNITS = {"rendered_colour": RENDERED_COLOUR, "rendered_inverse_depth": RENDERED_DEPTH, "shown_colour": SHOWN_COLOUR}
+LONGEST_SIDE = 2**14  # a rank has 15 bits for a row and 15 for a column, one of each to spare
+
+
+class ScatterWarp(Warp):
+    """A warp in which rendered pixels move by their own depth."""
+
+    kind = "scatter"
+    reads = ("rendered.colour", "rendered.inverse_depth")
+
+    def forward_map(self, inputs: PassInputs) -> WarpMap:
+        """Return the map from rendered to shown pixels."""
+        return WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.shown, self.shown_size)
+
+    @cached_property
+    def _constants(self) -> dict[str, object]:
+        return {**self._size_uniforms, **_UNITS}
+
+    def bind(self, inputs: PassInputs, into: Canvas) -> None:
+        """Bind the rendered picture and the result as images for compute shaders."""
+        inputs.rendered.colour.bind_to_image(RENDERED_COLOUR, read=True, write=False)
+        inputs.rendered.inverse_depth.bind_to_image(RENDERED_DEPTH, read=True, write=False)
+        into.bind_for_writing(SHOWN_COLOUR)
+
+    def set(self, program: Compute, **more: object) -> None:
+        """Set the sizes, the image units, and those of `more` that the program declares."""
+        program.uniforms.settle(self._constants)
+        program.uniforms.set_declared(**more)
+
+    def empty_keys(self, words: int = 1) -> moderngl.Buffer:
+        """Return a key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
+
+        Errors: InputError for a picture beyond the GPU's room.
+        """
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES * words)
+        buffer = self.gpu.gl.buffer(reserve=KEY_BYTES * words * self.shown_size[0] * self.shown_size[1])
+        buffer.clear()
+        return buffer
+
+
+class OrderedScatter(ScatterWarp):
+    """A scatter in which the rendered pixel that is last in some order stays.
+
+    The shader `warps/NAME.comp` computes the order. Execution may run in any order: each rendered
+    pixel offers its rank, the largest stays. The pass that copies the colours empties the keys
+    again.
+    """
+
+    def prepare(self) -> None:
+        if max(self.rendered_size) > LONGEST_SIDE:
+            wide, high = self.rendered_size
+            raise InputError(
+                f"a rendered picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
+            )
+        path, defines = f"warps/{self.name}.comp", self.defines()
+        self._scatter, self._resolve = (self.gpu.shaders.compute(path, PASS=k, **defines) for k in range(2))
+        self._keys = self.empty_keys()
+
+    def defines(self) -> dict[str, object]:
+        """Return further defines of the shader."""
+        return {}
+
+    @abstractmethod
+    def order(self, inputs: PassInputs) -> dict[str, object]:
+        """Return the uniforms that the order needs."""
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        forward, order = self.forward_map(inputs), self.order(inputs)
+        self.bind(inputs, into)
+        self._keys.bind_to_storage_buffer(0)
+        for program, size in ((self._scatter, self.rendered_size), (self._resolve, self.shown_size)):
+            self.gpu.barrier()
+            self.set(program, H=forward.H, e=forward.e, **order)
+            program.run(*size)
+
+    @classmethod
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
+        # Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
+        # colour read and one written for each.
+        return rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
+
+    def close(self) -> None:
+        self._keys.release()
+
+
+def check_room(gpu: Gpu, name: str, size: tuple[int, int], bytes_per_pixel: int, header: int = 0) -> None:
+    """Raise InputError if one shader buffer has no room for so many bytes per shown pixel."""
+    pixels = (gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] - header) // (4 * bytes_per_pixel) * 4
+    if size[0] * size[1] > pixels:
+        wanted = f"a shown picture of {size[0]}x{size[1]}: '{name}' keeps {bytes_per_pixel} bytes a pixel"
+        raise InputError(f"{wanted}, this GPU has room for {pixels} pixels")

@@ -1,0 +1,77 @@
+"""The control panel over a window: controls and plots, where its package is installed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from itertools import count
+from typing import TYPE_CHECKING
+
+import moderngl
+
+from ...controls import CONTROLS, Control
+
+if TYPE_CHECKING:
+    from ..window_types import WindowHandle
+    from .panel import ControlPanel
+
+PANEL_REMEDY = "pip install 'hmdwarp[panel]'"
+
+
+def make_control_panel(
+    window: WindowHandle | None,
+    gl: moderngl.Context,
+    *,
+    into: moderngl.Framebuffer | None = None,
+    clock: Callable[[], float] | None = None,
+    scale: float = 1.0,
+    controls: tuple[Control, ...] = CONTROLS,
+) -> ControlPanel | None:
+    """Return a control panel for a glfw window with the context `gl`.
+
+    None where its package is missing: PANEL_REMEDY says how to get it. Make it after the window has
+    set its callbacks: they are chained, and all of them are still called.
+    window: None for a panel without input, at that content scale. into: framebuffer, by default the
+    window's. clock: running seconds; by default glfw's, or without a window a sixtieth more at each
+    call. controls: those it shows.
+    """
+    if not installed():
+        return None
+    import glfw
+
+    from .imgui_input import ImGuiInput, NoInput
+    from .panel import ControlPanel
+
+    panel_input = ImGuiInput(window) if window is not None else NoInput(scale)
+    ticking = glfw.get_time if window is not None else count(1, 1 / 60).__next__
+    return ControlPanel(gl, panel_input, into or gl.detect_framebuffer(0), clock or ticking, controls)
+
+
+def installed() -> bool:
+    """Return whether the control panel's package is there and loads (it needs libX11).
+
+    It names its own glfw library in the environment, for the glfw package. That package has loaded
+    its own already, and programs started from here keep theirs.
+    """
+    import glfw  # noqa: F401 (first)
+
+    before = os.environ.get("PYGLFW_LIBRARY")
+    try:
+        from imgui_bundle import imgui, implot  # noqa: F401
+    except ImportError:
+        return False
+    finally:
+        if before is None:
+            os.environ.pop("PYGLFW_LIBRARY", None)
+        else:
+            os.environ["PYGLFW_LIBRARY"] = before
+    return True
+
+
+def column_width() -> int:
+    """Return the width of the control panel at a content scale of 1; 0 without its package."""
+    if not installed():
+        return 0
+    from .style import WIDTH
+
+    return WIDTH

@@ -1,0 +1,181 @@
+"""The window as a display.
+
+Pictures in it, a head moved by mouse and keys, commands by keys and control panel.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from ...gpu.context import Gpu
+from ...headsets import Headset, load_headset
+from ...poses import PoseSource
+from ...poses.desktop import Walker
+from ...poses.looped import LoopedSource
+from .. import Closed, Command, DisplayOptions, Label, Tick
+from ..status import Status
+from .control_panel import column_width
+from .opening import start
+from .pacing import Pacer
+from .views import ViewChoice
+from .window import Window
+
+if TYPE_CHECKING:
+    from ...geometry import Eyes
+    from .. import Picture
+
+TITLE = "hmdwarp"
+MINIMISED_S = 0.1
+
+
+class DesktopDisplay:
+    """display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
+
+    Errors: MachineError that says why there is no window; InputError for an unknown headset.
+    """
+
+    name = "desktop"
+    distorts = takes_depth = ""
+
+    def __init__(self, options: DisplayOptions) -> None:
+        self._views = ViewChoice(load_headset(options.headset), options.size, options.view)
+        with ExitStack() as closers:
+            self._open(options, closers)
+            self._closers = closers.pop_all()
+
+    def _open(self, options: DisplayOptions, closers: ExitStack) -> None:
+        glfw = start()  # before the modules that import glfw: it chooses the library of X11 or Wayland
+        from ..present import Presenter
+        from .keys import Keys
+        from .painter import Painter
+        from .screen_monitor import ScreenMonitor
+        from .status_views import NO_PANEL, StatusViews
+        from .window_commands import WindowCommands
+
+        has_panel = options.control_panel and any(one.name == "panel" and one.of_display for one in options.controls)
+        self._window = Window(
+            glfw,
+            TITLE,
+            self._views.current.total_size,
+            column_width() if has_panel else 0,
+            full_screen=options.full_screen,
+            vsync=options.vsync,
+        )
+        closers.callback(self._window.close)
+        self.gpu = Gpu(self._window.gl)
+        closers.callback(self.gpu.close)
+        presenter = Presenter(self.gpu)
+        closers.callback(presenter.close)
+        keys = Keys(options.controls)
+        self._painter = Painter(self.gpu, presenter, self.now_ns, keys.controls, keys.help_text)
+        self._pacer = Pacer(self._window.rate_hz, options.vsync)
+        self._status = StatusViews(self._window, options.controls)
+        walker = Walker(self.now_ns())
+        self._commands = WindowCommands(
+            keys, self._window, walker, self._painter, self._pacer, self._status, self.now_ns
+        )
+        self.source: PoseSource = self._source(options, walker)
+        if has_panel and not self._commands.open_panel():
+            self._painter.say(f"H shows the keys\n{NO_PANEL}")
+        closers.callback(self._status.close)
+        self._screens = ScreenMonitor(glfw, self._window, self._pacer)
+        self._begun_ns = 0
+        self.about = {
+            "window": self._window.system_text,
+            "screen": self._window.screen_text(),
+            "renderer": self.gpu.renderer,
+        }
+
+    def _source(self, options: DisplayOptions, walker: Walker) -> PoseSource:
+        from .input import WalkerSource
+
+        if options.trace is not None:
+            return LoopedSource(options.trace, self.now_ns)
+        return WalkerSource(walker, self._commands.read)
+
+    @property
+    def eyes(self) -> Eyes:
+        """Eyes of the present view."""
+        return self._views.current.eyes
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) of one eye's picture in the present view."""
+        return self._views.current.size
+
+    @property
+    def headset(self) -> Headset | None:
+        """The headset whose lens the plan corrects; None for the flat view."""
+        return self._views.current.headset
+
+    @property
+    def rate_hz(self) -> float:
+        """Rate of the screen the window is on; 60 where it does not say."""
+        return self._pacer.rate_hz
+
+    def now_ns(self) -> int:
+        """Return time.monotonic_ns."""
+        return time.monotonic_ns()
+
+    def look(self, view: str) -> None:
+        """Switch to another view."""
+        self._views.look(view)
+
+    def restart(self) -> None:
+        """Begin a recorded head anew."""
+        if isinstance(self.source, LoopedSource):
+            self.source.restart()
+
+    def wait(self) -> Tick | None:
+        """Wait until it is time for the next picture; None while the window is minimised."""
+        self._commands.read()
+        reason = self._window.over()
+        if reason:
+            raise Closed(reason)
+        self._commands.handle_keys()
+        if self._window.hidden:
+            self._window.wait_events(MINIMISED_S)
+            self._pacer.pause()
+            return None
+        self._screens.update(self.now_ns())
+        now = self.now_ns()
+        due = self._pacer.due(now)
+        if due > now:  # a sleep of nothing takes 60 us
+            time.sleep((due - now) * 1e-9)
+        self._begun_ns = self.now_ns()
+        return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
+
+    def show(self, refresh: Picture | None, label: Label = "") -> int:
+        """Draw the eyes' pictures, the text over them and the control panel, and swap."""
+        canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
+        self._painter.draw(canvases, self._views.current, self._window.framebuffer_size, self._status.column, label)
+        self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
+        self._commands.pending += self._status.draw_panel()
+        handed_over_ns = self.now_ns()
+        self._window.swap()
+        self._pacer.swapped(self._begun_ns, self.now_ns())
+        self._status.write_title(self.now_ns())
+        return handed_over_ns
+
+    def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
+        """Return the text panel's (u, v) at a position in the window's own units."""
+        return self._painter.uv_at(*self._window.pixel_of(x, y))
+
+    def commands(self) -> Sequence[Command]:
+        """Return the requests that change the run; the window has handled its own."""
+        return self._commands.take()
+
+    def tell(self, status: Status) -> None:
+        """Show a Status in the title line and the control panel."""
+        self._status.update(status, shows_help=self._painter.help)
+
+    def reopen(self) -> bool:
+        """Return False: a window is closed, never lost."""
+        return False
+
+    def close(self) -> None:
+        """Release everything, in the opposite order."""
+        self._closers.close()

@@ -1,0 +1,100 @@
+"""Commands by keys, mouse and control panel of a window; it handles some of them itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from ...poses.desktop import Walker
+from .. import Command
+from .input import WindowInput
+from .keys import Keys
+from .pacing import Pacer
+from .painter import Painter
+from .status_views import NO_PANEL, StatusViews
+from .window import Window
+
+
+class WindowCommands:
+    """Gathers requests, and handles those of controls that belong to the display."""
+
+    def __init__(
+        self,
+        keys: Keys,
+        window: Window,
+        walker: Walker,
+        painter: Painter,
+        pacer: Pacer,
+        views: StatusViews,
+        now_ns: Callable[[], int],
+    ) -> None:
+        self._window, self._walker, self._painter, self._pacer = window, walker, painter, pacer
+        self._views, self._now_ns = views, now_ns
+        self.input = WindowInput(window.handle, walker, now_ns, keys)
+        self.pending: list[Command] = []  # for the run, oldest first
+        handlers: dict[str, Callable[[object], None]] = {
+            "recentre": self._recentre,
+            "full_screen": self._full_screen,
+            "vsync": self._vsync,
+            "panel": self._control_panel,
+            "help": self._help,
+            "quit": self._quit,
+        }
+        self._handlers = {one.name: handlers[one.name] for one in keys.controls if one.of_display}
+
+    def read(self) -> int:
+        """Read mouse and keys, move the walker, and return this instant."""
+        self._window.poll_events()
+        self.input.walk()
+        return self._now_ns()
+
+    def handle_keys(self) -> None:
+        """Handle the window's own requests at once; keep the others for the run."""
+        commands, self.input.commands = self.input.commands, []
+        self.pending += self._others(commands)
+
+    def take(self) -> list[Command]:
+        """Return the requests for the run since the last call."""
+        commands, self.pending = self.pending, []
+        return self._others(commands)
+
+    def _others(self, commands: Iterable[Command]) -> list[Command]:
+        """Handle the window's own requests; return the others."""
+        others = []
+        for command in commands:
+            handler = self._handlers.get(command.control)
+            if handler is None:
+                others.append(command)
+            else:
+                handler(command.value)
+        return others
+
+    # --- one method for each control of the window; value: None for the other state ---
+
+    def _recentre(self, _: object) -> None:
+        self._walker.recentre(self._now_ns())
+
+    def _full_screen(self, value: object) -> None:
+        self._window.fill_screen(not self._window.fills_screen if value is None else bool(value))
+        self._pacer.pause()
+
+    def _vsync(self, value: object) -> None:
+        self._window.wait_for_screen(not self._window.vsync if value is None else bool(value))
+        self._pacer.set(self._window.rate_hz, self._window.vsync)
+
+    def _control_panel(self, value: object) -> None:
+        panel = self._views.panel
+        if panel is not None:
+            panel.on = not panel.on if value is None else bool(value)
+        elif not self.open_panel():
+            self._painter.say(NO_PANEL)
+
+    def _help(self, value: object) -> None:
+        self._painter.help = not self._painter.help if value is None else bool(value)
+
+    def _quit(self, _: object) -> None:
+        self._window.end()
+
+    def open_panel(self) -> bool:
+        """Open the control panel; return whether its package is installed."""
+        self.input.control_panel = self._views.open_panel()
+        return self._views.panel is not None

@@ -1,0 +1,130 @@
+"""Diagnosis of a headset that shows nothing, for the display and the doctor."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping
+from pathlib import Path
+
+RUNTIME_LABEL = "the OpenXR runtime"  # what corrects the lens and takes depth, for a plan
+INSTALL = "Debian, Ubuntu: sudo apt-get install"
+A_BINDING = f"{INSTALL} libgl1, and pip install pyopenxr"
+A_RUNTIME = (
+    "start the runtime that came with the headset and make it the active one there, "
+    "or name its .json file in XR_RUNTIME_JSON"
+)
+A_HEADSET = "connect the headset, switch it on and wake it"
+RESTART = "start, or restart, the runtime's service"
+ANOTHER = "use a runtime that has it (Monado has)"
+UPDATE = "update the headset's runtime"
+
+GRAPHICS_EXTENSIONS = (GLX_EXTENSION, EGL_EXTENSION) = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
+CLOCK_EXTENSION = "XR_KHR_convert_timespec_time"
+
+STAGES = ("binding", "runtime", "instance", "headset", "session", "running")  # on the way to a picture, in order
+_STEPS = {
+    "runtime": "when it was loaded",
+    "instance": "when an instance was made",
+    "headset": "when asked for a headset",
+    "session": "when a session was made",
+    "running": "in the middle of the session",
+}
+LOST = (
+    "InstanceLostError",
+    "SessionLostError",
+    "SessionLossPending",
+    "RuntimeFailureError",
+)  # in the middle of a session
+
+_NO_RUNTIME = ("no OpenXR runtime: {active}", A_RUNTIME)
+_NO_HEADSET = ("{name} sees no headset ({error})", A_HEADSET)
+_NO_EXTENSION = ("{name} lacks an extension that was asked for ({why})", ANOTHER)
+_NO_GRAPHICS = (
+    "{name} refuses this OpenGL context ({error}: {why})",
+    "draw on the GPU that the headset is plugged into",
+)
+_KNOWN = {
+    "RuntimeUnavailableError": _NO_RUNTIME,
+    "FileAccessErrorError": _NO_RUNTIME,
+    "FileContentsInvalidError": _NO_RUNTIME,
+    "FormFactorUnavailableError": _NO_HEADSET,
+    "FormFactorUnsupportedError": _NO_HEADSET,
+    "ExtensionNotPresentError": _NO_EXTENSION,
+    "ExtensionDependencyNotEnabledError": _NO_EXTENSION,
+    "GraphicsDeviceInvalidError": _NO_GRAPHICS,
+    "ApiVersionUnsupportedError": ("{name} does not know OpenXR 1.0", UPDATE),
+    "LimitReachedError": (
+        "{name} has no room for another program ({error})",
+        "end the other program that uses the headset",
+    ),
+}
+
+
+def diagnose(
+    stage: str, error: str, message: object = "", name: str = "the runtime", active: str = ""
+) -> tuple[str, str]:
+    """Return what happened and what to do about it.
+
+    stage: one of STAGES. error: the name of pyopenxr's exception, "died" for a process that never
+    came back, or of whatever was raised while the binding loaded. message: what the error said.
+    name: the runtime's, where known. active: which runtime the loader takes (manifest_text).
+    """
+    words = _one_line(message)
+    if stage == "binding":
+        return f"no OpenXR loader: {error}{f': {words}' if words else ''}", A_BINDING
+    if error == "died":
+        return f"{name} {words} {_STEPS[stage]}", RESTART
+    if error == "RuntimeFailureError" and stage == "instance":
+        return f"the OpenXR runtime's service does not answer ({active})", RESTART
+    if stage == "running" and error in LOST:
+        return f"{name} went away ({error})", RESTART
+    known, remedy = _KNOWN.get(error, ("{name} failed {step}: {error}: {why}", RESTART))
+    why = words or "no reason given"
+    return known.format(name=name, error=error, active=active, why=why, step=_STEPS[stage]), remedy
+
+
+def missing_extensions(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
+    """Return what the runtime lacks for live pictures, or for the head alone, and what to do.
+
+    ("", "") if nothing.
+    """
+    missing = [] if not pictures or set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
+    missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
+    return (f"{name} lacks {' and '.join(missing)}", ANOTHER) if missing else ("", "")
+
+
+def manifest(environ: Mapping[str, str]) -> Path | None:
+    """Return the runtime manifest that the OpenXR loader would take.
+
+    None where it finds none to try.
+
+    The file may not exist.
+    Source: OpenXR loader design, "Runtime discovery" on Linux.
+    """
+    if environ.get("XR_RUNTIME_JSON"):
+        return Path(environ["XR_RUNTIME_JSON"])
+    home = environ.get("XDG_CONFIG_HOME") or str(Path(environ.get("HOME", "/")) / ".config")
+    folders = [home, *(environ.get("XDG_CONFIG_DIRS") or "/etc/xdg").split(":"), "/etc"]
+    names = (f"active_runtime.{platform.machine()}.json", "active_runtime.json")
+    candidates = (Path(folder) / "openxr" / "1" / name for folder in folders for name in names)
+    return next((path for path in candidates if path.is_file()), None)
+
+
+def manifest_text(environ: Mapping[str, str]) -> str:
+    """Return which manifest is active and what is wrong with it, in a few words."""
+    path = manifest(environ)
+    if path is None:
+        return "XR_RUNTIME_JSON is not set and there is no active_runtime.json"
+    source = "XR_RUNTIME_JSON names" if environ.get("XR_RUNTIME_JSON") else "active is"
+    try:
+        library = json.loads(path.read_text(encoding="utf-8"))["runtime"]["library_path"]
+    except OSError as error:
+        return f"{source} {path}: {error.strerror}"
+    except (ValueError, KeyError, TypeError):
+        return f"{source} {path}, which is no runtime manifest"
+    return f"{source} {path}, library {library}"
+
+
+def _one_line(text: object) -> str:
+    return " ".join(str(text or "").split())

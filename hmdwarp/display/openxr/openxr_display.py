@@ -1,0 +1,230 @@
+"""A headset as a display.
+
+The runtime says when, where and what each eye sees, and gets the pictures.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import attrs
+
+from ...errors import HmdwarpError, MachineError
+from ...geometry import View
+from .. import Command, DisplayOptions, Label, Status, Tick
+from ..notice import Notice
+from ..present import Presenter
+from .calls import Calls
+from .connection import IDLE_S, Connection, connect
+from .diagnosis import RUNTIME_LABEL
+from .eyes import RuntimeEyes
+from .graphics import Graphics, open_graphics
+from .instance import Instance
+from .layer import NEAR_M
+from .swapchain import Swapchain
+from .tracking import HeadTracker
+
+if TYPE_CHECKING:
+    from .. import EyePicture, Picture
+    from .mirror import Mirror
+
+LOST = "tracking lost"
+
+
+@attrs.frozen(eq=False)
+class Drawing:
+    """What draws the pictures. It outlasts a runtime that goes away."""
+
+    graphics: Graphics
+    presenter: Presenter
+
+    def close(self) -> None:
+        """Free the presenter before the context it draws in."""
+        self.presenter.close()
+        self.graphics.close()
+
+
+class OpenXrDisplay:
+    """display.Display for the headset of the active OpenXR runtime.
+
+    Times are CLOCK_MONOTONIC's, which outlives the runtime's service; the runtime's own instants
+    are converted. With an X display it has a window of its own that mirrors the left eye;
+    HMDWARP_OPENXR_GRAPHICS=egl or glx in the environment insists on one of the two ways to draw.
+    Errors: MachineError that says which of loader, runtime, service, headset or extension is
+    missing.
+    """
+
+    # Thirteen attributes, seven of them members of Display.
+    name = "openxr"
+    headset = None  # the runtime knows its lens, and corrects it
+    distorts = RUNTIME_LABEL
+
+    def __init__(self, options: DisplayOptions) -> None:
+        self._options, self._calls = options, Calls(options.watching)
+        self.eyes, self.source = RuntimeEyes(), HeadTracker()
+        self._drawing: Drawing | None = None  # None before the first connection and after close()
+        self._connection: Connection | None = None  # None while the runtime is away, too
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
+        self.gpu = self._opened().graphics.gpu
+
+    def _open(self) -> None:
+        """Open everything, or all but the graphics where they exist already."""
+        self._connection = made = connect(self._calls, self._graphics_for, self.source, self._options.controls)
+        graphics = self._opened().graphics
+        self.about = {**made.instance.about, "graphics": graphics.name, "space": made.spaces.name}
+        self.size = self._options.size or made.recommended
+        self.takes_depth = RUNTIME_LABEL if made.has_depth and self._options.depth_layer else ""
+        self._calls.stage = "running"
+        made.settle(self._calls, self.eyes)
+        made.make_pictures(self._calls, graphics, self.size, bool(self.takes_depth))
+        self._period_ns: int = made.frames.state.predicted_display_period
+        self.rate_hz = 1e9 / self._period_ns
+        self._last_shown_ns = 0
+
+    def _graphics_for(self, instance: Instance) -> Graphics:
+        if self._drawing is None:
+            graphics = open_graphics(instance, self._options.controls)
+            self._drawing = Drawing(graphics, Presenter(graphics.gpu))
+        return self._drawing.graphics
+
+    def _opened(self) -> Drawing:
+        if self._drawing is None:
+            raise HmdwarpError("the headset's display is closed")
+        return self._drawing
+
+    def _connected(self) -> Connection:
+        if self._connection is None:
+            raise HmdwarpError("the headset's display is not connected: reopen() first")
+        return self._connection
+
+    @property
+    def _mirror(self) -> Mirror | None:
+        return self._opened().graphics.mirror
+
+    def now_ns(self) -> int:
+        """Return this instant."""
+        return time.monotonic_ns()
+
+    def wait(self) -> Tick | None:
+        """Wait as Display.wait; return None after 10 ms while the runtime wants no frames."""
+        made = self._connected()
+        state = made.frames.state
+        if self._mirror is not None:
+            self._mirror.poll()
+        made.session.poll()
+        if not made.session.running:
+            self._last_shown_ns = 0
+            time.sleep(IDLE_S)
+            return None
+        made.frames.begin()
+        if made.actions is not None:
+            made.actions.sync(time.monotonic_ns())
+        self.source.offset_ns = made.instance.offset_ns()
+        self.eyes.locate(self._calls, made.session.handle, made.spaces.head, state.predicted_display_time)
+        shown_ns = state.predicted_display_time - self.source.offset_ns
+        self._period_ns = state.predicted_display_period or self._period_ns
+        missed = self._missed(shown_ns)
+        return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
+
+    def _missed(self, shown_ns: int) -> int:
+        """Return missed refreshes of the display.
+
+        A runtime may report a longer period to slow programs (Monado does); those refreshes go by
+        all the same.
+        """
+        last, self._last_shown_ns = self._last_shown_ns, shown_ns
+        return max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
+
+    def show(self, refresh: Picture | None, label: Label = "") -> int:
+        """Hand over as Display.show; returns when xrEndFrame has returned."""
+        frames, presenter = self._connected().frames, self._opened().presenter
+        if frames.state.should_render and (refresh is not None or label):
+            frames.end(self._draw(refresh, label))
+        else:
+            frames.end()
+        submitted_ns = time.monotonic_ns()
+        if self._mirror is not None:
+            self._mirror.show(presenter, refresh.eyes[0].panel if refresh is not None else None, label)
+        return submitted_ns
+
+    def _draw(self, refresh: Picture | None, label: Label) -> ctypes.Structure:
+        """Draw both eyes; return the layer for the runtime."""
+        pictures, notice = self._connected().pictures(), self._opened().presenter.notice(label)
+        for eye, view in enumerate(self._views(refresh)):
+            result = refresh.eyes[eye] if refresh is not None else None
+            self._draw_colour(pictures.colours[eye], result, view, notice)
+            inverse_depth = result.inverse_depth if result is not None and pictures.depths else None
+            if inverse_depth is not None:
+                depth = pictures.depths[eye]
+                self._opened().presenter.depth(inverse_depth, depth.acquire(), NEAR_M)
+                depth.release()
+            pictures.layer.fill(eye, view, inverse_depth is not None)
+        return pictures.layer.struct
+
+    def _draw_colour(self, colour: Swapchain, result: EyePicture | None, view: View, notice: Notice | None) -> None:
+        self._opened().presenter.show(
+            result.panel if result else None,
+            colour.acquire(),
+            (0, 0, *colour.size),
+            hardware_srgb=True,  # a float format holds linear light, which the switch leaves alone
+            notice=notice,
+            eye=view,
+        )
+        colour.release()
+
+    def _views(self, refresh: Picture | None) -> Sequence[View]:
+        """Return the views the pictures were made for; for a black picture, this refresh's."""
+        if refresh is not None:
+            return [eye.view for eye in refresh.eyes]
+        return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
+
+    def look(self, view: str) -> None:
+        """Do nothing: a headset has one view."""
+
+    def restart(self) -> None:
+        """Do nothing: the head is live."""
+
+    def commands(self) -> Sequence[Command]:
+        """Return the window's keys, where there is one, and the controllers' buttons."""
+        made, mirror = self._connection, self._mirror
+        by_controllers = made.actions.commands() if made is not None and made.actions is not None else ()
+        return [*(mirror.commands() if mirror is not None else ()), *by_controllers]
+
+    def tell(self, status: Status) -> None:
+        """Show the status in the mirror's title."""
+        if self._mirror is not None:
+            self._mirror.tell(status)
+
+    def reopen(self) -> bool:
+        """Release the old session and try again, as Display.reopen.
+
+        Errors: Closed, for a closed window.
+        """
+        self._disconnect()
+        if self._mirror is not None:
+            self._mirror.poll()
+        try:
+            self._open()
+        except MachineError:
+            self._disconnect()
+            return False
+        return True
+
+    def _disconnect(self) -> None:
+        made, self._connection = self._connection, None
+        if made is not None:
+            made.close()
+
+    def close(self) -> None:
+        """Release everything, as Display.close."""
+        self._disconnect()
+        drawing, self._drawing = self._drawing, None
+        if drawing is not None:
+            drawing.close()

@@ -1,0 +1,13 @@
+from .codecs import Codec as Codec
+from .codecs import check_codec as check_codec
+from .codecs import codecs as codecs
+from .coder import Decoder as Decoder
+from .coder import Encoder as Encoder
+from .coder import Packet as Packet
+from .coder import Picture as Picture
+from .coding import Coding as Coding
+from .depth import STEP as STEP
+from .depth import DepthDecoder as DepthDecoder
+from .depth import DepthEncoder as DepthEncoder
+from .errors import Undecodable as Undecodable
+from .layers import packed_bytes as packed_bytes

@@ -1,0 +1,131 @@
+"""Declaration of an option, and objects made from the texts that people write."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, ClassVar, Self
+
+import attrs
+
+from .limits import Number
+
+_KEY, _GROUP = "options", "group"
+# Where a study's file may set an option: for the display of a whole session, for how the scene
+# looks, or for one condition; else a sentence says why not.
+DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"
+
+
+@attrs.frozen
+class Option:
+    """One option: a flag of the command line, a key of a study's file, a row of the docs."""
+
+    help: str
+    # Type that the command line reads: str, float, int, bool, Path, or list for several texts.
+    kind: type = str
+    # Value where nothing is said; None where the help says what happens then.
+    default: Any = None
+    required: bool = False
+    # In Python and in a study's file; "" for the field's own name without its unit.
+    name: str = ""
+    unit: str = ""
+    # Values that make sense, in words; "" for any.
+    limits: str = ""
+    metavar: str | None = None
+    # Flag that turns a switch off; "" for none.
+    off: str = ""
+    # Whether its place on the command line says which it is, without a flag.
+    positional: bool = False
+    # Whether a study's file may give a number in place of a text.
+    numeric: bool = False
+    # DISPLAY, PICTURE, CONDITION, or why a study's file may not set it.
+    study: str = CONDITION
+    # From what was written to the field's value.
+    parse: Callable[[Any], Any] | None = None
+
+    @property
+    def flag(self) -> str:
+        """The option as the command line has it."""
+        return f"--{self.name.replace('_', '-')}"
+
+    @property
+    def in_study(self) -> bool:
+        """Whether a study's file may set it."""
+        return self.study in (DISPLAY, PICTURE, CONDITION)
+
+    def named(self, field: str) -> Option:
+        """Return the option with its name, which it may have from its field."""
+        return self if self.name else attrs.evolve(self, name=field.removesuffix(f"_{self.unit.lower()}"))
+
+
+def option(
+    value: Any, help: str, /, *, valid: Any = None, convert: Any = None, beside: tuple = (), **about: Any
+) -> Any:
+    """Return an attrs field that is an option.
+
+    value: default of the field. valid, convert: validator and converter of the field. beside:
+    options that have a say in the same matter, see Declared.values_of. about: attributes of Option;
+    kind and default are those of the field's default unless they say otherwise.
+    """
+    required = value is attrs.NOTHING
+    kind = str if value is None or required else type(value)
+    limits = f"a number {valid.words()}" if isinstance(valid, Number) else ""
+    about = {"kind": kind, "default": None if required else value, "required": required, "limits": limits, **about}
+    return attrs.field(
+        default=value, validator=valid, converter=convert, metadata={_KEY: (Option(help, **about), *beside)}
+    )
+
+
+def group(kind: type[Declared]) -> Any:
+    """Return an attrs field that holds the options of another class."""
+    return attrs.field(factory=kind, metadata={_GROUP: kind})
+
+
+def same_as(field: attrs.Attribute, default: Any = None) -> Any:
+    """Return an attrs field that is the option of another class. default: in place of its own."""
+    (first, *others), value = field.metadata[_KEY], field.default if default is None else default
+    first = attrs.evolve(first.named(field.name), default=first.default if default is None else default)
+    return attrs.field(
+        default=value, validator=field.validator, converter=field.converter, metadata={_KEY: (first, *others)}
+    )
+
+
+def options_of(kind: type[Declared]) -> tuple[Option, ...]:
+    """Return the options of a class in the order of its fields, those of its groups included."""
+    return tuple(one for one in _all_of(kind) if one.name not in kind.not_offered)
+
+
+def _all_of(kind: type) -> Iterator[Option]:
+    for field in attrs.fields(kind):
+        if _GROUP in field.metadata:
+            yield from _all_of(field.metadata[_GROUP])
+        yield from (one.named(field.name) for one in field.metadata.get(_KEY, ()))
+
+
+class Declared:
+    """Base of classes whose fields are options."""
+
+    # Options of a base class that this one has no use for.
+    not_offered: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def of(cls, said: Mapping[str, Any], **fields: Any) -> Self:
+        """Return the object for what was said; what was not said has its default.
+
+        said: values by option name, as the command line or a study's file reads them. fields: by
+        field name, in place of what was said. Errors: InputError for a value that makes no sense.
+        """
+        return cls(**{**cls.values_of(said), **fields})
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields that something was said about, by name."""
+        values: dict[str, Any] = {}
+        for field in attrs.fields(cls):  # type: ignore[arg-type]
+            if _GROUP in field.metadata:
+                values[field.name] = field.metadata[_GROUP].of(said)
+            elif _KEY in field.metadata:
+                own = field.metadata[_KEY][0].named(field.name)
+                value = said.get(own.name)
+                if value is not None:
+                    values[field.name] = value if own.parse is None else own.parse(value)
+        return values

@@ -1,0 +1,74 @@
+"""Limits of an option's value: validators for attrs fields, and the names that a registry offers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ..errors import InputError
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def names_in(folder: str, pattern: str = "*.py") -> str:
+    """Return the entries of a registry for a help text, from file names alone: --help imports nothing."""
+    return ", ".join(sorted(p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_")))
+
+
+def _as_float(value: float) -> float:
+    """Return infinity for a whole number that is too large."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+@attrs.frozen
+class Number:
+    """Check that a value, or each of a tuple, is None, or finite and within the limits.
+
+    Errors: InputError.
+    """
+
+    least: float = 0.0
+    most: float = math.inf
+    # Whether the least value is itself too small.
+    above: bool = False
+
+    def words(self, unit: str = "") -> str:
+        """Return the limits as an error or a table says them."""
+        least = f"{'above' if self.above else 'of at least'} {self.least:g}{unit}"
+        return f"{least} and at most {self.most:g}{unit}" if math.isfinite(self.most) else least
+
+    def __call__(self, _: object, field: attrs.Attribute, value: Any) -> None:
+        for one in value if isinstance(value, tuple) else (value,):
+            if one is None:
+                continue
+            found = _as_float(one)
+            least_met = found > self.least if self.above else found >= self.least
+            if not (math.isfinite(found) and found <= self.most and least_met):
+                name, unit = _name_of(field)
+                raise InputError(f"{name} {found:g}{unit}: wanted a number {self.words(unit)}")
+
+
+def _name_of(field: attrs.Attribute) -> tuple[str, str]:
+    """Return the name and unit (" ms") that the user knows a field by."""
+    declared = field.metadata.get("options", ())
+    if not declared:
+        return field.name, ""
+    unit = f" {declared[0].unit}" if declared[0].unit else ""
+    return declared[0].named(field.name).flag.removeprefix("--"), unit
+
+
+def one_of(*known: str) -> Callable[[object, attrs.Attribute, str], None]:
+    """Return a validator that raises InputError for any other text."""
+
+    def check(_: object, field: attrs.Attribute, value: str) -> None:
+        if value not in known:
+            raise InputError(f"{field.name} '{value}': wanted {' or '.join(known)}")
+
+    return check

@@ -1,0 +1,146 @@
+"""The rows of a bench in comparable groups, and the figures of one row by a flat name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import attrs
+
+from ...errors import HmdwarpError
+from ...metrics import PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics, metrics_in_order, pareto
+
+Row = Mapping[str, Any]
+
+# Rows that differ in one of these cannot be compared: (key, its text).
+_CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
+    ("trace", str),
+    ("latency_ms", lambda v: f"{v:g} ms"),
+    ("scene", lambda v: f"scene {v}"),
+    ("size", lambda v: f"{v[0]}x{v[1]}"),
+    ("headset", str),
+    ("lens", lambda v: f"lens {v}"),
+    ("guard", lambda v: f"guard {v:g}"),
+    ("predict", lambda v: f"predict {v}"),
+    ("rate_hz", lambda v: f"{v:g} Hz"),
+)
+_IN_EVERY_LABEL = ("trace", "latency_ms")
+
+
+@attrs.frozen(eq=False)
+class Case:
+    """Rows of one recording, latency, scene, size and so on: errors and times are comparable."""
+
+    # How this case differs from the others, at least recording and latency.
+    label: str
+    rows: tuple[Row, ...]
+
+    def ordered(self, measure: str = PRIMARY) -> list[Row]:
+        """Return the rows by mean error, the best first, then by time; those not measured last."""
+        return sorted(
+            self.rows, key=lambda row: tuple((cost is None, cost or 0.0) for cost in error_and_time(row, measure))
+        )
+
+    def front(self, measure: str = PRIMARY) -> list[Row]:
+        """Return the rows that no other beats in both error and time, in the order of the bench."""
+        return pareto(self.rows, lambda row: error_and_time(row, measure))
+
+
+def cases(rows: Iterable[Row]) -> list[Case]:
+    """Return the groups of comparable rows, in the order in which they first appear."""
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    rows = list(rows)
+    for row in rows:
+        groups.setdefault(tuple(_conditions(row).values()), []).append(row)
+    names = [name for name, _ in _CONDITIONS]
+    differing = [i for i, name in enumerate(names) if name in _IN_EVERY_LABEL or len({key[i] for key in groups}) > 1]
+    return [Case(", ".join(key[i] for i in differing if key[i]), tuple(group)) for key, group in groups.items()]
+
+
+def common(rows: Iterable[Row]) -> list[str]:
+    """Return the conditions that all rows share, which the labels of the cases leave out."""
+    conditions = [_conditions(row) for row in rows]
+    names = [name for name, _ in _CONDITIONS if name not in _IN_EVERY_LABEL]
+    values = [{entry[name] for entry in conditions} for name in names]
+    return [text for texts in values if len(texts) == 1 for text in texts if text]
+
+
+def _conditions(row: Row) -> dict[str, str]:
+    return {name: text(row[name]) if row.get(name) is not None else "" for name, text in _CONDITIONS}
+
+
+@attrs.frozen
+class Column:
+    """One column of a bench's table."""
+
+    # Label, and how a number is written.
+    figure: Figure
+    # Takes the value out of a row.
+    value: Callable[[Row], Any]
+    is_number: bool = True
+
+    def text(self, row: Row) -> str:
+        """Return the cell of this row; a dash where nothing was measured."""
+        value = self.value(row)
+        if not self.is_number:
+            return "–" if value is None else str(value)
+        return self.figure.text(value)
+
+
+def _text_column(name: str, label: str, value: Callable[[Row], Any] | None = None) -> Column:
+    return Column(Figure(name, label, "", 0), value or (lambda row: row.get(name)), is_number=False)
+
+
+def _time(stage: str, which: str) -> Callable[[Row], float | None]:
+    return lambda row: row["time_ms"][stage][which]
+
+
+def _quality(name: str, which: str) -> Callable[[Row], float | None]:
+    return lambda row: row["quality"][name][which]
+
+
+def _region(name: str, figure: str) -> Callable[[Row], float | None]:
+    return lambda row: ((row.get("regions") or {}).get(name) or {}).get(figure)
+
+
+def _columns() -> dict[str, Column]:
+    columns = [
+        _text_column("trace", "recording"),
+        _text_column("scene", "scene"),
+        Column(Figure("latency_ms", "latency", "ms", 0), lambda row: row.get("latency_ms")),
+        _text_column("size", "size", lambda row: "x".join(map(str, row["size"])) if row.get("size") else None),
+        _text_column("lens", "lens"),
+        _text_column("headset", "headset"),
+        _text_column("warp", "warp"),
+        _text_column("fill", "fill"),
+        Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch")),
+    ]
+    for stage in STAGES:
+        label = "" if stage == "total" else f"{stage} "
+        columns.append(Column(Figure(f"{stage}_ms", f"{label}time".strip(), "ms", 2), _time(stage, "median")))
+        columns.append(Column(Figure(f"{stage}_ms_p95", f"{label}p95".strip(), "ms", 2), _time(stage, "p95")))
+    for figure in (metric.short_figure for metric in metrics_in_order()):
+        tail = attrs.evolve(figure, name=f"{figure.name}_p95", label=f"{figure.label} p95")
+        columns += [Column(figure, _quality(figure.name, "mean")), Column(tail, _quality(figure.name, "p95"))]
+    for region in REGIONS:
+        columns.append(Column(Figure(f"{region}_share", f"{region} share", "%", 1, 100), _region(region, "share")))
+        columns.append(Column(Figure(f"{region}_flip", f"FLIP {region}", "", 3), _region(region, "flip")))
+        columns.append(Column(Figure(f"{region}_psnr_db", f"PSNR {region}", "dB", 2), _region(region, "psnr_db")))
+    return {column.figure.name: column for column in columns}
+
+
+COLUMNS = _columns()
+
+
+def column(name: str) -> Column:
+    """Return a column by its name. Errors: HmdwarpError that lists the known names."""
+    if name not in COLUMNS:
+        raise HmdwarpError(f"no column {name!r} in a bench's table: expected one of {', '.join(COLUMNS)}")
+    return COLUMNS[name]
+
+
+def measure_label(measure: str) -> str:
+    """Return the name of a metric with its unit and the direction in which it is better."""
+    metric = metrics.get(measure)
+    figure, better = metric.short_figure, "higher" if metric.higher_is_better else "lower"
+    return f"{figure.label}{f' in {figure.unit}' if figure.unit else ''}, {better} is better"

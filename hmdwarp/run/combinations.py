@@ -1,0 +1,107 @@
+"""Combinations of warp and fill that are compared: in which case, in which batches, at which refreshes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+
+import attrs
+
+from ..client.history import History
+from ..client.plan import Plan
+from ..frames import Needs
+from ..link import Link, LinkOptions
+from .schedule import Schedule
+
+# Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's memory.
+GPU_BATCH_BYTES = 2 << 30
+MEMORY_PART = 0.2
+# A canvas' pixel; what a warp keeps for each rendered pixel: keys, depths, vertices.
+_COLOUR_BYTES, _OWN_BYTES = 8, 32
+Size = tuple[int, int]
+
+
+@attrs.frozen(order=True)
+class Case:
+    """What all combinations share, so that they may be compared."""
+
+    scene: str
+    recording: str
+    latency_ms: float
+    size: Size
+
+
+@attrs.frozen
+class Combination:
+    """One warp with its settings and one fill."""
+
+    warp: str
+    fill: str
+    plan: Plan
+
+
+def batches(
+    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
+) -> list[list[Combination]]:
+    """Return combinations that exist at the same time, within `most_bytes`.
+
+    They need their older frames equally far apart; all fills of a warp stay together. What needs no
+    older frames goes along with the first.
+    """
+    spacings = sorted({c.plan.needs.others.spacing_ns for c in combinations if c.plan.needs.others.past})
+    first = spacings[0] if spacings else 0
+    found: list[list[Combination]] = []
+    for spacing in spacings or [first]:
+        fitting = [
+            c
+            for c in combinations
+            if (c.plan.needs.others.spacing_ns if c.plan.needs.others.past else first) == spacing
+        ]
+        current: list[Combination] = []
+        for _, group in itertools.groupby(fitting, key=lambda c: c.warp):
+            together = list(group)
+            if current and sum(_bytes(c, rendered_size, shown_size) for c in (*current, *together)) > most_bytes:
+                found.append(current)
+                current = []
+            current += together
+        found.append(current)
+    return found
+
+
+def _bytes(combination: Combination, rendered_size: Size, shown_size: Size) -> int:
+    plan = combination.plan
+    canvases = 1 + len(plan.fills) + len(plan.effect_passes) + plan.lens.is_pass
+    return (
+        2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * rendered_size[0] * rendered_size[1]
+    )
+
+
+def instants_of(count: int, wanted: int) -> list[int]:
+    """Return at most `wanted` of refreshes 0..count-1, evenly spread.
+
+    Each has a refresh before it if there are two.
+    """
+    wanted = min(wanted, max(1, count // 2))
+    return [min(count - 1, max(1, int((k + 0.5) * count / wanted))) for k in range(wanted)]
+
+
+@attrs.frozen
+class _Drawn:
+    drawn_ns: int
+
+
+def frames_used(schedule: Schedule, link_ns: int, needs: Needs, looked_at: Iterable[int]) -> set[int]:
+    """Return when the frames were drawn that the refreshes `looked_at` show or look back to.
+
+    No other need be drawn. The link and the history themselves say which, given frames without
+    pictures.
+    """
+    wanted, used = set(looked_at), set()
+    history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)
+    link: Link = LinkOptions().link(link_ns, history.offer)
+    for number, instant_ns in schedule.numbered():
+        link.send(_Drawn(instant_ns), instant_ns)
+        newest = link.newest(instant_ns)
+        if number in wanted and number >= 0:
+            used |= {frame.drawn_ns for frame in (newest, *history.frames) if frame is not None}
+    return used

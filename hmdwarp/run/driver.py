@@ -1,0 +1,125 @@
+"""The loop on a display, once a refresh: for a run that the user may change, and for a study that fixes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from ..display import Command, Display, Label, Lost, Tick
+from .ending import Ending, come_back
+from .garbage import GarbageControl
+from .host import PipelineHost
+from .live_log import LiveLog
+from .recorder import Recorder
+
+if TYPE_CHECKING:
+    from ..pipeline.loop import Refresh
+
+Say = Callable[[str], None]
+AfterRefresh = Callable[[int], None]
+WAITING = "waiting for the first frame"
+
+
+class FrameHandler(Protocol):
+    """What a stretch of refreshes is: the text over its pictures, the effect of a command, its end."""
+
+    # Whether the scene is shown; without, the display stays black but for the label, and nothing is logged.
+    pictures: bool
+    # Whether, without pictures, the server draws and the passes run all the same: frames are under way
+    # and everything is warm when pictures begin.
+    ahead: bool = False
+
+    def over(self) -> bool:
+        """Return whether to stop now; called before each refresh."""
+        ...
+
+    def label(self) -> Label:
+        """Return what lies over the picture, "" for nothing."""
+        ...
+
+    def handle(self, commands: Sequence[Command]) -> bool:
+        """Apply the commands; return whether the options of the run changed."""
+        ...
+
+    def arrived(self, refresh: Refresh) -> None:
+        """Notice that a frame was there at this refresh, shown or not."""
+        ...
+
+    def on_display_lost(self, why: str) -> None:
+        """Notice that the display went away; it may come back."""
+        ...
+
+
+class Driver:
+    """One display and its pipeline. A stretch may have a log and a recorder of its own.
+
+    A lost display is waited for as long as the options say.
+    """
+
+    def __init__(self, display: Display, host: PipelineHost, ending: Ending, say: Say) -> None:
+        """ending: a signal ends every stretch. say: gets a sentence now and then."""
+        self._display, self._host, self._ending, self._say = display, host, ending, say
+
+    def run(
+        self,
+        handler: FrameHandler,
+        log: LiveLog | None = None,
+        recorder: Recorder | None = None,
+        after: AfterRefresh = lambda number: None,
+    ) -> None:
+        """Run until `handler` is over or a signal came.
+
+        after(number): called after each refresh that showed a picture, counted from 1.
+        Errors: Closed, when the window or session was closed; Lost, when the display did not come back in time.
+        """
+        number = 0
+        with GarbageControl(self._host.options.collect and (handler.pictures or handler.ahead)) as garbage:
+            while self._ending.asked is None and not handler.over():
+                try:
+                    tick = self._display.wait()
+                    if tick is not None:
+                        refresh = self._refresh(tick, handler, log)
+                        if refresh is not None:
+                            if recorder is not None:
+                                recorder.add(refresh.head)
+                            number += 1
+                            after(number)
+                            if log is not None:
+                                self._display.tell(log.status)
+                        garbage.between()
+                    if handler.handle(self._display.commands()) and log is not None:
+                        log.changed(self._host)
+                except Lost as lost:
+                    self._come_back(lost, handler, log, recorder)
+
+    def _refresh(self, tick: Tick, handler: FrameHandler, log: LiveLog | None) -> Refresh | None:
+        """Hand a picture over, and return it if one was shown."""
+        refresh = self._made(tick, handler) if tick.render and (handler.pictures or handler.ahead) else None
+        if not handler.pictures:
+            self._display.show(None, handler.label())  # a question stays where it is, whatever the tracking does
+            return None
+        label = tick.notice or handler.label() or (WAITING if tick.render and refresh is None else "")
+        submitted_ns = self._display.show(refresh, label)
+        if log is not None:
+            log.add(tick, refresh, submitted_ns, label if isinstance(label, str) else "")
+        return refresh
+
+    def _made(self, tick: Tick, handler: FrameHandler) -> Refresh | None:
+        self._host.fit()
+        loop = self._host.loop
+        loop.draw(self._display.now_ns())
+        refresh = loop.show(tick.shown_ns)
+        if refresh is not None:
+            handler.arrived(refresh)
+        return refresh
+
+    def _come_back(self, lost: Lost, handler: FrameHandler, log: LiveLog | None, recorder: Recorder | None) -> None:
+        """Wait until the display is there again. Errors: Lost, once that has taken too long."""
+        handler.on_display_lost(str(lost))
+        if recorder is not None:
+            recorder.flush()
+        if log is not None:
+            log.on_display_lost(str(lost))
+        back = come_back(self._display.reopen, lost, self._host.options.reconnect_s, self._ending, self._say)
+        if back and log is not None:
+            log.came_back()

@@ -1,0 +1,160 @@
+"""One display's pipeline, and how it changes while a live run goes on."""
+
+from __future__ import annotations
+
+import attrs
+
+from ..client.lens import lenses
+from ..client.plan import Plan, needs_of
+from ..display import Display
+from ..errors import InputError
+from ..frames import Needs
+from ..geometry import Pose
+from ..pipeline.build import Pipeline, Target, build_pipeline, check_held, expected_age_ns, latency_ns
+from ..pipeline.loop import Loop
+from ..pipeline.options import AUTO
+from ..pipeline.planning import plans_for
+from ..pipeline.sizes import guarded_size
+from ..scenes import Scene, load_scene
+from .bench_levels import LevelSet, levels_from_file
+from .options import LiveOptions
+from .pose_request import RecentPoses, check_names, pose_request
+
+
+def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
+    """Return the scene, after everything that can be checked without a display.
+
+    scene: where it is loaded already. Errors: InputError and its kin.
+    """
+    check_names(options)
+    if options.lens != AUTO:
+        lenses.get(options.lens)
+    scene = scene or load_scene(options.scene)
+    if not options.chooses_warp:
+        plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
+    return scene
+
+
+class PipelineHost:
+    """The pipeline for `options` on a display, built anew only as far as a change of options calls for it.
+
+    A change of latency alone touches the link: frames under way arrive as they would have. A change of
+    warp or fill whose frames carry the same exchanges the passes. Anything else builds a new pipeline,
+    and its first frame has to arrive first.
+    Errors: InputError and its kin for options that cannot run; all stays as it was then.
+    """
+
+    def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:
+        self._display = display
+        self._recent = RecentPoses(display.source)
+        self.options, self.scene = options, scene or load_scene(options.scene)
+        self.pipeline = self._build(options, self.scene)
+
+    @property
+    def loop(self) -> Loop:
+        """The loop, one refresh after the other."""
+        return self.pipeline.loop
+
+    @property
+    def plan(self) -> Plan:
+        """The plan that runs."""
+        return self.loop.compensator.plan
+
+    def change(self, options: LiveOptions) -> None:
+        """Go on with these options."""
+        before = self.options
+        if options == before:
+            return
+        if attrs.evolve(options, latency_ms=before.latency_ms) == before:
+            self._retime(options)
+        elif not self._exchanged(before, options):
+            self._rebuild(options)
+        self.options = options
+
+    def _retime(self, options: LiveOptions) -> None:
+        made, rate_hz = self.pipeline, options.rate_hz or self._display.rate_hz
+        check_held(made.gpu, options, made.requested.needs, made.sizes, rate_hz)
+        made.channel.retime(options.network, latency_ns(options))
+
+    def _exchanged(self, before: LiveOptions, options: LiveOptions) -> bool:
+        """Exchange the passes where that is enough; return whether it was."""
+        same = {name: getattr(before, name) for name in ("warp", "fill", "lens")}
+        if before.chooses_warp or options.chooses_warp or attrs.evolve(options, **same) != before:
+            return False
+        (plan,) = self._plans(options, self.scene, LevelSet())
+        if not self.pipeline.requested.needs.serve(plan.needs):
+            return False
+        self.pipeline.exchange(plan)
+        return True
+
+    def _rebuild(self, options: LiveOptions) -> None:
+        scene = self.scene if options.scene == self.options.scene else load_scene(options.scene)
+        made = self._seen(options, scene)
+        self.pipeline.close()
+        self.pipeline, self.scene = made, scene
+
+    def _seen(self, options: LiveOptions, scene: Scene) -> Pipeline:
+        """Build for the view of these options; where that fails, the display looks as before."""
+        before = self.options.view
+        if options.view == before:
+            return self._build(options, scene)
+        self._display.look(options.view)
+        try:
+            return self._build(options, scene)
+        except BaseException:
+            self._display.look(before)
+            raise
+
+    def fit(self) -> None:
+        """Build anew where the eyes see so much more or less that frames with their guard band change size."""
+        options, sizes = self.options, self.pipeline.sizes
+        if (
+            options.guard_factor > 1
+            and guarded_size(options.guard_factor, self._display.eyes, sizes.shown) != sizes.rendered
+        ):
+            self._rebuild(options)
+
+    def _levels_for(self, options: LiveOptions) -> LevelSet:
+        if options.bench is None:
+            return LevelSet()
+        size = options.size or self._display.size
+        return levels_from_file(options.bench, attrs.evolve(options, lens="none", size=size), None)
+
+    def _plans(self, options: LiveOptions, scene: Scene, choice: LevelSet) -> list[Plan]:
+        shown = self._display
+        fixed = {"distorts": shown.distorts, "takes_depth": shown.takes_depth}
+        return plans_for(attrs.evolve(options, lens=self._lens(options)), shown.headset, scene, choice.levels, **fixed)
+
+    def _lens(self, options: LiveOptions) -> str:
+        """Return none where no lens is ours to correct; a runtime that corrects its own refuses another."""
+        headset = self._display.headset
+        if headset is None and not self._display.distorts:
+            return "none"
+        if options.lens != AUTO:
+            return options.lens
+        return "radial" if headset is not None and headset.lens is not None else "none"
+
+    def _build(self, options: LiveOptions, scene: Scene) -> Pipeline:
+        shown, choice = self._display, self._levels_for(options)
+        plans = self._plans(options, scene, choice)
+        needs = needs_of(plans)
+        refuse_one_eye(needs, len(shown.eyes.views(Pose())))
+        size = options.size or shown.size
+        guarded_size(options.guard_factor, shown.eyes, size)
+        age_ns = expected_age_ns(options, latency_ns(options))
+        request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs)
+        rate_hz = options.rate_hz or shown.rate_hz
+        target = Target(shown.gpu, shown.eyes, rate_hz, latency_ns(options), shown.headset)
+        return build_pipeline(options, scene, target, plans, request, choice.levels)
+
+    def close(self) -> None:
+        """Free the pipeline."""
+        self.pipeline.close()
+
+
+def refuse_one_eye(needs: Needs, eyes: int) -> None:
+    """Raise InputError where the passes look into the other eye's picture, and there is none."""
+    if needs.others.other_eye and eyes < 2:
+        raise InputError(
+            "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of both eyes"
+        )

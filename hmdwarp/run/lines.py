@@ -1,0 +1,112 @@
+"""Lines of text on their way into a file that grows while the pictures go on: a slow disk must not hold one of them up."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import deque
+from contextlib import suppress
+from pathlib import Path
+
+from ..errors import HmdwarpError, MachineError
+from ..report import write_error
+
+EVERY_S = 0.5  # with what the disk itself takes, well below the second that a crash may cost
+MOST_WAITING = 1 << 24  # characters: twenty minutes of poses at 90 Hz
+PATIENCE_S = 5.0  # how long an end waits for a disk that does not answer
+
+
+class Lines:
+    """A new file that takes lines and puts them on the disk every half second, from a thread of its own.
+
+    path: must not exist yet. synced: whether the disk itself must have them each time, not only the system's cache: then even a power cut
+    costs no more than a second. What lies in the file are whole lines at any time, after a full disk too.
+    Errors: InputError for a place that cannot be written; FileExistsError.
+    """
+
+    def __init__(self, path: Path, *, synced: bool = False) -> None:
+        self.path, self._synced = path, synced
+        try:
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        except FileExistsError:
+            raise
+        except OSError as error:
+            raise write_error(error, path) from error
+        self._waiting: deque[str] = deque()
+        self._added = self._taken = 0  # each is written by one side alone, so that counting needs no lock
+        self._bytes = 0
+        self._error: HmdwarpError | None = None
+        self._writing, self._ending = threading.Lock(), threading.Event()
+        self._thread = threading.Thread(target=self._run, name=f"writes {path.name}", daemon=True)
+        self._thread.start()
+
+    def add(self, text: str) -> None:
+        """One line or several, each with its newline. Takes about a microsecond.
+
+        Errors: MachineError (or InputError) for a disk that is full, gone, or takes nothing for so long that too much waits.
+        """
+        if self._error is not None:
+            raise self._error
+        self._waiting.append(text)
+        self._added += len(text)
+        if self._added - self._taken > MOST_WAITING:
+            raise MachineError(
+                f"{self.path}: cannot write (the disk does not answer, {MOST_WAITING >> 20} MB wait): use another one"
+            )
+
+    def flush(self, patience_s: float = PATIENCE_S) -> bool:
+        """Write what waits, now; from any thread. False if the disk has not answered within the patience."""
+        if not self._writing.acquire(timeout=patience_s):
+            return False
+        try:
+            self._write()
+        finally:
+            self._writing.release()
+        return True
+
+    def close(self) -> None:
+        """Write what waits, and let go. May be called twice. Errors: as add, for what came too late for it."""
+        if self._file < 0:
+            return
+        self._ending.set()
+        self._thread.join(PATIENCE_S)
+        if self._thread.is_alive() or not self.flush():
+            raise MachineError(
+                f"{self.path}: cannot write (the disk does not answer): what it had taken before is there"
+            )
+        os.close(self._file)
+        self._file = -1
+        if self._error is not None:
+            raise self._error
+
+    def _run(self) -> None:
+        while not self._ending.wait(EVERY_S):
+            with self._writing:
+                self._write()
+
+    def _write(self) -> None:
+        """With the lock."""
+        count = len(self._waiting)
+        if not count or self._file < 0:
+            return
+        text = "".join([self._waiting.popleft() for _ in range(count)])
+        if self._error is None:
+            self._put(text.encode(errors="replace"))
+        self._taken += len(text)
+
+    def _put(self, data: bytes) -> None:
+        done = 0
+        try:
+            while done < len(data):
+                done += os.write(self._file, memoryview(data)[done:])
+            if self._synced:
+                os.fsync(self._file)
+        except OSError as error:
+            self._error = write_error(error, self.path)
+            done = data.rfind(b"\n", 0, done) + 1
+            self._cut(self._bytes + done)
+        self._bytes += done
+
+    def _cut(self, size: int) -> None:
+        with suppress(OSError):  # a disk that is gone: nothing to be mended there
+            os.ftruncate(self._file, size)

@@ -1,0 +1,207 @@
+"""Figures of a live run of any length, in bounded bytes: times, events, what became of the frames."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..link import ResponseTime
+from .garbage import Pauses
+from .rows import STAGE_COLUMNS
+
+if TYPE_CHECKING:
+    from ..display import Tick
+    from ..pipeline.channel import Channel
+    from ..pipeline.loop import Refresh
+
+MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
+MOST_EVENTS = 1000  # changes, losses; a held key makes thirty a second
+_MOST_NOTICES = 50  # different ones
+_MORE = "others"
+OF_EYE = (*STAGE_COLUMNS, "hole_share")
+SHARED = (
+    "time_s",
+    "age_ms",
+    "pose_age_ms",
+    "period_ms",
+    "angular_speed_deg_s",
+    "linear_speed_m_s",
+    "render_ms",
+    "busy_ms",
+)
+COLUMNS = (*SHARED, *(f"{name}/{eye}" for eye in (0, 1) for name in OF_EYE))
+_RESPONSE = (*ResponseTime().parts(), "total_ms")
+_RESPONSE_EVERY = 8  # adding up its parts takes 10 us
+
+
+class Thinned:
+    """A table of numbers, one row for each refresh, that never grows beyond a size.
+
+    Once it is full every other row is left out, and from then on only every other one is taken: the
+    rows are always spaced evenly over the whole run, at least `most` / 2 of them.
+    """
+
+    def __init__(self, columns: Sequence[str], most: int = MOST_ROWS) -> None:
+        """most: an even number."""
+        self._at = {name: index for index, name in enumerate(columns)}
+        self._table = np.empty((most, len(columns)))
+        self._seen = self._kept = 0
+        # Of how many rows one is there.
+        self.every = 1
+
+    def add(self, row: Sequence[float]) -> None:
+        """Add the next row, in the order of the columns; NaN for what was not measured."""
+        if self._seen % self.every == 0:
+            if self._kept == len(self._table):
+                self._kept //= 2
+                self._table[: self._kept] = self._table[::2].copy()
+                self.every *= 2
+            self._table[self._kept] = row
+            self._kept += 1
+        self._seen += 1
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """Return all rows of one column, NaN included."""
+        return self._table[: self._kept, self._at[name]].copy()
+
+    def measured(self, *names: str) -> NDArray[np.float64]:
+        """Return what was measured of these columns, one after the other."""
+        values = np.concatenate([self.column(name) for name in names])
+        return values[~np.isnan(values)]
+
+
+class Events:
+    """What happened: changes by the user and by warp "auto", notices, times without the display."""
+
+    def __init__(self) -> None:
+        # Settings, [before, after] by name, with the instant of the last picture made before.
+        self.changes: list[dict[str, Any]] = []
+        self.notices: Counter[str] = Counter()
+        # Why and for how long.
+        self.lost: list[dict[str, Any]] = []
+        self.change_count = 0
+        self._lost_at: float | None = None
+
+    def changed(
+        self, frame: int, time_s: float, before: Mapping[str, object], after: Mapping[str, object], reason: str
+    ) -> None:
+        """Add a change of settings.
+
+        frame, time_s: of the last picture. reason: "" for a change by hand.
+        """
+        what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
+        if not what:
+            return
+        self.change_count += 1
+        if len(self.changes) < MOST_EVENTS:
+            self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
+
+    def noticed(self, notice: str) -> None:
+        """Count a notice over the picture of a refresh."""
+        self.notices[notice if notice in self.notices or len(self.notices) < _MOST_NOTICES else _MORE] += 1
+
+    def on_display_lost(self, frame: int, time_s: float, why: str) -> None:
+        """Add a loss of the display."""
+        self._lost_at = time.monotonic()
+        if len(self.lost) < MOST_EVENTS:
+            self.lost.append({"time_s": time_s, "frame": frame, "why": why, "away_s": None})
+
+    def came_back(self) -> None:
+        """Enter how long the display was away."""
+        if self._lost_at is not None and self.lost:
+            self.lost[-1]["away_s"] = time.monotonic() - self._lost_at
+        self._lost_at = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return its part of summary.json."""
+        return {
+            "changes": self.changes,
+            "change_count": self.change_count,
+            "notices": dict(self.notices.most_common()),
+            "lost": self.lost,
+        }
+
+
+@attrs.define(eq=False)
+class Counts:
+    """How many refreshes there were of each kind."""
+
+    # Went by without a new picture.
+    missed: int = 0
+    # With nothing to show yet.
+    waiting: int = 0
+    # When nobody would have seen a picture.
+    unseen: int = 0
+    # Passes and drawing together took longer than a refresh, of `timed`.
+    over: int = 0
+    timed: int = 0
+
+    def without(self, tick: Tick) -> None:
+        """Count a refresh that got no picture."""
+        if tick.render:
+            self.waiting += 1
+        else:
+            self.unseen += 1
+
+    def busy(self, over: bool) -> None:
+        """Count a refresh whose times are known."""
+        self.timed += 1
+        self.over += over
+
+
+class FrameFates:
+    """What became of the frames, over all the links a run had one after the other."""
+
+    def __init__(self) -> None:
+        self._past: Counter[str] = Counter()
+        self._channel: Channel | None = None
+        self._responses = Thinned(_RESPONSE)
+        self._seen = 0
+
+    def follow(self, channel: Channel) -> None:
+        """Count on this channel from now on; the one before is closed."""
+        if channel is self._channel:
+            return
+        if self._channel is not None:
+            self._past.update(self._channel.link.tally.as_dict())
+        self._channel = channel
+
+    def look(self, refresh: Refresh) -> None:
+        """Add the response time of a refresh whose times are known."""
+        if self._seen % _RESPONSE_EVERY == 0:
+            response = refresh.response
+            self._responses.add((*response.parts().values(), response.total_ms))
+        self._seen += 1
+
+    def as_dict(self, rate_hz: float) -> dict[str, Any]:
+        """Return the `link` of summary.json; size and codec are those of the last link.
+
+        rate_hz: of the pictures, as they came.
+        """
+        if self._channel is None:
+            return {}
+        last = self._channel.summary(rate_hz)
+        frames = dict(Counter(last["frames"]) + self._past) if self._past else last["frames"]
+        times = {name: self._responses.column(name) for name in _RESPONSE}
+        response = (
+            {name: float(np.median(values)) for name, values in times.items()} if len(times["total_ms"]) else None
+        )
+        return {**last, "frames": {name: frames.get(name, 0) for name in last["frames"]}, "response_ms": response}
+
+
+@attrs.define(eq=False)
+class LiveFigures:
+    """All figures of a live run."""
+
+    # One row for each refresh, under COLUMNS.
+    times: Thinned = attrs.field(factory=lambda: Thinned(COLUMNS))
+    events: Events = attrs.field(factory=Events)
+    pauses: Pauses = attrs.field(factory=Pauses)
+    counts: Counts = attrs.field(factory=Counts)
+    fates: FrameFates = attrs.field(factory=FrameFates)

@@ -1,0 +1,309 @@
+"""What a live run remembers: frames.csv and summary.json as of a replay, and the numbers for the panel."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..display import Display, Status, Tick
+from ..report import OutputFolder, live_lines, render_live_report
+from .commands import values
+from .holes import HoleCounter
+from .lines import Lines
+from .live_figures import LiveFigures
+from .live_summary import LiveFacts, live_facts_of, live_summary_of
+from .options import LiveOptions
+from .pictures import Pictures
+from .rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, stage_columns
+from .speeds import speeds_between
+from .summary import OWNED
+
+if TYPE_CHECKING:
+    from ..pipeline.loop import Refresh
+    from .host import PipelineHost
+
+_STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])
+_NO_EYE = (math.nan,) * (len(STAGE_COLUMNS) + 1)  # columns of an eye that the view lacks
+
+
+@attrs.frozen(eq=False)
+class LiveResult:
+    """What a live run left behind."""
+
+    # Where it was written; None for nowhere.
+    folder: Path | None
+    # As summary.json, with `live` beside.
+    summary: dict[str, Any]
+
+    def describe(self) -> list[str]:
+        """Return what to print at the end, line by line."""
+        return live_lines(self.summary, self.folder)
+
+
+@attrs.define(eq=False)
+class _Files:
+    """What grows on the disk while the run goes on."""
+
+    out: OutputFolder
+    rows: Lines
+    pictures: Pictures
+
+    @classmethod
+    def of(cls, options: LiveOptions) -> _Files | None:
+        if options.out is None:
+            return None
+        out = OutputFolder(options.out, owned=OWNED)
+        return cls(out, Lines(out.path("frames.csv")), Pictures(out, options.images_every))
+
+
+@attrs.define(eq=False)
+class _Running:
+    """What a log knows once the display is there."""
+
+    facts: LiveFacts
+    host: PipelineHost
+    holes: HoleCounter
+    # What each control is set to.
+    values: dict[str, object]
+    # How many changes of warp "auto" are logged.
+    auto_changes: int = 0
+
+
+@attrs.define(eq=False)
+class _Last:
+    """The picture before the present one."""
+
+    # Of the first picture.
+    first_ns: int = 0
+    refresh: Refresh | None = None
+    # When it was handed over; None after a refresh without a picture.
+    submitted_ns: int | None = None
+    # What is still to be logged of it: its times are known at the next refresh.
+    pending: tuple[Moment, Refresh, float] | None = None
+
+    @property
+    def time_s(self) -> float:
+        """Since the first picture."""
+        return (self.refresh.shown_ns - self.first_ns) * 1e-9 if self.refresh is not None else 0.0
+
+
+class LiveLog:
+    """Log of a live run. Use as a context manager: it writes at the end.
+
+    The times of a refresh are read at the next one: nothing here waits for the GPU. A refresh costs
+    some 50 us, half of them only where there is a folder to write to. Memory is bounded, however long
+    a run is; frames.csv grows on the disk.
+    Errors: InputError for a folder that cannot be written; from add, MachineError for a full disk.
+    """
+
+    def __init__(self, options: LiveOptions) -> None:
+        # Refreshes with a picture.
+        self.count = 0
+        # Numbers of the last ones.
+        self.status = Status(recording=options.record is not None)
+        self._options = options
+        self._files = _Files.of(options)
+        self._figures = LiveFigures()
+        self._running: _Running | None = None
+        self._last = _Last()
+        self._summary: dict[str, Any] = {}
+        self._written = False
+        self._finishing, self._finished = threading.Lock(), False
+
+    def begin(self, display: Display, host: PipelineHost) -> None:
+        """Start logging on this display."""
+        facts = live_facts_of(self._options, display, host)
+        self._running = _Running(facts, host, HoleCounter(display.gpu), values(host.options))
+        self.status.budget_ms = facts.budget_ms
+        if self._files is not None:
+            self._files.rows.add(HEADER)
+
+    def changed(self, host: PipelineHost) -> None:
+        """Log that the options were changed."""
+        if self._running is None:
+            return
+        now = values(host.options)
+        self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
+        self._running.values, self._running.auto_changes = now, 0
+
+    def on_display_lost(self, why: str) -> None:
+        """Log that the display went away."""
+        self._figures.events.on_display_lost(self.count - 1, self._last.time_s, why)
+        self._last.submitted_ns = None
+
+    def came_back(self) -> None:
+        """Log that the display is there again."""
+        self._figures.events.came_back()
+
+    def add(self, tick: Tick, refresh: Refresh | None, submitted_ns: int, notice: str) -> None:
+        """Log a refresh that was handed over."""
+        if self._finished or self._running is None:  # by the watchdog, and what hung has come back
+            return
+        counts = self._figures.counts
+        self._settle(refresh)
+        counts.missed += tick.missed
+        self.status.missed, self.status.notice = counts.missed, notice
+        if notice:
+            self._figures.events.noticed(notice)
+        if refresh is None:
+            counts.without(tick)
+            self._last.submitted_ns = None
+            return
+        self._look_at(refresh, submitted_ns, self._running.host)
+
+    def _look_at(self, refresh: Refresh, submitted_ns: int, host: PipelineHost) -> None:
+        status, last = self.status, self._last
+        if not self.count:
+            last.first_ns = refresh.shown_ns
+            self._figures.pauses.start()  # not sooner: GarbageControl begins with a large collection
+        speeds = speeds_between(last.refresh, refresh)
+        moment = Moment.of(self.count, refresh, last.first_ns, speeds, submitted_ns)
+        period_ms = (submitted_ns - last.submitted_ns) * 1e-6 if last.submitted_ns is not None else math.nan
+        status.age_ms.append(moment.age_ms)
+        if moment.pose_age_ms is not None:
+            status.pose_age_ms.append(moment.pose_age_ms)
+        if last.submitted_ns is not None:
+            status.period_ms.append(period_ms)
+        if self._files is not None and self._files.pictures.wants(self.count):
+            self._files.pictures.keep(self.count, refresh)
+        last.refresh, last.submitted_ns, last.pending = refresh, submitted_ns, (moment, refresh, period_ms)
+        self._figures.fates.follow(host.pipeline.channel)
+        self._notice_auto()
+        self.count += 1
+
+    def _settle(self, now: Refresh | None) -> None:
+        """Log the refresh before: its times are known by now, and its holes once the present ones are being counted."""
+        if self._running is None:
+            return
+        warped = [eye.warped for eye in now.eyes if eye.warped is not None] if now is not None else []
+        if self._last.pending is not None or warped:
+            self._running.holes.count(warped)
+        if self._last.pending is None:
+            return
+        (moment, refresh, period_ms), self._last.pending = self._last.pending, None
+        stages = [tuple(stage_columns(one).values()) for one in refresh.stage_ms]
+        holes = self._running.holes.shares() or (None,) * moment.eyes
+        render_ms = sum(ms for _, ms in refresh.frame.drawing.read()) if refresh.frame.drawing is not None else 0.0
+        passes_ms = sum(one[-1] for one in stages)
+        self._show(stages, passes_ms, holes)
+        figures = self._figures
+        figures.counts.busy(render_ms + passes_ms > self.status.budget_ms)
+        figures.times.add(_numbers(moment, (period_ms, render_ms, render_ms + passes_ms), stages, holes))
+        figures.fates.look(refresh)
+        if self._files is not None:
+            self._files.rows.add(rows_text(moment, stages, holes))
+
+    def _show(self, stages: Sequence[Sequence[float]], passes_ms: float, holes: Sequence[float | None]) -> None:
+        """Put the numbers of a refresh into the status."""
+        status, known = self.status, [share for share in holes if share is not None]
+        status.stage_ms = {name: sum(one[at] for one in stages) for at, name in enumerate(_STAGES)}
+        status.total_ms.append(passes_ms)
+        status.holes.append(sum(known) / len(known) if len(known) == len(holes) else math.nan)
+
+    def _notice_auto(self) -> None:
+        running = self._running
+        auto = running.host.pipeline.auto if running is not None else None
+        if running is not None and auto is not None and len(auto.changes) > running.auto_changes:
+            for change in auto.changes[running.auto_changes :]:
+                before, after = ({"warp": one.warp, "fill": one.fill} for one in (change.before, change.after))
+                self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
+            running.auto_changes = len(auto.changes)
+
+    def leave(self) -> None:
+        """Read the times of the last refresh, before the GPU goes. Nothing that fails here matters."""
+        self._figures.pauses.stop()
+        with suppress(Exception):
+            self._settle(None)
+        if self._running is not None:
+            with suppress(Exception):
+                self._running.holes.close()
+
+    def finish(self) -> None:
+        """Write what there is. May be called twice, and from another thread: it touches no GPU.
+
+        Errors: InputError or MachineError for a folder that cannot be written any more; what is whole
+        stays there.
+        """
+        with self._finishing:
+            if self._finished:
+                return
+            self._finished = True
+        self._figures.pauses.stop()
+        files = self._files
+        if self._running is None or not self.count:
+            if files is not None:
+                with suppress(Exception):
+                    files.rows.close()
+                files.out.discard()
+        elif files is None:
+            self._summary = self._sum_up(self._running)
+        else:
+            try:
+                self._write(files, self._running)
+            finally:
+                files.out.commit()
+                self._written = True
+
+    def _write(self, files: _Files, running: _Running) -> None:
+        if self._last.pending is not None:  # the GPU was gone before its times could be read
+            moment = self._last.pending[0]
+            files.rows.add(rows_text(moment, [NOT_KNOWN] * moment.eyes, (None,) * moment.eyes))
+        try:
+            files.rows.close()
+        finally:
+            files.pictures.close()
+        self._summary = self._sum_up(running)
+        page = render_live_report(self._summary, self._figures.times.column, command=self._options.command)
+        files.out.write_text("report.html", page)
+        files.out.write_json("summary.json", self._summary)
+
+    def _sum_up(self, running: _Running) -> dict[str, Any]:
+        pictures = self._files.pictures if self._files is not None else None
+        return live_summary_of(running.facts, self.count, self._figures, pictures)
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """Return one number of live_figures.COLUMNS for each refresh; of a long run every n-th.
+
+        NaN where it was not measured.
+        """
+        return self._figures.times.column(name)
+
+    def result(self) -> LiveResult:
+        """Return what the run left behind."""
+        return LiveResult(self._options.out if self._written else None, self._summary)
+
+    def __enter__(self) -> LiveLog:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self.finish()
+            return
+        with suppress(Exception):  # what ended the run is what the user must hear
+            self.finish()
+
+
+def _numbers(
+    moment: Moment,
+    times_ms: tuple[float, float, float],
+    stages: Sequence[Sequence[float]],
+    holes: Sequence[float | None],
+) -> list[float]:
+    """Return a row in the order of live_figures.COLUMNS. times_ms: from picture to picture, of drawing, of all."""
+    period_ms, render_ms, busy_ms = times_ms
+    shared = (moment.time_s, moment.age_ms, moment.pose_age_ms, period_ms, *moment.speeds, render_ms, busy_ms)
+    row = [math.nan if value is None else value for value in shared]
+    for one, share in zip(stages, holes, strict=True):
+        row += one
+        row.append(math.nan if share is None else share)
+    if len(stages) == 1:
+        row += _NO_EYE
+    return row

@@ -1,0 +1,171 @@
+"""The live run: the loop, once for each refresh of a display, until it is ended; and which display it gets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing
+
+from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions
+from ..errors import MachineError
+from ..pipeline.loop import Refresh
+from ..poses import load_trace
+from .commands import CommandHandler, choices, values
+from .driver import AfterRefresh, Driver, FrameHandler, Say
+from .ending import Ending
+from .host import PipelineHost, checked_scene
+from .live_log import LiveLog, LiveResult
+from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
+from .recorder import Recorder
+from .watchdog import Watchdog
+
+Watching = Callable[[str], AbstractContextManager[None]]
+
+
+def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
+    """Run until the window, the runtime or Ctrl-C ends it, or for the frames or seconds in the options.
+
+    say: gets a sentence now and then. after(number): called after each refresh that showed a picture,
+    counted from 1.
+    Errors: InputError and its kin for wrong options; MachineError where there is no headset and no
+    window, and where a lost headset does not come back. What was recorded and logged until then is
+    written in any case.
+    """
+    scene = checked_scene(options)
+    with ExitStack() as stack:
+        # Outermost: a signal ends the program when all is written.
+        ending = stack.enter_context(Ending(options.seconds, options.frames))
+        recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
+        log = stack.enter_context(LiveLog(options))
+        watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
+        display = stack.enter_context(closing(open_display(options, watchdog.watching, say)))
+        ending.now_ns = display.now_ns
+        host = PipelineHost(display, options, scene)
+        stack.callback(host.close)
+        stack.callback(log.leave)
+        if recorder is not None:
+            recorder.begin(display.about, display.rate_hz)
+        log.begin(display, host)
+        try:
+            Driver(display, host, ending, say).run(_UserRun(host, log, ending, say), log, recorder, after)
+        except Closed as closed:
+            say(str(closed))
+    return log.result()
+
+
+def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
+    """Return what the watchdog calls before it ends the program: the recording first, it cannot be had again."""
+
+    def save_recording() -> str:
+        return recorder.save() if recorder is not None else ""
+
+    def save_log() -> str:
+        log.finish()
+        folder = log.result().folder
+        return f"the log until then is in {folder}" if folder is not None else ""
+
+    return [save_recording, save_log]
+
+
+class _UserRun(FrameHandler):
+    """A run whose user may change everything, until as much was shown as the options say."""
+
+    pictures = True
+
+    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, say: Say) -> None:
+        self._log, self._ending, self._host = log, ending, host
+        self._commands = CommandHandler(host, say)
+        log.status.choices = choices()
+        log.status.values = values(host.options)
+
+    def over(self) -> bool:
+        return self._ending.due(self._log.count)
+
+    def label(self) -> str:
+        return self._commands.refusal
+
+    def handle(self, commands: Sequence[Command]) -> bool:
+        changed = self._commands.handle(commands)
+        if changed:
+            self._log.status.values = values(self._host.options)
+        return changed
+
+    def arrived(self, refresh: Refresh) -> None:
+        return
+
+    def on_display_lost(self, why: str) -> None:
+        return
+
+
+def open_display(
+    options: LiveOptions,
+    watching: Watching,
+    say: Callable[[str], None],
+    controls: tuple[Control, ...] = CONTROLS,
+    *,
+    briefly: bool = False,
+) -> Display:
+    """Return the display that the options name; for "auto" the headset if one answers, else the window.
+
+    say: gets why it is no headset. controls: what the user may ask for. briefly: give that reason in a
+    clause, and leave the rest to the doctor.
+    Errors: MachineError (and its kin) that names what is missing and what to do: for "auto" of both.
+    """
+    wanted = display_options(options, watching, controls)
+    if options.source == OFFSCREEN:
+        return _offscreen(wanted)
+    if options.source == DESKTOP:
+        return _desktop(wanted)
+    try:
+        return _openxr(wanted)
+    except MachineError as error:
+        why = str(error)
+        if options.source == OPENXR:
+            raise MachineError(f"{why}; or take a window: --source desktop") from error
+    try:
+        display = _desktop(wanted)
+    except MachineError as error:
+        raise MachineError(f"neither headset nor window: {why}; and {error}") from error
+    say(f"a window, as there is no headset: {_first_clause(why) if briefly else why}")
+    return display
+
+
+def _first_clause(why: str) -> str:
+    return f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
+
+
+def display_options(
+    options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS
+) -> DisplayOptions:
+    """Return what a display must know of the run."""
+    return DisplayOptions(
+        headset=options.headset,
+        view=options.view,
+        size=options.size,
+        full_screen=options.full_screen,
+        vsync=options.vsync,
+        control_panel=options.panel,
+        depth_layer=options.depth_layer,
+        watching=watching,
+        trace=load_trace(options.trace).track if options.trace else None,
+        rate_hz=options.rate_hz,
+        controls=controls,
+    )
+
+
+def _openxr(wanted: DisplayOptions) -> Display:
+    from ..display.openxr import OpenXrDisplay
+
+    return OpenXrDisplay(wanted)
+
+
+def _offscreen(wanted: DisplayOptions) -> Display:
+    from ..display.offscreen import OffscreenDisplay
+
+    return OffscreenDisplay(wanted)
+
+
+def _desktop(wanted: DisplayOptions) -> Display:
+    from ..display.desktop import DesktopDisplay
+
+    return DesktopDisplay(wanted)

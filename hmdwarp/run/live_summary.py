@@ -1,0 +1,127 @@
+"""summary.json of a live run: the keys of a replay's, so that both are compared with the same tools, and `live`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from ..display import Display
+from ..geometry import Pose
+from ..metrics import aggregate_columns, middle_and_tail
+from .live_figures import OF_EYE, Events, LiveFigures, Thinned
+from .options import LiveOptions
+from .rows import STAGE_COLUMNS
+from .summary import Facts, chosen_passes, machine_of, summary_of
+
+if TYPE_CHECKING:
+    from .host import PipelineHost
+    from .pictures import Pictures
+
+
+@attrs.frozen(eq=False)
+class LiveFacts:
+    """What a live run is, as far as that is settled when it begins."""
+
+    shared: Facts
+    options: LiveOptions
+    # Name of the display, and what it says of itself.
+    source: str
+    about: dict[str, str]
+    # Of the plan it begins with.
+    lens: str
+    scene_notes: tuple[str, ...]
+
+    @property
+    def budget_ms(self) -> float:
+        """From one refresh of the display to the next."""
+        return 1e3 / self.shared.rate_hz
+
+
+def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) -> LiveFacts:
+    """Return the facts of a run on this display."""
+    gpu, size, plan = display.gpu, options.size or display.size, host.plan
+    (view, *_) = display.eyes.views(Pose())
+    headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
+    named = options.record or options.trace
+    shared = Facts(
+        options=options,
+        trace=Path(named).stem if named else display.name,
+        scene=host.scene.name,
+        effects=list(plan.effects),
+        headset=headset,
+        size=size,
+        rate_hz=display.rate_hz,
+        pixels_per_degree=view.fov.pixels_per_degree(size),
+        machine=machine_of(gpu),
+        clock=gpu.timer.clock,
+    )
+    return LiveFacts(shared, options, display.name, dict(display.about), plan.lens.name, tuple(host.scene.notes))
+
+
+def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, pictures: Pictures | None) -> dict[str, Any]:
+    """Return the summary. Settings are those it began with; what was changed later is in `live`."""
+    options, times = facts.options, figures.times
+    of_eyes = {name: times.measured(*(f"{name}/{eye}" for eye in (0, 1))) for name in OF_EYE}
+    live = _live(facts, frames, figures)
+    more = {
+        **aggregate_columns(of_eyes),
+        "link": figures.fates.as_dict((frames - 1) / live["seconds"] if live["seconds"] else facts.shared.rate_hz),
+        "notes": [*facts.scene_notes, *_notes(figures.events, live, pictures)],
+        "live": live,
+    }
+    return summary_of(facts.shared, chosen_passes(options, facts.lens), frames, more)
+
+
+def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]:
+    """Return what a replay lacks."""
+    times, options = figures.times, facts.options
+    seconds = times.column("time_s")
+    return {
+        "source": facts.source,
+        "about": facts.about,
+        "record": str(options.record) if options.record is not None else None,
+        "seconds": float(seconds[-1]) if len(seconds) else 0.0,
+        "refreshes": frames,
+        **attrs.asdict(figures.counts),
+        **{name: middle_and_tail(times.measured(name)) for name in ("age_ms", "pose_age_ms", "period_ms")},
+        "budget_ms": facts.budget_ms,
+        "refresh_ms": _of_refresh(times),
+        **figures.events.as_dict(),
+        "garbage_collector": {"between": options.collect, **figures.pauses.as_dict()},
+        "sampled_every": times.every,
+    }
+
+
+def _of_refresh(times: Thinned) -> dict[str, dict[str, float | None]]:
+    """Return what a whole refresh goes into on this machine, all eyes together: drawing, each stage, and the sum."""
+    render = times.column("render_ms")
+    stages = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
+    columns = {"render": render, **{name.removesuffix("_ms"): values for name, values in stages.items()}}
+    columns["total"] = render + columns["total"]
+    return {name: middle_and_tail(values) for name, values in columns.items()}
+
+
+def _notes(events: Events, live: dict[str, Any], pictures: Pictures | None) -> list[str]:
+    notes = []
+    if events.change_count:
+        times = "once" if events.change_count == 1 else f"{events.change_count} times"
+        notes.append(
+            f"Settings were changed {times} while it ran. Figures are over all of it; frames.csv has each one's warp and fill."
+        )
+    for lost in events.lost[:5]:
+        away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
+        notes.append(f"The display went away at {lost['time_s']:.2f} s {away}: {lost['why']}")
+    if pictures is not None and pictures.count:
+        notes.append("Each kept picture was read back from the GPU: those refreshes are late by it.")
+    if pictures is not None and pictures.is_full:
+        notes.append(f"After {pictures.count} kept pictures no more were kept.")
+    if live["sampled_every"] > 1:
+        notes.append(
+            f"Medians, percentiles and curves are of every {live['sampled_every']}th refresh; frames.csv has all of them."
+        )
+    if not live["timed"]:
+        notes.append("What the passes took is not known: the run ended before anybody could ask.")
+    return notes

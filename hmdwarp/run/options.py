@@ -1,0 +1,191 @@
+"""Options of a replay, a live run and a recording, checked before anything is started."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+import attrs
+
+from ..errors import InputError
+from ..options import DISPLAY, PICTURE, Declared, Number, group, names_in, one_of, option, same_as
+from ..pipeline.options import AUTO, PipelineOptions
+from ..poses.options import TraceOptions
+
+SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
+SYNTHETIC = "synthetic"
+VIEWS = (BOTH, FLAT) = ("both", "flat")
+_optional_path = attrs.converters.optional(Path)
+_SECONDS = "how long a condition is shown stands in [trial] and [practice]"
+_SAID_TO_RUN = "is said to 'hmdwarp study run'"
+
+
+@attrs.frozen(kw_only=True)
+class RunOptions(PipelineOptions):
+    """A replay: which trace, and what is measured and kept of it.
+
+    Errors: InputError for a number that makes no sense.
+    """
+
+    trace: str = option(
+        attrs.NOTHING, "A head trace file, or the name of a shipped recording, like look-around.", positional=True
+    )
+    start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())
+    seconds: float | None = option(
+        None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
+    )
+    # The head is where the trace has it, at the instants of the trace's own clock, so that what
+    # moves in the scene is where it was then; else time begins at 0, and a trace that leaves the
+    # scene is moved into it.
+    as_recorded: bool = False
+    against: str = option("none", "The warp to compare with; '' for none.")
+    metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
+    workers: int | None = option(
+        None,
+        "Measuring processes; 0 measures in the loop; by default one per core, at most 8.",
+        kind=int,
+        valid=Number(most=256),
+    )
+    images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
+    video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
+    trace_options: TraceOptions = group(TraceOptions)
+    out: Path = option(
+        Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.", kind=Path, convert=Path
+    )
+    command: str = ""
+
+
+@attrs.frozen(kw_only=True)
+class LiveOptions(PipelineOptions):
+    """A live run.
+
+    Errors: InputError for a number or word that makes no sense.
+    """
+
+    not_offered: ClassVar[tuple[str, ...]] = ("scanout", "follow_scanout")
+
+    # "auto": the headset's where a window stands for it, none where a runtime corrects its own.
+    lens: str = option(
+        AUTO, f"Lens correction: {names_in('client/lens')}; auto: the headset's that a window emulates.", study=PICTURE
+    )
+    # Where the head and the display are; "offscreen" shows the pictures nowhere.
+    source: str = option(
+        AUTO_SOURCE,
+        "Display: openxr, desktop, offscreen (none), or auto: headset, else window.",
+        valid=one_of(*SOURCES),
+        study=f"where it is shown {_SAID_TO_RUN}",
+    )
+    trace: str = option(
+        "",
+        "Recorded head, by name or file, that moves the window or the offscreen display; by default yours.",
+        default=None,
+        study=f"whose head it is, {_SAID_TO_RUN}",
+    )
+    view: str = option(
+        BOTH, "In the window: both eyes as the panel gets them, or one flat view.", valid=one_of(*VIEWS), study=DISPLAY
+    )
+    full_screen: bool = option(False, "Open the window over the full screen.", study=DISPLAY)
+    vsync: bool = option(True, "Wait for the screen's refresh.", off="--no-vsync", study=DISPLAY)
+    # Where its package is installed.
+    panel: bool = option(
+        True,
+        "Show controls and plots (pip install 'hmdwarp[panel]').",
+        off="--no-panel",
+        study="a study shows no controls",
+    )
+    depth_layer: bool = option(
+        True, "Hand the warped depth to a runtime that takes it.", off="--no-depth-layer", study=DISPLAY
+    )
+    seconds: float | None = option(
+        None, "Stop after this long; by default never.", kind=float, unit="s", valid=Number(above=True), study=_SECONDS
+    )
+    frames: int | None = option(
+        None,
+        "Stop after this many pictures; by default never.",
+        kind=int,
+        valid=Number(least=1),
+        study=f"{_SECONDS}, in seconds",
+    )
+    record: Path | None = option(
+        None,
+        "Write the head's trace to this file while running.",
+        kind=Path,
+        convert=_optional_path,
+        study="the head's trace of every trial is recorded anyway",
+    )
+    out: Path | None = option(
+        None,
+        "Folder for frames.csv, summary.json and report.html; by default none.",
+        kind=Path,
+        convert=_optional_path,
+        study="what was shown is kept in the study's store",
+    )
+    images_every: int = option(
+        0,
+        "With --out: keep every n-th picture as it was handed over; 0 for none.",
+        valid=Number(),
+        study="'hmdwarp study measure' makes the pictures afterwards, from the traces",
+    )
+    reconnect_s: float = option(
+        60.0, "Seconds to wait for a runtime that went away.", unit="s", valid=Number(), study=DISPLAY
+    )
+    hang_s: float = option(
+        5.0, "Seconds of silence after which a runtime is given up.", unit="s", valid=Number(least=0.1), study=DISPLAY
+    )
+    # Whether Python's garbage collector runs between the pictures instead of at any time.
+    collect: bool = option(
+        True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere", study=DISPLAY
+    )
+    command: str = ""
+
+    def __attrs_post_init__(self) -> None:
+        super().__attrs_post_init__()
+        if self.guard == AUTO:
+            raise InputError(
+                "guard auto looks at the whole trace first, which a live run has not: give a number, or replay a recording"
+            )
+        if self.source == OFFSCREEN and not self.trace:
+            raise InputError("source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
+        if self.trace and self.source in (AUTO_SOURCE, OPENXR):
+            raise InputError(f"trace {self.trace}: a headset has a head of its own; take --source desktop or offscreen")
+        if self.warp == AUTO and self.bench is None:
+            raise InputError(
+                "warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by --bench"
+            )
+        if self.images_every and self.out is None:
+            raise InputError(
+                f"images-every {self.images_every}: there is no folder to keep pictures in; name one by --out"
+            )
+
+
+_LIVE = attrs.fields(LiveOptions)
+
+
+@attrs.frozen(kw_only=True)
+class RecordOptions(Declared):
+    """A recording of a head. Errors: InputError for a number or word that makes no sense."""
+
+    out: Path = option(attrs.NOTHING, "The trace to write: a new file.", kind=Path, convert=Path)
+    source: str = option(
+        OPENXR,
+        "Head to record: openxr (a headset), desktop (a window) or synthetic (made up).",
+        valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
+    )
+    # None until Ctrl-C, of a made-up head the length of its kind.
+    seconds: float | None = option(
+        None, "Stop after this long; by default at Ctrl-C.", kind=float, unit="s", valid=Number(above=True)
+    )
+    rate_hz: float | None = option(
+        None,
+        "Poses per second; by default the display's, 90 for a made-up head.",
+        kind=float,
+        unit="Hz",
+        valid=Number(least=1, most=1000),
+    )
+    kind: str = option(
+        "look-around", "Made-up motion: still, look-around, reversals, walk or fast-turns; it ends by itself."
+    )
+    # What the window shows.
+    scene: str = same_as(_LIVE.scene)
+    reconnect_s: float = same_as(_LIVE.reconnect_s)
+    hang_s: float = same_as(_LIVE.hang_s)

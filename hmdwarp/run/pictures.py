@@ -1,0 +1,64 @@
+"""Pictures just as they were handed over, kept beside the log."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING
+
+from ..colour import picture_from_linear
+from ..gpu.textures import download
+from ..report import OutputFolder
+from .summary import EYES
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ..pipeline.loop import Refresh
+
+MOST = 1000
+_WAITING = 8  # full pictures in memory at a time; then the loop waits for the disk
+
+
+class Pictures:
+    """Keeps every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them; every: 0 for none.
+
+    Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. PNG and disk are a thread's.
+    """
+
+    def __init__(self, out: OutputFolder, every: int, most: int = MOST) -> None:
+        self._out, self._every, self._most = out, every, most
+        self._writer = ThreadPoolExecutor(1, "pictures") if every else None
+        self._under_way: deque[Future[None]] = deque()
+        self.count = 0
+
+    def wants(self, number: int) -> bool:
+        """Whether the refresh of that number is to be kept."""
+        return self._writer is not None and number % self._every == 0 and self.count < self._most
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there was no room for more."""
+        return self.count >= self._most
+
+    def keep(self, number: int, refresh: Refresh) -> None:
+        """Read it back. Errors: as OutputFolder.write_png, of a picture before this one."""
+        if self._writer is None:
+            return
+        for eye, result in enumerate(refresh.eyes):
+            while len(self._under_way) >= _WAITING:
+                self._under_way.popleft().result()
+            name = f"images/frame-{number:06d}-{EYES[eye]}.png"
+            self._under_way.append(self._writer.submit(self._write, name, download(result.panel.texture)))
+        self.count += 1
+
+    def _write(self, name: str, linear: NDArray) -> None:
+        self._out.write_png(name, picture_from_linear(linear))
+
+    def close(self) -> None:
+        """Wait for all of them. Errors: as keep; may be called twice."""
+        if self._writer is None:
+            return
+        self._writer.shutdown()
+        while self._under_way:
+            self._under_way.popleft().result()

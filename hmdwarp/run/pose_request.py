@@ -1,0 +1,80 @@
+"""The head pose that the server draws for: the present one, or one predicted from what is known by now."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from ..frames import Needs
+from ..link.codec import check_codec
+from ..pipeline.loop import PoseRequest
+from ..pipeline.options import PipelineOptions
+from ..poses import PoseSample, PoseSource, PoseTrack
+from ..poses.prediction import predict
+from ..poses.predictors import predictors
+
+KEPT_NS = 1_000_000_000
+
+
+def check_names(options: PipelineOptions) -> None:
+    """Raise UnknownNameError for a predictor or codec that does not exist, MachineError for a codec that cannot run."""
+    predictors.get(options.predict)
+    check_codec(options.coding.codec)
+
+
+def pose_request(
+    options: PipelineOptions,
+    source: PoseSource,
+    known: Callable[[int], PoseTrack],
+    age_ns: int,
+    size: tuple[int, int],
+    needs: Needs,
+) -> PoseRequest:
+    """Return what the server is to draw for.
+
+    known(now_ns): head motion up to that instant, and maybe later. age_ns: from drawing a frame to
+    showing it. size: (w, h) of one eye.
+    """
+
+    def predicted(now_ns: int) -> PoseSample:
+        return predict(known(now_ns), now_ns, now_ns + age_ns, options.predict, round(options.horizon_ms * 1e6))
+
+    predicts = predicted if options.predict != "none" else None
+    return PoseRequest(source, predicts, size, options.guard_factor, needs, round(options.scanout_ms * 1e6))
+
+
+class RecentPoses:
+    """A pose source that remembers the last second of its answers."""
+
+    def __init__(self, source: PoseSource) -> None:
+        self._source = source
+        self._kept: deque[PoseSample] = deque()
+
+    def start(self) -> None:
+        """Start the source."""
+        self._source.start()
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        """Return the source's answer, and keep it."""
+        sample = self._source.head_at(time_ns)
+        if not self._kept or sample.time_ns > self._kept[-1].time_ns:
+            self._kept.append(sample)
+            while sample.time_ns - self._kept[0].time_ns > KEPT_NS:
+                self._kept.popleft()
+        return sample
+
+    def track_until(self, now_ns: int) -> PoseTrack:
+        """Return the last second of motion, with the head as it is now."""
+        self.head_at(now_ns)
+        kept = list(self._kept)
+        return PoseTrack(
+            time_ns=np.array([one.time_ns for one in kept]),
+            position_m=np.array([one.pose.position_m for one in kept]),
+            orientation_xyzw=np.array([one.pose.orientation_xyzw for one in kept]),
+        )
+
+    def close(self) -> None:
+        """Close the source."""
+        self._source.close()

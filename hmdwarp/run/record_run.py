@@ -1,0 +1,115 @@
+"""Recording a head without showing it anything: of a headset, of a window, or made up, each as fast as time goes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from ..display import Closed, Lost
+from ..errors import MachineError
+from ..poses import Origin, PoseSample
+from ..poses.synth import RATE_HZ, synthesise
+from .ending import Ending, come_back
+from .live_run import live
+from .options import DESKTOP, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
+from .recorder import LEAST, Recorder
+from .watchdog import Watchdog
+
+BY = "hmdwarp record"
+if TYPE_CHECKING:
+    from ..display.openxr import OpenXrHead
+
+Say = Callable[[str], None]
+
+
+def record(options: RecordOptions, say: Say = lambda text: None) -> None:
+    """Record until Ctrl-C, the runtime or the window ends it, or for the seconds in the options.
+
+    say: gets a sentence now and then.
+    Errors: InputError for wrong options, an existing file among them; MachineError for what the
+    machine lacks, and where a headset gave no pose at all. What was recorded until then is there in
+    any case.
+    """
+    {OPENXR: _of_headset, DESKTOP: _of_window, SYNTHETIC: _made_up}[options.source](options, say)
+
+
+def _of_window(options: RecordOptions, say: Say) -> None:
+    """Record a window's head, without latency and warp: it shows the scene as it is."""
+    shown = LiveOptions(
+        source=DESKTOP,
+        scene=options.scene,
+        warp="none",
+        fill="none",
+        latency_ms=0.0,
+        record=options.out,
+        seconds=options.seconds,
+        rate_hz=options.rate_hz,
+        reconnect_s=options.reconnect_s,
+        hang_s=options.hang_s,
+    )
+    live(shown, say)
+
+
+def _made_up(options: RecordOptions, say: Say) -> None:
+    track = synthesise(options.kind, seconds=options.seconds, rate_hz=options.rate_hz or RATE_HZ)
+    with Ending(None, None) as ending, Recorder(options.out, say, BY) as recorder:
+        recorder.begin({"made-up motion": options.kind}, options.rate_hz or RATE_HZ)
+        say(_telling(f"a made-up head, {options.kind}", recorder, track.duration_ns * 1e-9))
+        began_ns = time.monotonic_ns()
+        for index in range(len(track)):
+            time_ns = began_ns + int(track.time_ns[index])
+            _sleep_until(time_ns)
+            recorder.add(PoseSample(time_ns, track.pose(index), Origin.MEASURED))
+            if ending.asked is not None:
+                return
+
+
+def _of_headset(options: RecordOptions, say: Say) -> None:
+    from ..display.openxr import OpenXrHead
+
+    with (
+        Ending(options.seconds, None) as ending,
+        Recorder(options.out, say, BY) as recorder,
+        Watchdog(options.hang_s, [recorder.save]) as watchdog,
+        OpenXrHead(watchdog.watching) as head,
+    ):
+        rate_hz = options.rate_hz or head.rate_hz
+        recorder.begin(head.about, rate_hz)
+        say(_telling(f"{head.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
+        _sample(head, recorder, ending, round(1e9 / rate_hz), options.reconnect_s, say)
+        if recorder.count < LEAST and ending.asked is None:
+            raise MachineError(
+                "the runtime has not told where the head is: put the headset on, where its tracking can see the room"
+            )
+
+
+def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
+    ends = "Ctrl-C ends" if seconds is None else f"{seconds:g} s, Ctrl-C ends sooner"
+    return f"recording {what} to {recorder.path} ({ends})"
+
+
+def _sample(head: OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say) -> None:
+    """Read a head at even instants; one that takes longer than a period to answer as often as it can be read."""
+    count = 0
+    due_ns = head.now_ns()
+    while not ending.due(count):
+        _sleep_until(due_ns)
+        try:
+            if head.poll():
+                recorder.add(head.head_at(head.now_ns()))
+        except Closed as closed:
+            say(str(closed))
+            return
+        except Lost as lost:
+            recorder.flush()
+            come_back(head.reopen, lost, reconnect_s, ending, say)
+        count += 1
+        due_ns = max(due_ns + period_ns, head.now_ns())
+
+
+def _sleep_until(due_ns: int) -> None:
+    """Sleep; a signal that only asks for an end does not wake it."""
+    wait_ns = due_ns - time.monotonic_ns()
+    if wait_ns > 0:
+        time.sleep(wait_ns * 1e-9)

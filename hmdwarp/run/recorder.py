@@ -1,0 +1,135 @@
+"""Writes the head's poses to a trace file while they come."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+
+from ..errors import InputError
+from ..poses import Origin, PoseSample
+from ..poses.formats.native import header_text, row_text
+from ..version import __version__
+from .lines import Lines
+
+LEAST = 2  # one pose is no motion: no trace reader takes it
+
+
+class Recorder:
+    """A native trace that is on the disk half a second after its poses came. Use as a context manager.
+
+    The file is made at once, so that a run does not find out at its end that there is no place for it.
+    Poses that are held (tracking lost) are left out, which makes a gap as it was one; so are those
+    whose time does not rise. With fewer than two poses the file is removed again.
+    Errors: InputError for an existing file and a place that cannot be written; MachineError, from add
+    and at the end, for a full disk: what was written before is whole lines, and stays.
+    """
+
+    def __init__(self, path: Path, say: Callable[[str], None] = lambda text: None, by: str = "hmdwarp live") -> None:
+        """path: a new file. say: gets a sentence at the end, and where a clock jumps."""
+        self.path, self._say, self._by = path, say, by
+        self.count = self.held = self.behind = 0
+        self._first_ns = self._last_ns = 0
+        self._begun = False
+        try:
+            self._lines = Lines(path, synced=True)
+        except FileExistsError as error:
+            raise InputError(
+                f"{path} is there already: a recording overwrites nothing; give another name or move it away"
+            ) from error
+
+    @property
+    def seconds(self) -> float:
+        """Time from the first pose to the last."""
+        return (self._last_ns - self._first_ns) * 1e-9
+
+    def begin(self, about: Mapping[str, str], rate_hz: float) -> None:
+        """Write the header.
+
+        about: whose poses are recorded, by name; rate_hz: how often.
+        """
+        self._begun = True
+        started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+        notes = [
+            f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were asked for"
+        ]
+        self._lines.add(header_text(origin_of(self._by, about), rate_hz, notes))
+
+    def add(self, head: PoseSample) -> None:
+        """Add a pose."""
+        if head.origin is Origin.HELD:
+            self.held += 1
+        elif self.count and head.time_ns <= self._last_ns:
+            self._fell_behind(head.time_ns)
+        else:
+            self._lines.add(row_text(head.time_ns, head.pose))
+            if not self.count:
+                self._first_ns = head.time_ns
+            self.count, self._last_ns = self.count + 1, head.time_ns
+
+    def _fell_behind(self, time_ns: int) -> None:
+        self.behind += 1
+        if self.behind == 1:
+            back_s = (self._last_ns - time_ns) * 1e-9
+            why = f"the clock went back by {back_s:.3f} s" if back_s else "the same instant came twice"
+            self._say(f"recording: {why}; poses are left out until time has gone on")
+
+    def flush(self) -> None:
+        """Put the poses so far on the disk; from any thread."""
+        self._lines.flush()
+
+    def save(self) -> str:
+        """Flush, and return where the recording is, "" for nothing to keep; from any thread.
+
+        For when nothing will be closed any more.
+        """
+        answered = self._lines.flush()
+        if not self._is_worth_keeping():
+            return ""
+        return f"the recording until then is in {self.path}" + (
+            "" if answered else ", but for its end: the disk does not answer"
+        )
+
+    def _end(self) -> None:
+        try:
+            self._lines.close()
+        finally:
+            self._is_worth_keeping()
+            if self._begun:
+                self._say(self.describe())
+
+    def _is_worth_keeping(self) -> bool:
+        """Return whether the recording can be read; remove one that cannot."""
+        if self.count < LEAST:
+            with suppress(OSError):
+                self.path.unlink()
+        return self.count >= LEAST
+
+    def describe(self) -> str:
+        """Return what was recorded, in a sentence."""
+        counts = ((self.held, "held (tracking lost)"), (self.behind, "whose time did not rise"))
+        left_out = ", ".join(f"{count} {what}" for count, what in counts if count)
+        beside = f"; left out: {left_out}" if left_out else ""
+        if self.count < LEAST:
+            return f"{self.path}: nothing recorded, {self.count or 'no'} pose came{beside}"
+        return f"{self.path}: {self.count} poses, {self.seconds:.3f} s{beside}"
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None:
+            self._end()
+            return
+        with suppress(Exception):  # what ended the run is what the user must hear
+            self._end()
+
+
+def origin_of(by: str, about: Mapping[str, str]) -> str:
+    """Return who recorded whom: "hmdwarp live, Monado 25.0, headset 'Simulated'"."""
+    runtime, version = about.get("runtime", ""), about.get("runtime_version", "")
+    if version not in runtime:  # most have it in their names
+        runtime = f"{runtime} {version}".strip()
+    others = [f"{name} '{value}'" for name, value in about.items() if value and not name.startswith("runtime")]
+    return ", ".join(filter(None, (by, runtime, *others)))

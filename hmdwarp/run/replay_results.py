@@ -1,0 +1,110 @@
+"""What a replay leaves behind: summary.json, frames.csv, pictures and the page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import attrs
+from numpy.typing import NDArray
+
+from ..link import medians
+from ..metrics import Kept, QualityPool, aggregate
+from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
+from .log import ReplayLog
+from .replay_setup import ReplaySetup
+from .rows import Row
+from .summary import EYES, Facts, auto_entry, auto_note, chosen_passes, machine_of, summary_of
+
+
+@attrs.frozen(eq=False)
+class ReplayResult:
+    """What a replay measured."""
+
+    folder: Path
+    # As summary.json.
+    summary: dict[str, Any]
+    # Two for each refresh, keyed as frames.csv.
+    rows: list[Row]
+    # The summary of the warp that it was compared with.
+    against: dict[str, Any] | None
+
+    @property
+    def report(self) -> Path:
+        """The page."""
+        return self.folder / "report.html"
+
+
+def facts_of(setup: ReplaySetup) -> Facts:
+    """Return what summary.json says of a run before it begins."""
+    return Facts(
+        options=setup.options,
+        trace=setup.track.name or setup.trace.path.stem,
+        scene=setup.scene.name,
+        effects=list(setup.plan.effects),
+        headset=setup.headset.name,
+        size=setup.size,
+        rate_hz=setup.schedule.rate_hz,
+        pixels_per_degree=setup.pixels_per_degree,
+        machine=machine_of(setup.gpu),
+        clock=setup.gpu.timer.clock,
+    )
+
+
+def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:
+    """Return the keys of summary.json for the named passes on the frames of `setup`.
+
+    rows: as of frames.csv; those of one frame may be several.
+    """
+    frames = len({row["frame"] for row in rows})
+    return summary_of(facts_of(setup), passes, frames, {**aggregate(rows), "notes": setup.notes})
+
+
+def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, more: dict[str, Any]) -> ReplayResult:
+    """Return the summaries of a run and, if there was one, of the warp that ran beside it.
+
+    more: what else was measured, by its key.
+    """
+    options, rows, auto = setup.options, log.rows, setup.auto
+    summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
+    summary["link"] = {**setup.channel.summary(setup.schedule.rate_hz), "response_ms": medians(log.responses)}
+    summary |= more
+    if auto is not None:
+        summary["auto"] = auto_entry(auto, rows)
+        summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]
+    against = None
+    if compared is not None:
+        against = summary_of_rows(setup, (options.against, "none", "none"), compared)
+        summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality")}
+    return ReplayResult(options.out, summary, rows, against)
+
+
+def write_results(
+    out: OutputFolder, log: ReplayLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool, command: str
+) -> None:
+    """Write everything but the video, which is written while the run goes on."""
+    for kept in pool.kept:
+        number, eye, _ = kept.key
+        out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))
+    out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
+    page = render_report(
+        result.summary,
+        result.against,
+        rows=result.rows,
+        baseline_rows=compared,
+        worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
+        command=command,
+        notes=result.summary["notes"],
+    )
+    out.write_text("report.html", page)
+    out.write_json("summary.json", result.summary)
+
+
+def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:
+    assert kept.result.error_map is not None
+    return comparison_panels(kept.job.rendered_picture, kept.job.now.shown, kept.job.now.truth, kept.result.error_map)
+
+
+def _worst_frame(rows: list[Row], kept: Kept) -> WorstFrame:
+    number, eye, _ = kept.key
+    return WorstFrame.of(rows[2 * number]["time_s"], eye, kept)

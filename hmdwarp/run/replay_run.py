@@ -1,0 +1,132 @@
+"""The replay: a recorded head trace through the loop, measured against a renderer without latency."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import nullcontext
+
+import numpy as np
+
+from ..colour import picture_from_linear
+from ..errors import InputError
+from ..gpu.textures import download
+from ..metrics import QualityPool, aggregate, pooled, worker_count
+from ..pipeline.loop import Refresh
+from ..report import OutputFolder, VideoWriter
+from .guard import settled
+from .log import ReplayLog
+from .measuring import AGAINST, MAIN, Probe
+from .options import RunOptions
+from .replay_results import ReplayResult, result_of, write_results
+from .replay_setup import ReplaySetup, set_up_replay
+from .rows import Row
+from .short_bench import levels_for
+from .summary import OWNED
+
+WORST_FRAMES = 6
+
+Progress = Callable[[int, int], None]
+
+
+def replay(
+    options: RunOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
+) -> ReplayResult:
+    """Run it and write options.out; a run that fails or is interrupted leaves nothing there.
+
+    progress(done, total) is called after each refresh; say() gets a sentence before warp "auto"
+    tries what it chooses from.
+    Errors: InputError and its kin for wrong options, MachineError for what the machine lacks.
+    """
+    options, guard_notes = settled(options)
+    choice = levels_for(options, say)
+    with set_up_replay(options, levels=choice.levels) as setup, OutputFolder(options.out, owned=OWNED) as out:
+        setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
+        workers = worker_count(options.workers)
+        with QualityPool(
+            workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
+        ) as pool:
+            probe = Probe(setup, pool, _keep_every(setup))
+            log = _run(setup, probe, out, progress)
+        log.measured(_figures(pool, MAIN))
+        compared = _compared(log, probe, pool)
+        more = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        result = result_of(setup, log, compared, more)
+        write_results(out, log, result, compared, pool, options.command)
+    return result
+
+
+def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, dict]:
+    """Return what a replay measures, as metrics.summary.aggregate has it, without writing anything.
+
+    Errors: as replay; InputError for warp "auto" and for a video.
+    """
+    if options.chooses_warp or options.video:
+        raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
+    with set_up_replay(options) as setup, QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool:
+        log = _run(setup, Probe(setup, pool, None), None, progress)
+        pool.wait()
+        log.measured(_figures(pool, MAIN))
+    return aggregate(log.rows)
+
+
+def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
+    log, count = ReplayLog(setup.track), 0
+    with _video(setup, out) as video:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            refresh = setup.loop.show(instant_ns) if number >= 0 else None
+            if refresh is not None:
+                log.add(refresh)
+                if probe.wants(count):
+                    probe.look(count, refresh)
+                if video is not None:
+                    video.add(_panels(refresh))
+                count += 1
+            progress(count, setup.schedule.count)
+    if not count:
+        raise InputError(_nothing_arrived(setup))
+    return log
+
+
+def _nothing_arrived(setup: ReplaySetup) -> str:
+    counts = ", ".join(f"{name} {count}" for name, count in setup.channel.link.tally.as_dict().items() if count)
+    return f"no frame has arrived in time to be shown ({counts}): use less loss, more bandwidth, or a longer part of the trace"
+
+
+def _video(setup: ReplaySetup, out: OutputFolder | None):
+    if not setup.options.video or out is None:
+        return nullcontext()
+    wide, high = setup.size
+    return VideoWriter(out.path("replay.mp4"), (2 * wide, high), setup.schedule.rate_hz)
+
+
+def _panels(refresh: Refresh) -> np.ndarray:
+    return np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1)
+
+
+def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
+    """Return which second a picture competes in for the worst one; only the run's own warp competes."""
+    number, _, which = key
+    return int(number / setup.schedule.rate_hz) if which == MAIN else None
+
+
+def _keep_every(setup: ReplaySetup) -> int | None:
+    """Return every how many refreshes a picture is kept, so that about options.images measured ones are."""
+    if not setup.options.images:
+        return None
+    every = setup.options.metrics_every
+    measured = -(-setup.schedule.count // every)
+    return every * max(1, -(-measured // setup.options.images))
+
+
+def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
+    return {(number, eye): values for (number, eye, what), values in pool.results.items() if what == which}
+
+
+def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[Row] | None:
+    figures = _figures(pool, AGAINST)
+    return log.compared(probe.against_ms, figures) if figures else None
+
+
+__all__ = ["ReplayResult", "figures", "replay"]

@@ -1,0 +1,154 @@
+"""Everything that a replay needs, made ready in the order in which it can fail."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+
+from ..auto.levels import QualityLevel
+from ..client.plan import Plan, needs_of
+from ..frames import Needs
+from ..gpu.context import Gpu
+from ..headsets import Headset, load_headset
+from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
+from ..pipeline.loop import Loop
+from ..pipeline.planning import plan_against, plans_for
+from ..pipeline.sizes import guarded_size
+from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
+from ..scenes import Scene, load_scene
+from .options import RunOptions
+from .pose_request import check_names, pose_request
+from .schedule import Schedule, schedule_of
+
+if TYPE_CHECKING:
+    from ..auto.adaptive import AdaptiveCompensator
+    from ..client.compensator import Compensator
+    from ..pipeline.channel import Channel
+    from ..server import Server
+
+
+@attrs.frozen(eq=False)
+class ReplaySetup:
+    """Everything of one replay, ready to go. Use as a context manager: it frees the GPU at the end."""
+
+    options: RunOptions
+    trace: LoadedTrace
+    # The trace where the scene can be walked in.
+    track: PoseTrack
+    scene: Scene
+    headset: Headset
+    # (w, h) of one eye.
+    size: tuple[int, int]
+    schedule: Schedule
+    gpu: Gpu
+    pipeline: Pipeline
+    notes: list[str]
+    _cleanup: ExitStack
+
+    @property
+    def plan(self) -> Plan:
+        """The plan that runs at first."""
+        return self.pipeline.plan
+
+    @property
+    def server(self) -> Server:
+        """The renderer of the scene."""
+        return self.pipeline.server
+
+    @property
+    def channel(self) -> Channel:
+        """The way of the frames."""
+        return self.pipeline.channel
+
+    @property
+    def loop(self) -> Loop:
+        """The loop, one refresh after the other."""
+        return self.pipeline.loop
+
+    @property
+    def auto(self) -> AdaptiveCompensator | None:
+        """The part that chooses the warp; None where the options name one."""
+        return self.pipeline.auto
+
+    @property
+    def pixels_per_degree(self) -> float:
+        """Resolution of the shown view, for the metrics."""
+        return self.headset.left_fov.pixels_per_degree(self.size)
+
+    def compensator(self, plan: Plan) -> Compensator:
+        """Return a compensator for another plan on the same frames, freed with this object."""
+        return self.pipeline.compensator(plan)
+
+    def __enter__(self) -> ReplaySetup:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._cleanup.close()
+
+
+def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[QualityLevel, ...] = ()) -> ReplaySetup:
+    """Load, check, then start the GPU.
+
+    also: what frames must carry for other plans than that of the options. levels: what warp "auto"
+    chooses from. Errors: InputError and its kin for wrong options, MachineError for what is missing.
+    """
+    check_names(options)
+    headset = load_headset(options.headset)
+    plans_for(options, headset, None, levels)
+    trace = load_trace(options.trace, options.trace_options)
+    if options.as_recorded:
+        trace = _on_its_own_clock(trace)
+    rate_hz = options.rate_hz or headset.refresh_hz
+    schedule = schedule_of(trace.track, options, rate_hz)
+    size = options.size or headset.eye_size_px
+    guarded_size(options.guard_factor, headset, size)
+    scene = load_scene(options.scene)
+    plans = plans_for(options, headset, scene, levels)
+    needs = needs_of(plans) | _needs_of_against(options) | (also or Needs())
+    track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
+    with ExitStack() as stack:
+        gpu = stack.enter_context(Gpu())
+        source = RecordedSource(track)
+        source.start()
+        stack.callback(source.close)
+        age_ns = expected_age_ns(options, schedule.age_ns)
+        request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
+        target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
+        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels))
+        notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
+        return ReplaySetup(options, trace, track, scene, headset, size, schedule, gpu, pipeline, notes, stack.pop_all())
+
+
+def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
+    """Return the track where the scene can be walked in, and notes on what that took.
+
+    A track that stays within the scene's walking bounds stays as it is. Others (recorded in other
+    rooms and units) are moved, not turned, so that their mean position is the scene's viewpoint.
+    """
+    low, high = scene.walk_bounds_m
+    if ((track.position_m >= low) & (track.position_m <= high)).all():
+        return track, []
+    shift = scene.viewpoint.position_m - track.position_m.mean(axis=0)
+    moved = track.evolve(position_m=track.position_m + shift)
+    beyond = float(np.maximum(low - moved.position_m, moved.position_m - high).max())
+    by = ", ".join(f"{x:+.2f}" for x in shift)
+    notes = [
+        f"The trace leaves the part of scene '{scene.name}' one can walk in, so it was moved by ({by}) m to its viewpoint."
+    ]
+    if beyond > 0:
+        notes.append(f"Even so the head leaves that part by up to {beyond:.2f} m and may pass through things.")
+    return moved, notes
+
+
+def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
+    track = trace.track
+    return attrs.evolve(
+        trace, track=track.evolve(time_ns=track.time_ns + track.epoch_ns, epoch_ns=0, max_gap_ns=track.max_gap_ns)
+    )
+
+
+def _needs_of_against(options: RunOptions) -> Needs:
+    return plan_against(options.against).needs if options.against else Needs()

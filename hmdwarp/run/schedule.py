@@ -1,0 +1,73 @@
+"""When the display of a replay refreshes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import attrs
+
+from ..errors import InputError
+from ..pipeline.build import latency_ns, refreshes_of
+from ..poses import PoseTrack
+from .options import RunOptions
+
+
+@attrs.frozen
+class Schedule:
+    """Refreshes of a display in integer nanoseconds on the trace's clock, evenly spaced."""
+
+    # Of the first shown refresh.
+    first_ns: int
+    rate_hz: float
+    # How many are shown.
+    count: int
+    # How many refreshes after it was drawn a frame is shown.
+    age: int
+
+    @property
+    def age_ns(self) -> int:
+        """From drawing to showing, within 1 ns."""
+        return round(self.age * 1e9 / self.rate_hz)
+
+    def link_latency_ns(self, options: RunOptions) -> int:
+        """Return the delay of the link.
+
+        It is no more than lies between any two refreshes `age` apart, which are rounded to whole ns.
+        """
+        return min(latency_ns(options), max(0, self.age_ns - 2)) if options.network.is_plain else latency_ns(options)
+
+    def numbered(self) -> Iterator[tuple[int, int]]:
+        """Yield (number, time_ns) of every refresh.
+
+        Those with a number below 0 only draw, so that a frame has arrived by the first shown one.
+        """
+        for number in range(-self.age, self.count):
+            yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
+
+
+def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run.
+
+    They begin at the requested start, or when the first frame can have arrived where that is later,
+    and are as many whole ones as fit into the requested seconds and into the trace, but at least one.
+    Errors: InputError if nothing of the trace would be shown.
+    """
+    length_s = track.duration_ns * 1e-9
+    if length_s == 0:
+        raise InputError(f"the trace '{track.name}' has a single sample: wanted head motion over time")
+    if options.start_s >= length_s:
+        raise InputError(
+            f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
+        )
+    options.network.check(latency_ns(options))
+    age = refreshes_of(options.network.longest_ns(latency_ns(options)) / 1e6, rate_hz)
+    if age / rate_hz > length_s:
+        raise InputError(
+            f"latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame would arrive; "
+            "use a shorter latency or a longer trace"
+        )
+    start_s = max(options.start_s, age / rate_hz)
+    seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
+    # 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes, whatever its last bits say.
+    return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, max(1, math.floor(seconds * rate_hz + 1e-6)), age)

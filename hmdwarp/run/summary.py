@@ -1,0 +1,128 @@
+"""summary.json: the keys that a replay, a live run and a row of a bench share, and the entry of warp "auto"."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+
+from ..auto.adaptive import AdaptiveCompensator
+from ..gpu.context import Gpu
+from ..pipeline.options import PipelineOptions
+from ..report import SCHEMA
+from ..version import __version__
+
+_MOST_CHANGES = 8  # in the note; all of them are in the entry and on the page
+
+# What a run may write, so that a later run into the same folder removes what it does not write again.
+OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "report.html", "replay.mp4")
+EYES = ("left", "right")
+
+
+@attrs.frozen(eq=False)
+class Facts:
+    """What is settled when a run begins."""
+
+    options: PipelineOptions
+    # Name of the head's motion.
+    trace: str
+    scene: str
+    effects: list[str]
+    headset: str
+    # (w, h) of one eye.
+    size: tuple[int, int]
+    rate_hz: float
+    pixels_per_degree: float
+    machine: dict[str, Any]
+    # "gpu" or "wall".
+    clock: str
+
+
+def machine_of(gpu: Gpu) -> dict[str, Any]:
+    """Return the `machine` of summary.json."""
+    return {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
+
+
+def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keys of summary.json.
+
+    passes: names of warp, fill and lens. frames: how many refreshes were shown. figures: `time_ms`
+    and `quality`, and whatever comes after them.
+    """
+    options, (warp, fill, lens) = facts.options, passes
+    return {
+        "schema": SCHEMA,
+        "hmdwarp": __version__,
+        "trace": facts.trace,
+        "scene": facts.scene,
+        "effects": facts.effects,
+        "latency_ms": options.latency_ms,
+        "warp": warp,
+        "fill": fill,
+        "lens": lens,
+        "headset": facts.headset,
+        "size": list(facts.size),
+        "frames": frames,
+        "rate_hz": facts.rate_hz,
+        "guard": options.guard,
+        "predict": options.predict,
+        "pixels_per_degree": facts.pixels_per_degree,
+        "machine": facts.machine,
+        "clock": facts.clock,
+        **figures,
+    }
+
+
+def chosen_passes(options: PipelineOptions, lens: str) -> tuple[str, str, str]:
+    """Return (warp, fill, lens) as summary.json names them: a run that chooses has no fill of its own."""
+    return options.warp, options.warp if options.chooses_warp else options.fill, lens
+
+
+def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the `auto` of summary.json: {budget_ms, ladder, changes}.
+
+    rows: two for each refresh, keyed as frames.csv. ladder: quality levels from cheapest to most
+    accurate, with their expected time and error, and how many refreshes each made. changes: time_s
+    and frame of the last picture made by `from`, and the reason.
+    """
+    ran = Counter((row["warp"], row["fill"]) for row in rows if row["eye"] == 0)
+    levels = [
+        {
+            "name": str(level),
+            "warp": level.warp,
+            "fill": level.fill,
+            "total_ms": level.total_ms,
+            "flip": level.error,
+            "psnr_db": level.psnr_db,
+            "refreshes": ran[level.warp, level.fill],
+        }
+        for level in auto.levels
+    ]
+    changes = [
+        {
+            "time_s": rows[2 * change.refresh]["time_s"],
+            "frame": change.refresh,
+            "from": str(change.before),
+            "to": str(change.after),
+            "reason": change.reason,
+        }
+        for change in auto.changes
+    ]
+    return {"budget_ms": auto.budget_ms, "ladder": levels, "changes": changes}
+
+
+def auto_note(entry: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the entry in a sentence or two."""
+    started = rows[0]["warp"] if rows[0]["fill"] == "none" else f"{rows[0]['warp']} + {rows[0]['fill']}"
+    expected = next(level["total_ms"] for level in entry["ladder"] if level["name"] == started)
+    began = f"Warp 'auto' began with {started}, expected to take {expected:.2f} of the {entry['budget_ms']:g} ms for one eye"
+    changes = entry["changes"]
+    if not changes:
+        return f"{began}, and kept it."
+    steps = [f"at {change['time_s']:.2f} s to {change['to']}" for change in changes[:_MOST_CHANGES]]
+    more = f", and {len(changes) - _MOST_CHANGES} more" if len(changes) > _MOST_CHANGES else ""
+    count = "once" if len(changes) == 1 else f"{len(changes)} times"
+    return f"{began}. It changed {count}: {', '.join(steps)}{more}; the reasons are in the report."

@@ -1,0 +1,11 @@
+from .draw import MIRRORS as MIRRORS
+from .draw import Server as Server
+from .moving import moving_parts as moving_parts
+from .moving import stands_still as stands_still
+from .passes import ScenePasses as ScenePasses
+from .passes import clear_depth as clear_depth
+from .targets import Framebuffers as Framebuffers
+from .targets import Target as Target
+from .targets import TargetPool as TargetPool
+from .upload import SceneBuffers as SceneBuffers
+from .upload import SceneTextures as SceneTextures

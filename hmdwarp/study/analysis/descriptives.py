@@ -1,0 +1,194 @@
+"""Descriptive tables: conditions, sessions, sickness, questionnaires, missing ratings."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ..scales import QUESTIONNAIRE, Scale, load_scale, scored
+from ..statistics import friedman, kendalls_w, wilcoxon_exact
+from .comparisons import shift_of
+from .ratings import Ratings, ScaleInfo, SurveyAnswer, Table
+
+Sheets = dict[tuple[str, int], dict[str, float | None]]  # scores by participant and session
+
+
+def condition_rows(ratings: Ratings, part: str, scale: str) -> list[dict[str, Any]]:
+    """Return a row per condition: n, median, mean, spread, and each participant's rating.
+
+    Spread is None where n is too small.
+    """
+    table = ratings.table(part, scale)
+    references = ratings.references(part)
+    return [_condition_row(table, name, ratings, part, name in references) for name in table.conditions]
+
+
+def _condition_row(table: Table, name: str, ratings: Ratings, part: str, is_reference: bool) -> dict[str, Any]:
+    column = table.column(name)
+    rated = column[np.isfinite(column)]
+    row: dict[str, Any] = {
+        "condition": name,
+        "settings": dict(ratings.settings(part, name)),
+        "reference": is_reference,
+        "n": len(rated),
+        "missing": int(len(column) - len(rated)),
+        "ratings": {
+            who: round(float(v), 9) for who, v in zip(table.participants, column, strict=True) if np.isfinite(v)
+        },
+    }
+    quartiles = np.quantile(rated, (0.25, 0.5, 0.75)).tolist() if len(rated) else [None] * 3
+    row |= dict(zip(("q1", "median", "q3"), quartiles, strict=True))
+    row["mean"] = float(rated.mean()) if len(rated) else None
+    row["sd"] = float(rated.std(ddof=1)) if len(rated) > 1 else None
+    row["least"], row["most"] = (float(rated.min()), float(rated.max())) if len(rated) else (None, None)
+    return row
+
+
+def friedman_row(table: Table) -> dict[str, Any] | None:
+    """Return Friedman's test over participants who rated everything.
+
+    None where there are too few people or conditions.
+    """
+    found = friedman(table.values)
+    if found is None:
+        return None
+    return found._asdict() | {"conditions": len(table.conditions), "w": kendalls_w(found)}
+
+
+def reference_missed(table: Table, references: tuple[str, ...], scale: ScaleInfo) -> dict[str, Any] | None:
+    """Return who rated the hidden reference worse than the median of their other ratings.
+
+    None without a reference.
+    """
+    if not references:
+        return None
+    inside = [table.conditions.index(name) for name in references]
+    outside = [k for k in range(len(table.conditions)) if k not in inside]
+    badness = scale.sign * table.values
+    rated, missed = 0, []
+    for who, row in zip(table.participants, badness, strict=True):
+        own, others = row[inside][np.isfinite(row[inside])], row[outside][np.isfinite(row[outside])]
+        if len(own) and len(others):
+            rated += 1
+            if own.mean() > np.median(others) + 1e-9:
+                missed.append(who)
+    return {"rated": rated, "missed": missed, "references": list(references)}
+
+
+def place_residuals(ratings: Ratings, part: str, scale: str) -> list[dict[str, Any]]:
+    """Return each rating less its participant's and its condition's mean, by place of its trial.
+
+    Empty where places are not known.
+    """
+    rated = [(row, row.value) for row in ratings.of(part, scale) if row.value is not None and row.place]
+    if not rated:
+        return []
+    overall = sum(value for _, value in rated) / len(rated)
+
+    def means(name: str) -> dict[str, float]:
+        groups: dict[str, list[float]] = {}
+        for row, value in rated:
+            groups.setdefault(getattr(row, name), []).append(value)
+        return {key: sum(values) / len(values) for key, values in groups.items()}
+
+    people, conditions = means("participant"), means("condition")
+    return [
+        {"place": row.place, "rest": value - people[row.participant] - conditions[row.condition] + overall}
+        for row, value in rated
+    ]
+
+
+def missing_rows(ratings: Ratings, scale: str) -> list[dict[str, Any]]:
+    """Return every missing rating with its reason."""
+    return [
+        {
+            "participant": row.participant,
+            "part": row.part,
+            "condition": row.condition,
+            "session": row.session,
+            "why": row.why_missing,
+        }
+        for row in ratings.rows
+        if row.scale == scale and row.value is None
+    ]
+
+
+def session_counts(ratings: Ratings) -> dict[str, Any]:
+    """Return how sessions ended: counts, and the sessions that are not complete."""
+    counts = Counter(one.status for one in ratings.sessions)
+    cut = [
+        {"participant": one.participant, "part": one.part, "session": one.number, "status": one.status, "why": one.why}
+        | {"rated": one.rated, "of": one.planned}
+        for one in ratings.sessions
+        if one.status != "complete"
+    ]
+    return {"counts": dict(sorted(counts.items())), "cut": cut}
+
+
+def sickness_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> list[dict[str, Any]]:
+    """Return for each sickness scale and trial the number, median and worst of the answers."""
+    out = []
+    for name in dict.fromkeys(one.scale for one in ratings.survey):
+        scale = known(name)
+        if scale is None or scale.kind == QUESTIONNAIRE:
+            continue
+        by_trial: dict[int, list[float]] = {}
+        for one in ratings.survey:
+            if one.scale == name and one.value is not None:
+                by_trial.setdefault(one.trial, []).append(one.value)
+        worst = max if scale.low_is_good else min
+        trials = [
+            {"trial": trial, "n": len(values), "median": float(np.median(values)), "worst": float(worst(values))}
+            for trial, values in sorted(by_trial.items())
+        ]
+        out.append({"scale": name, "title": scale.title, "least": scale.least, "most": scale.most, "trials": trials})
+    return out
+
+
+def questionnaire_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> list[dict[str, Any]]:
+    """Return a row for each score of each questionnaire: medians before and after, and the change.
+
+    The change is over those who answered both times. p is of the exact Wilcoxon test of the change,
+    uncorrected: these comparisons are not planned.
+    """
+    out = []
+    for name in dict.fromkeys(one.scale for one in ratings.survey):
+        scale = known(name)
+        if scale is None or scale.kind != QUESTIONNAIRE:
+            continue
+        before, after = (_scores(ratings.survey, scale, phase) for phase in ("before", "after"))
+        for score in dict.fromkeys(key for sheet in [*before.values(), *after.values()] for key in sheet):
+            pairs = [(before[who][score], after[who][score]) for who in before if who in after]
+            changes = np.array([b - a for a, b in pairs if a is not None and b is not None])
+            row: dict[str, Any] = {"scale": name, "title": scale.title, "score": score, "n": len(changes)}
+            row |= {"before": _median(before, score), "after": _median(after, score)}
+            if len(changes):
+                row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True))
+                row["p"] = wilcoxon_exact(changes).p
+            out.append(row)
+    return out
+
+
+def _scores(answers: tuple[SurveyAnswer, ...], scale: Scale, phase: str) -> Sheets:
+    sheets: Sheets = {}
+    for one in answers:
+        if one.scale == scale.name and one.phase == phase:
+            sheets.setdefault((one.participant, one.session), {})[one.item] = one.value
+    return {who: scored(scale, sheet) for who, sheet in sheets.items()}
+
+
+def _median(sheets: Sheets, score: str) -> float | None:
+    values = [value for sheet in sheets.values() if (value := sheet.get(score)) is not None]
+    return float(np.median(values)) if values else None
+
+
+def scale_or_none(name: str) -> Scale | None:
+    """Return a shipped scale, or None for a name that is none."""
+    try:
+        return load_scale(name)
+    except InputError:
+        return None

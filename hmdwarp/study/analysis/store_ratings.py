@@ -1,0 +1,151 @@
+"""Ratings from a study's own store."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import attrs
+
+from ...errors import InputError
+from ...report import counted
+from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
+from ..export import long_rows, no_sessions, of_origin, plan_of
+from ..scales import RATING
+from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
+from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
+
+_WHY = {
+    SICK: "the stop rule for sickness ended the session before",
+    STOPPED: "the session was stopped before",
+    INTERRUPTED: "the session was interrupted and not resumed",
+    RUNNING: "the session is still running, or its program died",
+    COMPLETE: "not answered",
+}
+
+
+def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
+    """Return the ratings of one origin, each with its place and the condition before it.
+
+    origin: "person", "pilot" or "simulated". Every session is read by the plan that it ran with.
+    Missing ratings are included, with the reason. Errors: InputError where there are no sessions.
+    """
+    # By their random words: in which order people came must not show.
+    sessions = sorted((one for one in contents.sessions if one.origin == origin), key=lambda one: (one.sub, one.number))
+    if not sessions:
+        raise InputError(no_sessions(contents, origin, "analyse"))
+    latest = _latest(contents.answers)
+    rows: list[Rating] = []
+    survey: list[SurveyAnswer] = []
+    summaries: list[SessionSummary] = []
+    for session in sessions:
+        plan = plan_of(session, design)
+        answers = latest.get(session.id, {})
+        of_session = _ratings(session, plan, answers)
+        rows += of_session
+        rating = {scale.name for scale in plan.scales if scale.kind == RATING}
+        survey += [_survey_answer(session, one) for one in answers.values() if one.scale not in rating]
+        trials = sum(len(names) for names in session.order)
+        rated = len({row.place for row in of_session if row.value is not None})
+        summaries.append(
+            SessionSummary(session.sub, session.part, session.number, session.status, session.why, rated, trials)
+        )
+    found = Ratings(
+        rows=tuple(rows),
+        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING},
+        families=design.families,
+        planned={part.name: tuple(one.name for one in part.conditions) for part in design.parts},
+        origin=origin,
+        source=f"the store of '{contents.name}'",
+        title=design.title,
+        sessions=tuple(summaries),
+        survey=tuple(survey),
+        scales={scale.name: scale for scale in every_scale(design)},
+        notes=tuple(_notes(contents, sessions, design, origin)),
+        long=tuple(long_rows(of_origin(contents, origin), design)),
+    )
+    return _without_part(found) if [part.name for part in design.parts] == [ONLY_PART] else found
+
+
+def _without_part(ratings: Ratings) -> Ratings:
+    """Drop the part's name where the plan has only one part and does not name it."""
+    families = tuple(
+        attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons))
+        for one in ratings.families
+    )
+    return attrs.evolve(
+        ratings,
+        families=families,
+        planned={"": ratings.planned[ONLY_PART]},
+        rows=tuple(attrs.evolve(one, part="") for one in ratings.rows),
+        sessions=tuple(attrs.evolve(one, part="") for one in ratings.sessions),
+        survey=tuple(attrs.evolve(one, part="") for one in ratings.survey),
+    )
+
+
+def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
+    """Return the last revision of each answer, by session and key."""
+    found: dict[int, dict[str, Answer]] = {}
+    for one in answers:
+        of = found.setdefault(one.session, {})
+        if one.key not in of or of[one.key].revision < one.revision:
+            of[one.key] = one
+    return found
+
+
+def _ratings(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Rating]:
+    names = {scale.name for scale in plan.scales if scale.kind == RATING}
+    rows: list[Rating] = []
+    show: Show | None = None
+    before = ""
+    for step in steps_of(plan, session.order, session.part):
+        if isinstance(step, Show) and step.trial:
+            before, show = (show.condition.name if show else ""), step
+        elif isinstance(step, Ask) and show is not None and step.phase == "trial" and step.scale.name in names:
+            rows.append(_rating(session, show, before, step, answers.get(step.key)))
+    return rows
+
+
+def _rating(session: Session, show: Show, before: str, ask: Ask, answer: Answer | None) -> Rating:
+    value = None if answer is None else answer.value
+    why = _WHY[session.status] if answer is None else "the participant could not say"
+    return Rating(
+        participant=session.sub,
+        part=session.part,
+        condition=show.condition.name,
+        scale=ask.scale.name,
+        value=value,
+        why_missing="" if value is not None else why,
+        reference=show.condition.reference,
+        repeat=show.repeat,
+        place=ask.trial,
+        previous=before,
+        session=session.number,
+        settings=_settings(show.condition.settings),
+    )
+
+
+def _settings(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Put the unit into the name, as tables have it."""
+    return {"latency_ms" if name == "latency" else name: value for name, value in settings.items()}
+
+
+def _survey_answer(session: Session, one: Answer) -> SurveyAnswer:
+    return SurveyAnswer(session.sub, session.part, session.number, one.phase, one.trial, one.scale, one.item, one.value)
+
+
+def _notes(contents: Contents, sessions: list[Session], design: Design, origin: str) -> Iterable[str]:
+    others = {session.origin for session in contents.sessions} - {origin}
+    if origin != PERSON:
+        yield f"These ratings are of origin '{origin}', not of people taking part in the study."
+    if others:
+        yield f"Sessions of origin {' and '.join(sorted(others))} are left out: origins are never mixed."
+    changed = sum(session.plan != design.text for session in sessions)
+    if changed:
+        those = f"{changed} of {counted(len(sessions), 'session')}"
+        yield f"The study's file was changed after {those}; each is read by the plan that it ran with."
+    again = len({session.sub for session in sessions if session.number > 1})
+    if again:
+        yield f"Participants with more than one session: {again}; their ratings of a condition are averaged."
+    if contents.withdrawn:
+        yield f"Withdrawn, with all data erased: {contents.withdrawn}."

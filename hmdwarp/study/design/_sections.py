@@ -1,0 +1,136 @@
+"""Scales of a study file, and its sections beside the trials.
+
+These are practice, breaks, sickness, questionnaires and consent.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...errors import InputError
+from ...tables import Table, quoted, text_of
+from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
+from ._parts import Checker
+from .condition_settings import PICTURE
+from .definitions import Breaks, Condition, Consent, Sickness
+
+PRACTICE = "practice"
+_PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
+
+
+def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
+    """Load a shipped scale, or a .toml file beside the study's. Errors: KeyFault."""
+    try:
+        return load_scale(str(folder / name) if name.endswith(".toml") else name)
+    except InputError as error:
+        raise table.fault(key, f"has '{name}': {error}", *within) from error
+
+
+def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
+    """Load the scales of a list.
+
+    questionnaires: whether they belong before or after the session; else they follow each trial.
+    """
+    names = table.texts(key) if not questionnaires else table.texts(key, ())
+    made: list[Scale] = []
+    for number, name in enumerate(names):
+        scale = scale_at(table, key, name, folder, number)
+        if not questionnaires and scale.kind == QUESTIONNAIRE:
+            raise table.fault(
+                key,
+                f"has '{name}', a questionnaire of {len(scale.items)} items: wanted a scale that takes a moment",
+                number,
+            )
+        if scale.name in [one.name for one in made]:
+            raise table.fault(key, f"has '{scale.name}' twice: wanted each scale once", number)
+        made.append(scale)
+    if not made and not questionnaires:
+        raise table.fault(key, "is empty: wanted one scale at least; see 'hmdwarp list scales'")
+    if not questionnaires and all(scale.kind != RATING for scale in made):
+        # Tables of ratings and the analysis hold only that kind.
+        raise table.fault(
+            key,
+            f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; the others belong in "
+            "[sickness]",
+        )
+    return tuple(made)
+
+
+def practice_of(data: Table, checker: Checker) -> Condition | None:
+    """Return the practice condition, None without [practice].
+
+    No latency and no warp by default; its look is that of [common].
+    """
+    if PRACTICE not in data:
+        return None
+    table = data.table(PRACTICE)
+    own = {key: table.raw(key) for key in table.keys() if key != "seconds"}  # noqa: SIM118  (a Table is no dict)
+    return Condition(PRACTICE, checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE))
+
+
+def breaks_of(data: Table) -> Breaks:
+    """Return the breaks; none without [breaks]."""
+    if "breaks" not in data:
+        return Breaks()
+    table = data.table("breaks")
+    return Breaks(table.whole("every", 0, 10_000), table.within("seconds", 0, 3600, 0.0))
+
+
+def sickness_of(data: Table, folder: Path) -> Sickness | None:
+    """Return the sickness rule, None without [sickness].
+
+    stop_at must be worse than the best answer, or every session would end at once.
+    """
+    if "sickness" not in data:
+        return None
+    table = data.table("sickness")
+    scale = scale_at(table, "scale", table.text("scale"), folder)
+    if scale.kind == QUESTIONNAIRE:
+        raise table.fault(
+            "scale",
+            f"has '{scale.name}', a questionnaire of {len(scale.items)} items: wanted a scale that takes a moment",
+        )
+    if scale.kind == RATING:
+        raise table.fault(
+            "scale",
+            f"has '{scale.name}', a rating, and would stand among those of the trials: wanted fms, misc or the like",
+        )
+    stop_at = table.within("stop_at", scale.least, scale.most, None)
+    if stop_at is not None and scale.badness(stop_at) <= 0:
+        raise table.fault(
+            "stop_at",
+            f"is {stop_at:g}, the best answer of '{scale.name}': wanted a worse one, or every session stops at once",
+        )
+    rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
+    return Sickness(scale, table.whole("every", 1, 10_000, 1), stop_at, rise)
+
+
+def questionnaires_of(data: Table, folder: Path) -> tuple[tuple[Scale, ...], tuple[Scale, ...]]:
+    """Return the questionnaires before and after the session."""
+    if "questionnaires" not in data:
+        return (), ()
+    table = data.table("questionnaires")
+    before, after = (scales_of(table, key, folder, questionnaires=True) for key in ("before", "after"))
+    return before, after
+
+
+def consent_of(data: Table, folder: Path) -> Consent | None:
+    """Return the consent, None without [consent]; its text is there or in a file beside."""
+    if "consent" not in data:
+        return None
+    table = data.table("consent")
+    version = table.text("version")
+    if ("text" in table) == ("file" in table):
+        raise table.fault(None, "wanted either text, or file, a text beside the study file")
+    return Consent(version, table.text("text") if "text" in table else _text_of(table, folder))
+
+
+def _text_of(table: Table, folder: Path) -> str:
+    path = folder / table.text("file")
+    try:
+        text = text_of(path, "a text that participants read")
+    except InputError as error:
+        raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
+    if not text.strip():
+        raise table.fault("file", f"is {quoted(str(path))}, which is empty: wanted a text that participants read")
+    return text

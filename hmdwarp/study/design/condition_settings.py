@@ -1,0 +1,155 @@
+"""The settings of a condition: options of `hmdwarp live`, under their long names."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ...auto.levels import QualityLevel
+from ...client.plan import needs_of
+from ...errors import InputError
+from ...headsets import Headset, load_headset
+from ...options import declared, options_of
+from ...pipeline.options import AUTO
+from ...pipeline.planning import plans_for
+from ...pipeline.sizes import guarded_size
+from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
+from ...run.options import FLAT
+from ...scenes import Scene
+from ...server.draw import MIRRORS
+from ...tables import quoted
+
+# Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
+_TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
+_TEXT_OR_NUMBER = "a number or a text"
+_KIND_OF = {float: _NUMBER, int: _WHOLE, bool: _FLAG}
+_OPTIONS = options_of(LiveOptions)
+_SETTINGS = [option for option in _OPTIONS if option.in_study]
+KINDS = {option.name: _TEXT_OR_NUMBER if option.numeric else _KIND_OF.get(option.kind, _TEXT) for option in _SETTINGS}
+# The display is opened once for a session: equal for all conditions.
+DISPLAY = tuple(option.name for option in _SETTINGS if option.study == declared.DISPLAY)
+# Of the picture, not of link or warp: the practice takes them over from [common].
+PICTURE = (*(option.name for option in _SETTINGS if option.study == declared.PICTURE), *DISPLAY)
+_MOST_PIXELS = 16384
+FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
+_NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
+_NOT_SETTINGS["quiet"] = "it is an option of 'hmdwarp study run'"
+
+
+class SettingFault(InputError):
+    """A wrong setting; key: its name, as in the file."""
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(text)
+        self.key = key
+
+
+def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
+    """Return the options of a live run with these settings, without the panel.
+
+    settings: see KINDS; names with - or _, values as in TOML. more: fields of LiveOptions, such as
+    source, trace, record.
+    Errors: SettingFault for an unknown name or a value of another kind; InputError for an invalid
+    value.
+    """
+    values = {name: _value(key, name, value) for key, name, value in _named(settings)}
+    return LiveOptions.of(values, panel=False, **more)
+
+
+def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> LiveOptions:
+    """Return the options after trying everything that needs no display.
+
+    scenes: those loaded so far; this one is added.
+    Errors: InputError and its kin, now and not in the middle of a session.
+    """
+    options = live_options(settings)
+    if options.mirrors not in MIRRORS:
+        raise InputError(f"mirrors '{options.mirrors}': wanted {' or '.join(MIRRORS)}")
+    options.network.check(round(options.latency_ms * 1e6))
+    headset = load_headset(options.headset)
+    _check_guard(options, headset)
+    scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
+    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _levels(options, headset))
+    refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
+    return options
+
+
+def _check_guard(options: LiveOptions, headset: Headset) -> None:
+    width, height = guarded_size(options.guard_factor, headset, options.size or headset.eye_size_px)
+    if max(width, height) > _MOST_PIXELS:
+        found = f"guard {options.guard:g} makes frames of {width}x{height} pixels"
+        raise InputError(f"{found}: wanted at most {_MOST_PIXELS} on each side, as most GPUs have it")
+
+
+def _lens(options: LiveOptions, headset: Headset) -> str:
+    """Return the lens of a window for this headset."""
+    if options.lens != AUTO:
+        return options.lens
+    return "radial" if headset.lens is not None else "none"
+
+
+def _levels(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
+    """Return what warp auto chooses from."""
+    if options.bench is None:
+        return ()
+    sized = attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px)
+    return levels_from_file(options.bench, sized, None).levels
+
+
+def resolve_paths(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
+    """Return the settings with absolute paths, and names with _. folder: of the study file."""
+    return {name: _resolved(folder, name, value) for _, name, value in _named(settings)}
+
+
+def _resolved(folder: Path, name: str, value: object) -> object:
+    is_file = name in FILES or (
+        isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value))
+    )
+    return str(folder.absolute() / value) if is_file and isinstance(value, str) else value
+
+
+def _is_scene_file(name: str, value: str) -> bool:
+    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply"))
+
+
+def _named(settings: Mapping[str, object]) -> list[tuple[str, str, object]]:
+    """Return (key of the file, name with _, value) of each. Errors: SettingFault."""
+    out: list[tuple[str, str, object]] = []
+    for key, value in settings.items():
+        name = key.replace("-", "_")
+        if name in _NOT_SETTINGS:
+            raise SettingFault(key, f"{key} is no setting of a condition: {_NOT_SETTINGS[name]}")
+        if name not in KINDS:
+            near = difflib.get_close_matches(name, [*KINDS, "name", "reference"], n=1, cutoff=0.5)
+            hint = f"did you mean {near[0]}? " if near else ""
+            raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(KINDS)}")
+        if name in [other for _, other, _ in out]:
+            raise SettingFault(key, f"{key} comes twice, with - and with _: leave one of them out")
+        out.append((key, name, value))
+    return out
+
+
+def _value(key: str, name: str, value: object) -> object:
+    """Convert a value to what the command line passes. Errors: SettingFault."""
+    kind = KINDS[name]
+    if isinstance(value, bool) or kind == _FLAG:
+        if isinstance(value, bool) and kind == _FLAG:
+            return value
+    elif isinstance(value, str):
+        if kind in (_TEXT, _TEXT_OR_NUMBER):
+            return Path(value) if name in FILES else value
+    elif isinstance(value, int) and kind == _WHOLE:
+        return value
+    elif (
+        isinstance(value, int | float)
+        and kind in (_NUMBER, _TEXT_OR_NUMBER)
+        and abs(value) < 2**63
+        and math.isfinite(value)
+    ):
+        return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
+    raise SettingFault(key, f"{key} is {quoted(value)}: wanted {kind}")

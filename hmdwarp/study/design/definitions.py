@@ -1,0 +1,114 @@
+"""Definition of a study: parts, conditions, scales, comparisons. All classes are frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+
+from ..scales import Scale
+
+ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
+BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
+ONLY_PART = "main"  # name of the part in a study without [[part]]
+
+
+@attrs.frozen
+class Condition:
+    """What a trial shows."""
+
+    name: str  # in tables and comparisons
+    # Options of `hmdwarp live`, as the file has them, those of [common] included.
+    settings: Mapping[str, object] = attrs.field(factory=dict, hash=False)
+    # The hidden reference is shown and rated like the others; only the analysis knows it.
+    reference: bool = False
+
+
+@attrs.frozen
+class Part:
+    """What one session shows: the thesis had two "runs", each with its own participants."""
+
+    name: str
+    conditions: tuple[Condition, ...]
+
+    def condition(self, name: str) -> Condition:
+        """Return the condition of that name. Errors: StopIteration."""
+        return next(one for one in self.conditions if one.name == name)
+
+
+@attrs.frozen
+class Breaks:
+    """Breaks between trials."""
+
+    every: int = 0  # trials between two breaks; 0 for none
+    seconds: float = 0.0  # at least
+
+
+@attrs.frozen
+class Sickness:
+    """When to ask for sickness, and which answer ends the session."""
+
+    scale: Scale  # asked after the practice too
+    every: int = 1  # trials between two questions
+    stop_at: float | None = None  # an answer that bad ends the session; in the scale's own direction
+    rise: float | None = None  # so does one worse by that much than the session's first answer
+
+
+@attrs.frozen
+class Consent:
+    """Text that participants read before anything else; the store keeps its hash."""
+
+    version: str  # kept with each session
+    text: str
+
+
+@attrs.frozen
+class Comparison:
+    """Two conditions of a part: a minus b, signed so that positive means b is better."""
+
+    part: str
+    a: str
+    b: str
+
+
+@attrs.frozen
+class Family:
+    """Comparisons that Holm's correction is made over."""
+
+    name: str
+    comparisons: tuple[Comparison, ...]
+
+
+@attrs.frozen
+class Design:
+    """A study."""
+
+    name: str
+    title: str
+    parts: tuple[Part, ...]
+    scales: tuple[Scale, ...]  # asked after each trial, in this order
+    families: tuple[Family, ...] = ()
+    seconds: float = 20.0  # a trial shows its condition for so long
+    repeats: int = 1  # presentations of each condition
+    order: str = WILLIAMS  # one of ORDERS
+    seed: int = 0
+    blind: str = BOTH  # one of BLIND: who must not see the condition
+    practice: Condition | None = None  # shown first and not scored
+    practice_seconds: float = 60.0
+    breaks: Breaks = Breaks()
+    sickness: Sickness | None = None
+    before: tuple[Scale, ...] = ()  # questionnaires before the session
+    after: tuple[Scale, ...] = ()  # questionnaires after the session
+    consent: Consent | None = None
+    text: str = attrs.field(default="", repr=False)  # the file as it was read; every session keeps it
+    path: str = ""
+
+    def part(self, name: str) -> Part:
+        """Return the part of that name. Errors: StopIteration."""
+        return next(one for one in self.parts if one.name == name)
+
+
+def every_scale(design: Design) -> tuple[Scale, ...]:
+    """Return all scales of a study, each once."""
+    sickness = () if design.sickness is None else (design.sickness.scale,)
+    return tuple({scale.name: scale for scale in (*design.scales, *sickness, *design.before, *design.after)}.values())

@@ -1,0 +1,219 @@
+"""Rows of tables from the store: one for each rating, missing ones included."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import PurePath
+from typing import Any
+
+import attrs
+
+from ...errors import InputError
+from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
+from ..scales import RATING, Scale, scored
+from ..store import COMPLETE, PERSON, Answer, Contents, Session, Showing
+from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
+
+Row = dict[str, Any]
+
+
+@attrs.frozen(eq=False)
+class SessionData:
+    """One session with its plan and all its data."""
+
+    session: Session
+    plan: Design  # that it ran with
+    asks: Mapping[str, Ask]  # all planned questions, by key
+    shows: Mapping[str, Show]  # all planned showings, by key
+    answers: Mapping[str, tuple[Answer, ...]]  # every revision, by key, in order
+    showings: Mapping[int, Showing]  # by id
+
+
+def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
+    """Return all sessions, each with the plan that it ran with.
+
+    design: the present plan, which must know their conditions.
+    Errors: InputError for a session of another plan.
+    """
+    read: dict[str, Design] = {design.text: design}
+    for session in contents.sessions:
+        if session.plan not in read:
+            read[session.plan] = plan_of(session, design)
+    return tuple(_session_data(contents, design, session, read[session.plan]) for session in contents.sessions)
+
+
+def plan_of(session: Session, design: Design) -> Design:
+    """Return the plan that the session ran with, which may be older than `design`.
+
+    Errors: InputError.
+    """
+    return design if session.plan == design.text else design_from_text(session.plan, design.path, checked=False)
+
+
+def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
+    """Return every scale of the plan and of the sessions, by name. Errors: as sessions_of."""
+    asked = {ask.scale.name: ask.scale for one in sessions_of(contents, design) for ask in one.asks.values()}
+    return {scale.name: scale for scale in every_scale(design)} | asked
+
+
+def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
+    """Keep sessions of one origin: people, pilots and programs are never mixed.
+
+    They come in the order of the random words, so that the order of arrival does not show.
+    """
+    chosen = (one for one in contents.sessions if one.origin == origin)
+    sessions = tuple(sorted(chosen, key=lambda one: (one.sub, one.number)))
+    ids = {one.id for one in sessions}
+    return attrs.evolve(
+        contents,
+        sessions=sessions,
+        answers=tuple(one for one in contents.answers if one.session in ids),
+        showings=tuple(one for one in contents.showings if one.session in ids),
+        events=tuple(one for one in contents.events if one.session in ids),
+    )
+
+
+def long_rows(contents: Contents, design: Design) -> list[Row]:
+    """Return one row per rating after a trial, by LONG_COLUMNS; None for a missing value.
+
+    A planned rating that is missing has a row with the reason. Of revised answers only the last
+    one counts. Errors: as sessions_of.
+    """
+    return [row for row in answer_rows(contents, design) if row["phase"] == "trial" and row["kind"] == RATING]
+
+
+def answer_rows(contents: Contents, design: Design) -> list[Row]:
+    """Return rows as long_rows, for every question of a session, with its `phase` and `kind`."""
+    return [
+        _row(design, data, ask, _last(data, ask))
+        for data in sessions_of(contents, design)
+        for ask in data.asks.values()
+    ]
+
+
+def revision_rows(contents: Contents, design: Design) -> list[Row]:
+    """Return one row per confirmed answer, revised ones too, in the order of the questions."""
+    return [
+        _row(design, data, ask, answer)
+        for data in sessions_of(contents, design)
+        for ask in data.asks.values()
+        for answer in data.answers.get(ask.key, ())
+    ]
+
+
+def score_rows(contents: Contents, design: Design) -> list[Row]:
+    """Return one row per score of the questionnaires: `item` is its name, `kind` "score"."""
+    rows: list[Row] = []
+    for data in sessions_of(contents, design):
+        for phase, scales in (("before", data.plan.before), ("after", data.plan.after)):
+            for scale in scales:
+                asked = [ask for ask in data.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
+                last = [(ask, _last(data, ask)) for ask in asked]
+                values = {ask.item.key: None if answer is None else answer.value for ask, answer in last}
+                base = _row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
+                for name, value in scored(scale, values).items():
+                    why = None if value is not None else NOT_ALL
+                    rows.append(base | {"item": name, "value": value, "kind": "score", "why_missing": why})
+    return rows
+
+
+def _session_data(contents: Contents, design: Design, session: Session, plan: Design) -> SessionData:
+    try:
+        steps_of(design, session.order, session.part)
+        steps = steps_of(plan, session.order, session.part)
+    except StopIteration as error:
+        raise InputError(
+            f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that "
+            "this plan lacks: "
+            "use the study file that the sessions ran with"
+        ) from error
+    answers: dict[str, list[Answer]] = {}
+    for answer in sorted(
+        (one for one in contents.answers if one.session == session.id), key=lambda one: (one.revision, one.id)
+    ):
+        answers.setdefault(answer.key, []).append(answer)
+    return SessionData(
+        session,
+        plan,
+        {step.key: step for step in steps if isinstance(step, Ask)},
+        {step.key: step for step in steps if isinstance(step, Show)},
+        {key: tuple(revisions) for key, revisions in answers.items()},
+        {one.id: one for one in contents.showings if one.session == session.id},
+    )
+
+
+def _last(data: SessionData, ask: Ask) -> Answer | None:
+    return data.answers.get(ask.key, (None,))[-1]
+
+
+def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
+    session = data.session
+    show = data.shows.get(ask.about)
+    showing = _showing(data, ask, answer)
+    value = None if answer is None else answer.value
+    return {
+        "study": design.name,
+        "participant": session.sub,
+        "session": session.number,
+        "part": session.part,
+        "origin": session.origin,
+        "status": session.status,
+        "order": session.row,
+        **_shown(data, show),
+        "phase": ask.phase,
+        "kind": ask.scale.kind,
+        "scale": ask.scale.name,
+        "item": ask.item.key,
+        "value": value,
+        "low_is_good": ask.scale.low_is_good,
+        "why_missing": None if value is not None else _why(session, answer),
+        "seconds_to_answer": None if answer is None else answer.seconds,
+        "revision": None if answer is None else answer.revision,
+        "presentation": None if showing is None else showing.presentation,
+        "answered_by": None if answer is None else answer.by,
+        **({} if showing is None else {f"actual_{name}": value for name, value in showing.actual.items()}),
+        **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
+    }
+
+
+def _why(session: Session, answer: Answer | None) -> str:
+    if answer is not None:
+        return CANNOT_SAY
+    return NOT_ASKED if session.status == COMPLETE else f"session {session.status}"
+
+
+def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | None:
+    """Return the showing that an answer is about; without an answer the last complete one."""
+    if answer is not None and answer.showing is not None:
+        return data.showings.get(answer.showing)
+    whole = [one for one in data.showings.values() if one.key == ask.about and one.complete]
+    return whole[-1] if whole else None
+
+
+def _shown(data: SessionData, show: Show | None) -> Row:
+    if show is None:
+        return {"trial": None, "repeat": None, "condition": None, "reference": None, "previous": None}
+    before = {one.trial: one.condition.name for one in data.shows.values() if one.trial}
+    return {
+        "trial": show.trial,
+        "repeat": show.repeat,
+        "condition": show.condition.name,
+        "reference": show.condition.reference,
+        "previous": before.get(show.trial - 1),
+        **settings_row(show.condition.settings),
+    }
+
+
+def settings_row(settings: Mapping[str, object]) -> Row:
+    """Return a condition's settings as columns, with the defaults of a live run.
+
+    Of a file only its name: its folder may name a person.
+    """
+    options = live_options(settings)
+    row = {name: getattr(options, name) for name in SETTINGS}
+    row["scene"] = PurePath(row["scene"]).name
+    others = {name.replace("-", "_"): value for name, value in settings.items()}
+    for name, value in others.items():
+        if name not in (*SETTINGS, *DISPLAY, "latency"):
+            row[name] = PurePath(str(value)).name if name in FILES else value
+    return row

@@ -1,0 +1,168 @@
+"""Columns of the exported tables: order, types, and descriptions for sidecar files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+
+from ...metrics import metrics_in_order
+from ..actual import NUMBERS, TEXTS
+from ..design import DISPLAY, KINDS
+from ..scales import KINDS as SCALE_KINDS
+from ..store import ORIGINS, STATUSES
+
+TEXT, NUMBER, INTEGER, FLAG = "text", "number", "whole", "flag"
+MISSING = "n/a"
+CANNOT_SAY, NOT_ASKED, NOT_ALL = "cannot say", "not asked", "answers missing"
+PHASES = ("before", "practice", "trial", "after")
+
+
+@attrs.frozen
+class Column:
+    """One column of a table."""
+
+    name: str
+    type: str  # TEXT, NUMBER, INTEGER or FLAG
+    description: str
+    units: str = ""  # as BIDS writes them, "" for none
+    levels: Mapping[str, str] = attrs.field(factory=dict, hash=False)  # descriptions of the values
+
+
+_WHO = (
+    Column("study", TEXT, "Name of the study"),
+    Column("participant", TEXT, "Random word for the participant, which does not identify the person"),
+    Column("session", INTEGER, "Which session of the participant, from 1 on"),
+    Column("part", TEXT, "Part of the study"),
+    Column("origin", TEXT, "Who answered", levels=dict(zip(ORIGINS, (
+        "a participant", "a pilot, who tried the study out", "a program"), strict=True))),
+    Column("status", TEXT, "How the session ended", levels=dict(zip(STATUSES, (
+        "it was running", "it may be resumed", "complete",
+        "ended by the participant or the experimenter, without a reason", "ended by the stop rule for sickness",
+    ), strict=True))),
+    Column("order", INTEGER, "Which of the part's orders of conditions, from 0 on"),
+)  # fmt: skip
+_WHAT = (
+    Column("trial", INTEGER, "Place of the trial in the session, from 1 on; 0 is the practice"),
+    Column("repeat", INTEGER, "Which time the condition was shown in this session, from 1 on"),
+    Column("condition", TEXT, "Name of the condition"),
+    Column("reference", FLAG, "Whether it is the hidden reference"),
+    Column("previous", TEXT, "Condition of the trial before, n/a for the first"),
+)
+# In every table, whatever a study sets; in the units of the live run.
+SETTINGS = ("latency_ms", "warp", "fill", "scene", "effects", "lens")
+_SETTING_TEXTS = {
+    "latency_ms": "From drawing a frame to showing it, as configured",
+    "warp": "Warp of a late frame to the newest pose",
+    "fill": "Fill of the holes",
+    "scene": "Scene shown",
+    "effects": "Effects of the scene that are carried in layers",
+    "lens": "Lens correction",
+}
+_SHOWN = (
+    Column("scale", TEXT, "Scale of the question"),
+    Column("item", TEXT, "Question of the scale"),
+    Column("value", NUMBER, "The answer"),
+    Column("low_is_good", FLAG, "Direction of the scale: whether a low value is a good one"),
+    Column("why_missing", TEXT, "Why there is no value, n/a where there is one", levels={
+        CANNOT_SAY: "the participant could not say",
+        NOT_ASKED: "the session ended without the question",
+        NOT_ALL: "answers that the score needs are missing",
+        **{f"session {status}": "the session ended before the answer" for status in STATUSES if status != "complete"},
+    }),
+    Column("seconds_to_answer", NUMBER, "From the question to the confirmed answer", "s"),
+    Column("revision", INTEGER, "More than 1 where the question was repeated; the last one counts"),
+    Column("presentation", INTEGER, "Showing that the answer is about; more than 1 where the trial was repeated"),
+    Column("answered_by", TEXT, "Who entered the answer"),
+)  # fmt: skip
+_PHASE = (
+    Column("phase", TEXT, "When the question came", levels=dict(zip(PHASES, (
+        "before the first trial", "after the practice", "after a trial", "after the last trial"), strict=True))),
+    Column("kind", TEXT, "Kind of the scale", levels=dict(zip((*SCALE_KINDS, "score"), (
+        "a rating of what was shown", "sickness", "an answer to one question of several",
+        "a score of a questionnaire"), strict=True))),
+)  # fmt: skip
+
+_UNITS = (("_ms", "ms"), ("_hz", "Hz"), ("_deg_s", "deg/s"), ("_m_s", "m/s"), ("_s", "s"), ("_db", "dB"))
+_ACTUAL_TEXTS = {
+    "seconds": ("From the first picture to the last", "s"),
+    "pictures": ("Pictures shown", ""),
+    "rate_hz": ("Pictures per second, measured", "Hz"),
+    "latency_ms": ("Age of the frame when it was seen", "ms"),
+    "period_ms": ("Between two pictures", "ms"),
+    "missed": ("Refreshes of the display without a new picture", ""),
+    "missed_share": ("Share of refreshes without a new picture", ""),
+    "over_budget_share": ("Share of pictures that took longer than a refresh", ""),
+    "hole_share": ("Share of pixels without colour after the warp and before the fill", ""),
+    "pose_age_ms": ("From reading the head pose to submitting the picture", "ms"),
+    "passes_ms": ("Time of the passes, both eyes together", "ms"),
+    "angular_speed_deg_s": ("Angular speed of the head", "deg/s"),
+    "linear_speed_m_s": ("Speed of the head", "m/s"),
+    "lost_s": ("Time without a display", "s"),
+    "tracking_lost_share": ("Share of pictures for a head pose held because tracking was lost", ""),
+}
+_OF = {"_median": "median", "_p95": "95th percentile", "_sd": "standard deviation", "_mean": "mean"}
+_TEXTS = {
+    "gpu": "GPU",
+    "gl": "Version of OpenGL",
+    "hmdwarp": "Version of hmdwarp",
+    "size": "Pixels of one eye",
+    "source": "Display",
+}
+
+
+def _actual(name: str) -> Column:
+    if name in TEXTS:
+        return Column(f"actual_{name}", TEXT, f"As it was shown: {_TEXTS.get(name, name)}")
+    stem, how = next(
+        ((name.removesuffix(end), f", {word}") for end, word in _OF.items() if name.endswith(end)), (name, "")
+    )
+    text, unit = _ACTUAL_TEXTS.get(
+        stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
+    )
+    return Column(
+        f"actual_{name}", INTEGER if name in ("pictures", "missed") else NUMBER, f"As it was shown: {text}{how}", unit
+    )
+
+
+ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *TEXTS))
+MEASURED_COLUMNS = (
+    *(Column(f"measured_{m.name}", NUMBER, f"Afterwards, mean of the measured pictures: {m.description}", m.unit)
+      for m in metrics_in_order()),
+    Column("measured_refreshes", INTEGER, "How many refreshes were measured afterwards, both eyes of each"),
+    Column("measured_every", INTEGER, "Every n-th refresh was measured; do not compare figures of different n"),
+    Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; do not compare different sizes"),
+)  # fmt: skip
+_SETTING_COLUMNS = tuple(
+    Column(name, NUMBER if name == "latency_ms" else TEXT, _SETTING_TEXTS[name], "ms" if name == "latency_ms" else "")
+    for name in SETTINGS
+)
+COLUMNS = (*_WHO, *_WHAT, *_SETTING_COLUMNS, *_SHOWN, *ACTUAL_COLUMNS, *MEASURED_COLUMNS)
+LONG_COLUMNS = tuple(column.name for column in COLUMNS)
+
+# Settings beside SETTINGS: columns of studies that use them.
+OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
+_BY_NAME = {column.name: column for column in (*COLUMNS, *_PHASE)}
+
+
+def _column_of(name: str) -> Column:
+    """Return the column of that name, by default a setting of a study."""
+    if name in _BY_NAME:
+        return _BY_NAME[name]
+    kind = {"a number": NUMBER, "a whole number": INTEGER, "true or false": FLAG}.get(KINDS.get(name, ""), TEXT)
+    return Column(name, kind, f"Setting of the condition: --{name.replace('_', '-')} of hmdwarp live")
+
+
+def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
+    """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale."""
+    others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
+    before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
+    names = (*after[:before], *others, *more, *after[before:])
+    return tuple(_column_of(name) for name in names)
+
+
+def label_of(text: str) -> str:
+    """Reduce a text to letters and digits, as BIDS labels must be; never empty."""
+    return re.sub(r"[^A-Za-z0-9]", "", text) or "study"

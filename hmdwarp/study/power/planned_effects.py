@@ -1,0 +1,62 @@
+"""Response models with a planned effect, by which every comparison of the study differs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+
+from ...errors import InputError
+from ..design import Comparison, Design, Part
+from ..respondents import Model, RatingModel
+from ..scales import Scale
+
+
+def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Model:
+    """Return a model of an effect and a spread, in the scale's unit.
+
+    effect: b is rated better than a by so much. sd: of one person's difference between two
+    showings. Half of that variance is opinion, which repeats do not average out, and half is
+    chance; people's levels spread as much as their ratings of one condition. There are no dropouts
+    and no missing answers. Conditions lie around the middle of the scale.
+    Errors: InputError where comparisons contradict each other.
+    """
+    each = sd / 2  # of opinion and of chance: var(a - b) = 2 (each^2 + each^2) = sd^2
+    rating = RatingModel(people_sd=sd / math.sqrt(2), condition_sd=each, noise_sd=each)
+    model = Model(path="--effect", title=f"an effect of {effect:g}, sd {sd:g}", ratings={scale.name: rating})
+    return with_effect(model, design, scale, effect)
+
+
+def with_effect(model: Model, design: Design, scale: Scale, effect: float) -> Model:
+    """Replace the means, so that every planned comparison differs by the effect."""
+    rating = model.rating(scale)
+    means = {part.name: _means(part, comparisons_of(design, part), scale, effect) for part in design.parts}
+    return attrs.evolve(model, ratings={**model.ratings, scale.name: attrs.evolve(rating, means=means)})
+
+
+def comparisons_of(design: Design, part: Part) -> list[Comparison]:
+    """Return the planned comparisons of a part, each once."""
+    return [
+        one
+        for one in dict.fromkeys(c for family in design.families for c in family.comparisons)
+        if one.part == part.name
+    ]
+
+
+def _means(part: Part, comparisons: list[Comparison], scale: Scale, effect: float) -> Mapping[str, float]:
+    """Return the means of least spread whose differences are the effect."""
+    names = [one.name for one in part.conditions]
+    middle = (scale.least + scale.most) / 2
+    if not comparisons:
+        return dict.fromkeys(names, middle)
+    differences = np.zeros((len(comparisons), len(names)))
+    for row, one in zip(differences, comparisons, strict=True):
+        row[names.index(one.a)], row[names.index(one.b)] = 1, -1
+    target = np.full(len(comparisons), effect if scale.low_is_good else -effect)
+    offsets = np.linalg.lstsq(differences, target, rcond=None)[0]
+    if not np.allclose(differences @ offsets, target):
+        why = f"its comparisons form a cycle, so they cannot all differ by {effect:g}"
+        raise InputError(f"part '{part.name}': {why}: set the means in a file (--model)")
+    return {name: middle + float(offset) for name, offset in zip(names, offsets, strict=True)}

@@ -1,0 +1,123 @@
+"""Summary of a power simulation: sentences, table and JSON data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..design import Comparison
+from .proportions import Proportion, people_for
+from .simulation import Power, PowerAt
+
+COLUMNS = (
+    *("part", "a", "b", "n", "power", "power_low", "power_high", "power_unlimited", "pairs", "complete"),
+    *("true_effect", "planned_effect"),
+)
+
+
+def power_rows(power: Power) -> list[dict[str, Any]]:
+    """Return a row for each comparison and n, by COLUMNS."""
+    return [_row(power, one, at_n) for one in power.true_effect for at_n in power.at]
+
+
+def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
+    found = at_n.found[one]
+    return {
+        "part": one.part,
+        "a": one.a,
+        "b": one.b,
+        "n": at_n.n,
+        "power": found.value,
+        "power_low": found.low,
+        "power_high": found.high,
+        "power_unlimited": at_n.unlimited[one].value,
+        "pairs": at_n.pairs[one],
+        "complete": at_n.complete,
+        "true_effect": power.true_effect[one],
+        "planned_effect": power.planned[one],
+    }
+
+
+def name_of(one: Comparison, power: Power) -> str:
+    """Name a comparison for tables and plots, with its part where there are several."""
+    several = len({other.part for other in power.true_effect}) > 1
+    return f"{one.part}: {one.a} - {one.b}" if several else f"{one.a} - {one.b}"
+
+
+def sentences(power: Power, target: float) -> list[str]:
+    """Describe the power against the target, one fact per sentence."""
+    each = [_enough(power, one, target) for one in power.true_effect]
+    return [*each, *_together(power, target), *_invite(power, target), *_limits(power)]
+
+
+def _enough(power: Power, one: Comparison, target: float) -> str:
+    reached, last = power.enough(target, one), power.at[-1]
+    name = f"{name_of(one, power)} (a true mean difference of {power.true_effect[one]:+.2f})"
+    if reached is None:
+        return (
+            f"{name}: up to {last.n} people do not reach {target:.0%}; with {last.n} it is {_percent(last.found[one])}."
+        )
+    found = reached.found[one]
+    text = f"{name}: {reached.n} people find it in {_percent(found)} of studies."
+    if reached is power.at[0]:
+        text += " That is the smallest number tried; fewer may suffice."
+    if found.is_uncertain_about(target):
+        text += f" The simulation leaves open whether that is {target:.0%}: use more --studies."
+    return text
+
+
+def _percent(found: Proportion) -> str:
+    return f"{found.value:.1%} ({found.low:.1%} to {found.high:.1%})"
+
+
+def _together(power: Power, target: float) -> list[str]:
+    if len(power.true_effect) < 2:
+        return []
+    reached, each = power.enough(target), f"each of the {len(power.true_effect)} comparisons"
+    if reached is None:
+        return [f"No number of people tried gives {each} {target:.0%}."]
+    together = f"all of them at once are found in {_percent(reached.all_found)} of studies"
+    return [f"With {reached.n} people {each} has {target:.0%} or more; {together}."]
+
+
+def _invite(power: Power, target: float) -> list[str]:
+    """Translate people who begin into people to invite; dropouts count with what they rated."""
+    if power.complete_share == 1:
+        return []
+    reached = power.enough(target) or power.at[-1]
+    text = f"{1 - power.complete_share:.0%} of these people do not finish; the numbers above are people who begin."
+    needed = people_for(reached.n, power.complete_share)
+    if needed is not None:
+        text += f" For {reached.n} complete sessions plan {needed} people (enough nine times in ten)."
+    return [text]
+
+
+def _limits(power: Power) -> list[str]:
+    """Say where the scale's ends and steps reduce an effect."""
+    out = []
+    for one in power.true_effect:
+        planned, true = power.planned[one], power.true_effect[one]
+        if abs(planned - true) > 0.05 * abs(planned) and abs(planned - true) > 0.02:
+            last = power.at[-1]
+            out.append(
+                f"{name_of(one, power)}: the scale's ends and steps leave {true:+.2f} of {planned:+.2f}; a scale "
+                "without "
+                f"them would find {last.unlimited[one].value:.0%} with {last.n} people."
+            )
+    return out
+
+
+def power_data(power: Power, target: float) -> dict[str, Any]:
+    """Return all results, for power.json."""
+    return {
+        "study": power.design.name,
+        "scale": power.scale.name,
+        "studies": power.studies,
+        "seed": power.seed,
+        "alpha": power.alpha,
+        "wanted": target,
+        "orders": power.balanced,
+        "complete_share": power.complete_share,
+        "rows": power_rows(power),
+        "all_found": [{"n": one.n, "power": one.all_found.value} for one in power.at],
+        "sentences": sentences(power, target),
+    }

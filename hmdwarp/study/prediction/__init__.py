@@ -1,0 +1,8 @@
+"""Which measure of the pictures predicts their ratings best, and how certain that is.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

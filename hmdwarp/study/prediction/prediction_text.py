@@ -1,0 +1,136 @@
+"""A prediction as sentences that claim no more than it shows, and as plain data for the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+
+from ...report import counted, listed
+from .measure_results import Prediction, predict
+
+_CHARTS = 4  # measures that get a chart
+
+
+def prediction_data(rows: Sequence[Mapping[str, Any]], scale: str) -> dict[str, Any] | None:
+    """Return the results of all measures, with sentences; None where nothing was measured.
+
+    rows: of the long table, as export.long_rows gives.
+    """
+    found = predict(rows, scale) if any(row["scale"] == scale for row in rows) else None
+    if found is None:
+        return None
+    return {
+        "sentences": sentences(found),
+        "measures": [{key: _plain(value) for key, value in attrs.asdict(one).items()} for one in found.measures],
+        "left_out": [list(pair) for pair in found.left_out],
+        "resamples": found.resamples,
+        "seed": found.seed,
+        "points": {one.name: _points(rows, scale, one.name) for one in found.measures[:_CHARTS]},
+    }
+
+
+def _points(rows: Sequence[Mapping[str, Any]], scale: str, name: str) -> list[dict[str, Any]]:
+    return [
+        {"participant": row["participant"], "x": row[name], "y": row["value"]}
+        for row in rows
+        if row["scale"] == scale and row.get("value") is not None and row.get(name) is not None
+    ]
+
+
+def _plain(value: Any) -> Any:
+    """Replace NaN, which JSON lacks, by None."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return list(value) if isinstance(value, tuple) else value
+
+
+def sentences(found: Prediction) -> list[str]:
+    """Say in sentences which measure predicts best; the first one may say that it is unknown."""
+    if found.refused:
+        return [f"No measure was tested as a predictor of the ratings: {found.refused}.", *_left_out(found)]
+    return [_winner(found), _strength(found), _conditions(found), *_alike(found), *_left_out(found)]
+
+
+def _winner(found: Prediction) -> str:
+    first, rest = found.measures[0], found.candidates[1:]
+    how = (
+        f"within-person r = {first.r:+.2f} (95 % {first.low:+.2f} .. {first.high:+.2f}, "
+        f"more is rated {'worse' if first.r > 0 else 'better'})"
+    )
+    people = f"{counted(found.people, 'person')}, {counted(found.ratings, 'rating')}"
+    if len(found.measures) == 1:
+        return f"Only one measure can be tested: {first.title}, {how}; {people}."
+    if not found.sure:
+        return (
+            f"No measure is shown to predict the ratings: even the best, {first.title}, has {how}, which the best of "
+            f"{len(found.measures)} may reach by chance; {people}."
+        )
+    if not rest:
+        best = f"{first.title[:1].upper()}{first.title[1:]} predicts the ratings best"
+        return f"{best}: {how}, the best in {first.best:.0%} of the resamples; {people}."
+    return (
+        f"Which measure predicts best is undecided: {first.title} comes first with {how}, but "
+        f"{listed([one.title for one in rest])} may be as good (p = {max(one.behind_p for one in rest):.2f} and "
+        "less, by "
+        f"flipping people's signs); {people}."
+    )
+
+
+def _strength(found: Prediction) -> str:
+    first = found.measures[0]
+    helps = (
+        f"removes {first.skill:.0%} of the squared error (95 % {first.skill_low:.0%} .. {first.skill_high:.0%})"
+        if first.skill > 0
+        else "is no better"
+    )
+    return (
+        f"Predicting a person's ratings from their own mean is off by {found.rmse_of_mean:.2f}; with {first.title} "
+        "and the "
+        f"slope of the others it is {first.rmse:.2f}, which {helps}."
+    )
+
+
+def _conditions(found: Prediction) -> str:
+    first = found.measures[0]
+    many = f"These are {counted(found.conditions, 'condition')} and {counted(len(found.measures), 'measure')}"
+    warning = "others may rank another measure first" if len(found.measures) > 1 else "others may give another result"
+    if math.isnan(first.skill_condition):
+        return f"{many}: {warning}."
+    if first.skill_condition > 0:
+        kept = f"{first.title} still predicts a condition left out, with {first.skill_condition:.0%} less squared error"
+    else:
+        kept = f"{first.title} predicts a condition left out no better"
+    return f"{many}: {warning}; {kept} than the mean of the others."
+
+
+def _alike(found: Prediction) -> list[str]:
+    """Name measures that move together, each group once."""
+    groups: list[set[str]] = []
+    for one in found.measures:
+        group = {one.title, *one.alike}
+        if len(group) > 1 and not any(group <= other for other in groups):
+            groups = [other for other in groups if not other <= group] + [group]
+    order = [one.title for one in found.measures]
+    out = [
+        f"In these conditions {listed(sorted(group, key=order.index))} move together (within-person correlation "
+        "0.95 and "
+        "more): ratings cannot separate them."
+        for group in groups
+    ]
+    age = next((one for one in found.measures if one.name == "actual_latency_ms_median"), None)
+    if age is not None and found.measures[0] is not age and age in found.candidates:
+        out.append("The age of the frame may predict as well: an apparent effect of the picture may be one of latency.")
+    return out
+
+
+def _left_out(found: Prediction) -> list[str]:
+    out = []
+    if found.dropped:
+        out.append(f"Left out: {counted(found.dropped, 'rating')} without all measures, or the only one of a person.")
+    reasons: dict[str, list[str]] = {}
+    for title, reason in found.left_out:
+        reasons.setdefault(reason, []).append(title)
+    return out + [f"Not tested: {listed(titles)} ({reason})." for reason, titles in reasons.items()]

@@ -1,0 +1,15 @@
+from ._load import FOLDER as FOLDER
+from ._load import load_scale as load_scale
+from ._load import scale_names as scale_names
+from ._scale_model import KINDS as KINDS
+from ._scale_model import QUESTIONNAIRE as QUESTIONNAIRE
+from ._scale_model import RATING as RATING
+from ._scale_model import SICKNESS as SICKNESS
+from ._scale_model import AnswerRange as AnswerRange
+from ._scale_model import Item as Item
+from ._scale_model import Scale as Scale
+from ._scale_model import Score as Score
+from ._scale_model import most_scored as most_scored
+from ._scale_model import number_text as number_text
+from ._scale_model import range_text as range_text
+from ._scale_model import scored as scored

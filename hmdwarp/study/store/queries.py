@@ -1,0 +1,127 @@
+"""Queries of the store: rows of the tables as records."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+from ._json import from_json
+from .records import PILOT, Answer, Contents, Event, Session, Showing
+
+_SESSION = """SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, s.status, plan.text,
+  s.started_utc, s.ended_utc, s.why, s.facts
+  FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
+_ANSWER = """SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing
+  FROM answer"""
+_SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual,
+  measured, started_utc FROM showing"""
+_EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
+
+
+def _session_of(row: tuple) -> Session:
+    fields = list(row)
+    fields[6] = tuple(tuple(repeat) for repeat in from_json(fields[6]))
+    fields[-1] = from_json(fields[-1])
+    return Session(*fields)
+
+
+def _showing_of(row: tuple) -> Showing:
+    *values, complete, settings, trace, actual, measured, started = row
+    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), from_json(measured), started]
+    return Showing(*fields)
+
+
+def _event_of(row: tuple) -> Event:
+    fields = [*row[:-1], from_json(row[-1])]
+    return Event(*fields)
+
+
+def session(db: sqlite3.Connection, id_: int) -> Session:
+    """Return the session of that id. Errors: KeyError."""
+    row = db.execute(f"{_SESSION} WHERE s.id = ?", (id_,)).fetchone()
+    if row is None:
+        raise KeyError(id_)
+    return _session_of(row)
+
+
+def sessions_of(db: sqlite3.Connection, code: str) -> list[Session]:
+    """Return all sessions of a participant, the first one first."""
+    rows = db.execute(f"{_SESSION} WHERE p.code = ? AND NOT p.withdrawing ORDER BY s.number", (code,))
+    return [_session_of(row) for row in rows]
+
+
+def answer(db: sqlite3.Connection, id_: int) -> Answer:
+    """Return the answer of that id."""
+    return Answer(*db.execute(f"{_ANSWER} WHERE id = ?", (id_,)).fetchone())
+
+
+def showing(db: sqlite3.Connection, id_: int) -> Showing:
+    """Return the showing of that id. Errors: KeyError."""
+    row = db.execute(f"{_SHOWING} WHERE id = ?", (id_,)).fetchone()
+    if row is None:
+        raise KeyError(id_)
+    return _showing_of(row)
+
+
+def last_answers(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
+    """Return the last answer to each question of a session, in the order of the questions."""
+    rows = db.execute(f"{_ANSWER} WHERE session = ? ORDER BY id", (session_id,))
+    latest: dict[str, Answer] = {}
+    for row in rows:
+        one = Answer(*row)
+        latest[one.key] = one  # a revision comes after what it revises, and takes its place in the order
+    return tuple(latest.values())
+
+
+def done(db: sqlite3.Connection, session_id: int) -> set[str]:
+    """Return the keys of the finished steps."""
+    rows = db.execute(
+        "SELECT key FROM answer WHERE session = :id UNION SELECT key FROM showing WHERE session = :id AND complete "
+        "UNION SELECT key FROM event WHERE session = :id AND kind = 'finished'",
+        {"id": session_id},
+    )
+    return {key for (key,) in rows}
+
+
+def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
+    """Return all data of one moment: of people and simulated participants, or of pilots."""
+    db.execute("BEGIN")  # one state for all queries, beside a writer too
+    try:
+        where = f"NOT p.withdrawing AND p.origin {'=' if pilot else '<>'} '{PILOT}'"
+        sessions = tuple(_session_of(row) for row in db.execute(f"{_SESSION} WHERE {where} ORDER BY s.id"))
+        ids = f"SELECT s.id FROM session s JOIN participant p ON p.id = s.participant WHERE {where}"
+        of = f"WHERE session IN ({ids}) ORDER BY id"
+        answers = tuple(Answer(*row) for row in db.execute(f"{_ANSWER} {of}"))
+        showings = tuple(_showing_of(row) for row in db.execute(f"{_SHOWING} {of}"))
+        events = tuple(_event_of(row) for row in db.execute(f"{_EVENT} {of}"))
+        name = study_name(db)
+        gone = "SELECT (SELECT count(*) FROM withdrawn) + (SELECT count(*) FROM participant WHERE withdrawing)"
+        withdrawn = db.execute(gone).fetchone()[0]
+        return Contents(folder, name, sessions, answers, showings, events, withdrawn)
+    finally:
+        db.execute("ROLLBACK")  # nothing was written
+
+
+def study_name(db: sqlite3.Connection) -> str:
+    """Return the name of the study."""
+    return db.execute("SELECT name FROM study").fetchone()[0]
+
+
+def code_of(db: sqlite3.Connection, participant: int) -> str:
+    """Return a participant's code as it was first written; searches ignore case."""
+    return db.execute("SELECT code FROM participant WHERE id = ?", (participant,)).fetchone()[0]
+
+
+def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:
+    """Count the rows of a participant."""
+    of = "WHERE session IN (SELECT id FROM session WHERE participant = ?)"
+    tables = {
+        "sessions": "session WHERE participant = ?",
+        "answers": f"answer {of}",
+        "showings": f"showing {of}",
+        "events": f"event {of}",
+    }
+    return {
+        name: db.execute(f"SELECT count(*) FROM {table}", (participant,)).fetchone()[0]
+        for name, table in tables.items()
+    }

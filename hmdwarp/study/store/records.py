@@ -1,0 +1,103 @@
+"""Rows of the store as frozen objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+ORIGINS = (PERSON, PILOT, SIMULATED) = ("person", "pilot", "simulated")
+STATUSES = (RUNNING, INTERRUPTED, COMPLETE, STOPPED, SICK) = ("running", "interrupted", "complete", "stopped", "sick")
+# RUNNING: now, or its program died. INTERRUPTED: may be resumed. STOPPED: by the participant or the
+# experimenter, without a reason. SICK: by the stop rule. The last three are over.
+
+
+@attrs.frozen
+class Session:
+    """One session of one participant, over one or more runs of the program."""
+
+    id: int  # in the store
+    code: str  # the participant's, as typed
+    sub: str  # the participant's random word, which exports use
+    number: int  # 1 for the participant's first session
+    part: str
+    row: int  # which order of the part's orders
+    order: tuple[tuple[str, ...], ...]  # the conditions' names, one tuple per repeat
+    origin: str  # one of ORIGINS
+    status: str  # one of STATUSES
+    plan: str  # text of the study file then
+    started_utc: str  # ISO 8601, as all *_utc
+    ended_utc: str = ""
+    why: str = ""
+    facts: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # versions, headset, GPU, seed
+
+
+@attrs.frozen
+class Answer:
+    """A confirmed answer."""
+
+    id: int
+    session: int
+    key: str  # of its step
+    revision: int  # more than 1 where the question was repeated; the highest one counts
+    phase: str
+    trial: int
+    scale: str
+    item: str
+    value: float | None  # None for "cannot say"
+    seconds: float  # from the question to the answer
+    by: str
+    at_utc: str
+    showing: int | None = None  # id of the Showing it is about
+
+
+@attrs.frozen
+class Showing:
+    """A condition as it was really shown."""
+
+    id: int
+    session: int
+    key: str  # of its step
+    trial: int
+    repeat: int
+    condition: str
+    presentation: int  # more than 1 where it had to be shown again
+    complete: bool  # shown to its end
+    settings: Mapping[str, Any] = attrs.field(factory=dict, hash=False)
+    # Head trace, a file name in the store's `traces`, "" for none; may be missing if cut off.
+    trace: str = ""
+    actual: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # measured meanwhile: study/actual.py
+    measured: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # by `study measure`, empty before
+    started_utc: str = ""
+
+
+@attrs.frozen
+class Event:
+    """An entry of the journal."""
+
+    id: int
+    session: int
+    kind: str  # "shown", "answer", "pause", "continue", "break", "stop", "remark", "sick", "lost", "clock", ..
+    key: str
+    at_utc: str
+    mono_ns: int  # monotonic clock of the machine, comparable within one run of the program
+    data: Mapping[str, Any] = attrs.field(factory=dict, hash=False)
+
+
+@attrs.frozen
+class Contents:
+    """All data of a study that are not withdrawn, in the order of their creation."""
+
+    folder: Path  # of the store; traces lie in folder / "traces"
+    name: str
+    sessions: tuple[Session, ...]
+    answers: tuple[Answer, ...]
+    showings: tuple[Showing, ...]
+    events: tuple[Event, ...]
+    withdrawn: int = 0
+
+    def session(self, id_: int) -> Session:
+        """Return the session of that id. Errors: StopIteration."""
+        return next(one for one in self.sessions if one.id == id_)

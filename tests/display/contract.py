@@ -1,0 +1,350 @@
+"""What every display does, checked on one of them: python -m display.contract NAME.
+
+Prints a line of JSON for each case: its name, and why it failed ("" if it holds). A window needs an
+X server, OpenXR a monado-service that it may start and kill.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import attrs
+import moderngl
+import numpy as np
+
+from hmdwarp.display import Closed, Display, DisplayOptions, Lost, Status, Tick
+from hmdwarp.geometry import View
+from hmdwarp.gpu.textures import Canvas
+from hmdwarp.headsets import Headset
+from hmdwarp.poses import PoseSource
+from hmdwarp.poses.synth import synthesise
+
+SMALL = (48, 60)
+
+
+# --- displays, and what happens to them from outside ---
+
+
+class Stub:
+    """The pattern for a new display."""
+
+    name = "stub"
+    user_ends: Callable[[Display], None] | None = None  # has the user end the display
+    goes_away: Callable[[], None] | None = None  # makes it lost ..
+    comes_back: Callable[[], None] | None = None  # .. and lets it be reopened
+
+    def open(self) -> Display:
+        from .stub_display import StubDisplay
+
+        return StubDisplay(DisplayOptions(size=SMALL))
+
+
+class Offscreen(Stub):
+    """A display without a screen."""
+
+    name = "offscreen"
+
+    def open(self) -> Display:
+        from hmdwarp.display import OffscreenDisplay
+
+        return OffscreenDisplay(DisplayOptions(size=SMALL, trace=synthesise("look-around", seed=1, seconds=2)))
+
+
+class Window(Stub):
+    """A window of this X server."""
+
+    name = "desktop"
+
+    def open(self) -> Display:
+        from hmdwarp.display.desktop import DesktopDisplay
+
+        return DesktopDisplay(DisplayOptions(size=SMALL, control_panel=False))
+
+    def user_ends(self, display: Display) -> None:
+        display._window.end()
+
+
+class OpenXr(Stub):
+    """A headset of Monado."""
+
+    name = "openxr"
+
+    def __init__(self) -> None:
+        import os
+
+        from openxr.monado import REMOTE, UNSEEN, Monado
+
+        self._monado = Monado(Path(tempfile.mkdtemp()), {**REMOTE, **UNSEEN})
+        os.environ |= self._monado.environment
+        self.goes_away, self.comes_back = self._monado.kill, self._monado.start
+        self._monado.start()
+
+    def open(self) -> Display:
+        from hmdwarp.display.openxr import OpenXrDisplay
+
+        return OpenXrDisplay(DisplayOptions(size=SMALL))
+
+    def user_ends(self, display: Display) -> None:
+        import xr
+
+        xr.request_exit_session(display._connection.session.handle)
+
+
+BACKENDS = {"stub": Stub, "offscreen": Offscreen, "window": Window, "openxr": OpenXr}
+
+
+@contextmanager
+def opened(backend: Stub) -> Iterator[Display]:
+    display = backend.open()
+    try:
+        yield display
+    finally:
+        display.close()
+
+
+def next_tick(display: Display) -> Tick:
+    while True:
+        tick = display.wait()
+        if tick is not None:
+            return tick
+
+
+def refresh(display: Display, times: int = 1) -> None:
+    for _ in range(times):
+        next_tick(display)
+        display.show(None)
+
+
+# --- cases on an open display ---
+
+
+def has_what_a_run_asks_for(display: Display, backend: Stub) -> None:
+    """The members hold what the protocol says, in its units."""
+    assert display.name == backend.name
+    assert display.about and all(isinstance(text, str) for text in (*display.about, *display.about.values()))
+    assert display.gpu.gl.version_code >= 430
+    assert all(isinstance(part, int) and part > 0 for part in display.size)
+    assert 1 < display.rate_hz < 1000
+    assert display.headset is None or isinstance(display.headset, Headset)
+    assert isinstance(display.distorts, str) and isinstance(display.takes_depth, str)
+    assert display.headset is None or not display.distorts  # the lens is corrected once
+
+
+def has_eyes(display: Display, backend: Stub) -> None:
+    head = display.source.head_at(display.now_ns()).pose
+    views = display.eyes.views(head)
+    assert len(views) in (1, 2)
+    for view in views:
+        assert view.pose.isclose(head @ view.head_from_eye, 1e-6)
+        assert view.fov.left < view.fov.right and view.fov.down < view.fov.up
+    if len(views) == 2:  # the left one first
+        assert views[0].head_from_eye.position_m[0] < views[1].head_from_eye.position_m[0]
+
+
+def answers_ticks(display: Display, backend: Stub) -> None:
+    """Each tick is to come, and is answered by one show() within its refresh."""
+    for _ in range(4):
+        before_ns = display.now_ns()
+        tick = next_tick(display)
+        begun_ns = display.now_ns()
+        handed_over_ns = display.show(None)
+        assert before_ns <= begun_ns <= handed_over_ns <= display.now_ns()
+        assert before_ns < tick.shown_ns
+        assert tick.missed >= 0 and isinstance(tick.notice, str) and isinstance(tick.render, bool)
+
+
+def has_one_clock_that_never_goes_back(display: Display, backend: Stub) -> None:
+    ticks, instants = [], [display.now_ns()]
+    for _ in range(8):
+        ticks.append(next_tick(display))
+        instants += [display.now_ns(), display.show(None), display.now_ns()]
+    assert instants == sorted(instants)
+    shown = [tick.shown_ns for tick in ticks]
+    assert all(early < late for early, late in zip(shown, shown[1:], strict=False)), shown
+    # A runtime may report a longer period to a slow program.
+    assert all(tick.period_ns > 0.99e9 / display.rate_hz for tick in ticks)
+
+
+def has_a_head_on_its_clock(display: Display, backend: Stub) -> None:
+    assert isinstance(display.source, PoseSource)
+    display.source.start()
+    tick, before_ns = next_tick(display), display.now_ns()
+    head = display.source.head_at(tick.shown_ns)
+    display.show(None)
+    assert head.time_ns == tick.shown_ns
+    assert before_ns <= head.read_ns <= display.now_ns()
+
+
+@attrs.frozen
+class Eye:
+    view: View
+    panel: Canvas
+    inverse_depth: moderngl.Texture | None
+
+
+@attrs.frozen
+class Eyes:
+    eyes: tuple[Eye, ...]
+
+
+@attrs.frozen
+class Question:
+    """A text panel."""
+
+    pointed: bool
+
+    def ink(self) -> np.ndarray:
+        return np.full((20, 60), 255, np.uint8)
+
+
+def shows_pictures(display: Display, backend: Stub) -> None:
+    """Linear light of each eye, with depth where the display takes it, under any label."""
+    gl, made = display.gpu.gl, []
+    for view in display.eyes.views(display.source.head_at(display.now_ns()).pose):
+        canvas = Canvas(gl, display.size)
+        canvas.texture.write(np.full((*display.size[::-1], 4), 0.5, np.float16).tobytes())
+        depth = gl.texture(display.size, 1, np.ones(display.size, np.float32).tobytes(), dtype="f4")
+        made.append(Eye(view, canvas, depth if display.takes_depth else None))
+    for label in ("", "tracking lost", Question(pointed=True), Question(pointed=False), ""):
+        next_tick(display)
+        display.show(Eyes(tuple(made)), label)
+        next_tick(display)
+        display.show(None, label)
+    assert gl.error == "GL_NO_ERROR"
+
+
+def looks_at_another_view_and_back(display: Display, backend: Stub) -> None:
+    def seen() -> tuple[object, ...]:
+        return len(display.eyes.views(display.source.head_at(display.now_ns()).pose)), display.size, display.headset
+
+    before = seen()
+    display.look("flat")
+    refresh(display)
+    assert seen() == before or seen()[0] == 1
+    display.look("both")
+    refresh(display)
+    assert seen() == before
+
+
+def restarts(display: Display, backend: Stub) -> None:
+    """The head goes on or begins anew; the clock goes on."""
+    refresh(display, 2)
+    before_ns, source = display.now_ns(), display.source
+    display.restart()
+    assert display.now_ns() >= before_ns and display.source is source
+    refresh(display)
+
+
+def asks_for_nothing_by_itself(display: Display, backend: Stub) -> None:
+    display.commands()
+    refresh(display, 2)
+    assert list(display.commands()) == []
+
+
+def takes_a_status(display: Display, backend: Stub) -> None:
+    status = Status(values={"latency": 50.0, "scene": "room", "warp": "forward", "fill": "none"})
+    for _ in range(2):
+        display.tell(status)
+        refresh(display)
+    assert status.values["latency"] == 50.0
+
+
+# --- cases that end the display ---
+
+
+def ends_with_a_reason(backend: Stub) -> None:
+    """Closed, from wait() or show(), once the user ends it; then it closes like any other."""
+    if backend.user_ends is None:
+        return
+    with opened(backend) as display:
+        refresh(display, 2)
+        backend.user_ends(display)
+        try:
+            while True:
+                refresh(display)
+        except Closed as closed:
+            assert len(closed.args[0].split()) > 2, closed
+        display.close()
+
+
+def is_lost_and_comes_back(backend: Stub) -> None:
+    """Lost with words; reopen() says whether it is back, and the gpu stays the same."""
+    with opened(backend) as display:
+        refresh(display, 2)
+        if backend.goes_away is None:
+            assert display.reopen() is False
+            return
+        gpu, before_ns = display.gpu, display.now_ns()
+        backend.goes_away()
+        try:
+            while True:
+                refresh(display)
+        except Lost as lost:
+            assert len(str(lost).split()) > 2, lost
+        assert list(display.commands()) == []
+        assert display.reopen() is False
+        assert display.reopen() is False
+        backend.comes_back()
+        assert display.reopen() is True
+        assert next_tick(display).shown_ns > before_ns
+        display.show(None)
+        assert display.gpu is gpu
+
+
+def closes_twice_in_any_state(backend: Stub) -> None:
+    """Unused, in the middle of a tick, and after a tick; each time another one can be opened."""
+    for ticks, answers in ((0, 0), (1, 0), (1, 1)):
+        display = backend.open()
+        for _ in range(ticks):
+            next_tick(display)
+        for _ in range(answers):
+            display.show(None)
+        display.close()
+        display.close()
+
+
+ON_ONE = (
+    has_what_a_run_asks_for,
+    has_eyes,
+    answers_ticks,
+    has_one_clock_that_never_goes_back,
+    has_a_head_on_its_clock,
+    shows_pictures,
+    looks_at_another_view_and_back,
+    restarts,
+    asks_for_nothing_by_itself,
+    takes_a_status,
+)
+OF_ITS_OWN = (ends_with_a_reason, is_lost_and_comes_back, closes_twice_in_any_state)
+CASES = tuple(case.__name__ for case in (*ON_ONE, *OF_ITS_OWN))
+
+
+def report(name: str, case: Callable[[], None]) -> None:
+    try:
+        case()
+        failure = ""
+    except Exception:
+        failure = traceback.format_exc()
+    print(json.dumps({"case": name, "failure": failure}), flush=True)
+
+
+def main(name: str) -> None:
+    with ExitStack() as stack:
+        backend = BACKENDS[name]()
+        if backend.goes_away is not None:
+            stack.callback(backend.goes_away)
+        with opened(backend) as display:
+            for case in ON_ONE:
+                report(case.__name__, lambda case=case: case(display, backend))
+        for case in OF_ITS_OWN:
+            report(case.__name__, lambda case=case: case(backend))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,100 @@
+"""A window that shows nothing and asks one question, on a virtual screen.
+
+Python -m display.question_window.
+
+Reads "ask" (a new question), "show" (none), "wait" (as it is) and "end" from stdin, a line each.
+Prints a line of JSON for each command that came by hand, with what the question made of it, two
+refreshes after each line from stdin, and after each change of where the head is or who has the
+mouse.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+
+from hmdwarp.display import Closed, DisplayOptions
+from hmdwarp.display.desktop import DesktopDisplay
+from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
+from hmdwarp.study.scales import load_scale
+
+
+class QuestionWindow:
+    """display, and what is asked in it just now.
+
+    A panel is allowed, and is not there: no control of a study opens one.
+    """
+
+    def __init__(self) -> None:
+        self._display = DesktopDisplay(DisplayOptions(size=(300, 400), controls=CONTROLS))
+        self._lines: list[str] = []
+        self._asked: QuestionDialog | None = None
+        self._last: dict[str, object] = {}
+        self._drawn: list[tuple[str, int]] = []  # lines that were done, and how many refreshes ago
+
+    def _listen(self) -> None:
+        for line in sys.stdin:
+            self._lines.append(line.strip())
+
+    def run(self) -> None:
+        """Until "end"."""
+        threading.Thread(target=self._listen, daemon=True).start()
+        try:
+            while self._once():
+                pass
+        except Closed as closed:
+            print(json.dumps({"closed": str(closed)}), flush=True)
+
+    def _once(self) -> bool:
+        while self._lines:
+            line = self._lines.pop(0)
+            if line == "end":
+                return False
+            if line != "wait":
+                self._ask(line == "ask")
+            self._drawn.append((line, 0))
+        if self._display.wait() is not None:
+            self._display.show(None, self._asked.panel() if self._asked is not None else "")
+            self._count_drawn()
+        for command in self._display.commands():
+            if self._asked is not None:
+                self._asked.handle([command])
+            self._tell(command=command.control, given=command.value)
+        self._tell()
+        return True
+
+    def _ask(self, is_asked: bool) -> None:
+        scale = load_scale("grade")
+        ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
+        self._asked = QuestionDialog(ask, lambda: self._display.now_ns() * 1e-9) if is_asked else None
+
+    def _count_drawn(self) -> None:
+        """The first of two refreshes may have been sent and not be on the screen yet."""
+        counted = [(line, count + 1) for line, count in self._drawn]
+        self._drawn = [one for one in counted if one[1] < 2]
+        for line, count in counted:
+            if count == 2:
+                self._tell(line=line)
+
+    def _tell(self, **more: object) -> None:
+        head = self._display.source.head_at(self._display.now_ns()).pose
+        state: dict[str, object] = {
+            "captured": self._display._commands.input.captured,
+            "turned": [round(part, 4) for part in head.orientation_xyzw.tolist()],
+            "stands": [round(part, 2) for part in head.position_m.tolist()],
+            "value": self._asked.value if self._asked is not None else None,
+            "confirmed": self._asked is not None and self._asked.confirmed,
+        }
+        if more or state != self._last:
+            self._last = state
+            print(json.dumps({**state, **more}), flush=True)
+
+
+if __name__ == "__main__":
+    window = QuestionWindow()
+    window.run()
+    sys.stdout.flush()
+    os._exit(0)  # the thread is left waiting for a line that does not come

@@ -1,0 +1,152 @@
+"""One contract for all displays: what each does, and which members each has.
+
+The cases stand in contract.py and run in a program for each display: a window's context does not
+mix with other tests', and OpenXR needs Monado's root.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from openxr.root import Lacking, entered, ready_root
+
+from .contract import BACKENDS, CASES
+from .desktop_program import ROOT
+from .virtual_screen import VirtualScreen
+
+DISPLAYS = ROOT / "hmdwarp" / "display"
+SLOW = ("window", "openxr")  # they start an X server or a runtime
+
+
+def run_here(name: str, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
+    command = [sys.executable, "-m", "display.contract", name]
+    return subprocess.run(
+        command, check=False, capture_output=True, text=True, env={**environment, "PYTHONPATH": paths}
+    )
+
+
+def run_in_window(folder: Path) -> subprocess.CompletedProcess[str] | str:
+    if not shutil.which("Xvfb"):
+        return "no Xvfb here (Debian, Ubuntu: sudo apt-get install xvfb)"
+    with VirtualScreen(folder, (400, 300)) as screen:
+        return run_here("window", screen.environment)
+
+
+def run_beside_monado() -> subprocess.CompletedProcess[str] | str:
+    try:
+        command = entered(ready_root(), ["python3", "-m", "display.contract", "openxr"])
+    except Lacking as lacking:
+        return str(lacking)
+    return subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def failures_of(tmp_path_factory):
+    """failures_of(name) -> why each case failed on that display ("": it holds), or why it cannot be
+    had here.
+    """
+
+    @functools.cache
+    def run(name: str) -> dict[str, str] | str:
+        if name == "window":
+            done = run_in_window(tmp_path_factory.mktemp("screen"))
+        elif name == "openxr":
+            done = run_beside_monado()
+        else:
+            done = run_here(name, dict(os.environ))
+        if isinstance(done, str):
+            return done
+        lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"case"')]
+        broken = f"not run: the program ended with {done.returncode}\n{done.stderr[-4000:]}"
+        return dict.fromkeys(CASES, broken) | {line["case"]: line["failure"] for line in lines}
+
+    return run
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in BACKENDS]
+)
+def test_a_display_keeps_the_contract(failures_of, name, case):
+    failures = failures_of(name)
+    if isinstance(failures, str):
+        pytest.skip(failures)
+    if failures[case]:
+        pytest.fail(failures[case], pytrace=False)
+
+
+# --- members, by the source alone: also of displays whose library is not installed ---
+
+
+def classes_of(path: Path) -> list[ast.ClassDef]:
+    return [node for node in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)]
+
+
+def displays() -> dict[str, ast.ClassDef]:
+    """Every class of the package that is named like a display, and the stub."""
+    paths = [*sorted(DISPLAYS.rglob("*.py")), Path(__file__).with_name("stub_display.py")]
+    return {node.name: node for path in paths for node in classes_of(path) if node.name.endswith("Display")}
+
+
+def members_of(node: ast.ClassDef) -> dict[str, str]:
+    """Public names of a class: methods with names and defaults of their parameters, "" for data."""
+    found: dict[str, str] = {}
+    for statement in ast.walk(node):
+        if isinstance(statement, ast.FunctionDef):
+            is_property = any(isinstance(one, ast.Name) and one.id == "property" for one in statement.decorator_list)
+            found[statement.name] = "" if is_property else parameters_of(statement)
+        targets = statement.targets if isinstance(statement, ast.Assign) else []
+        targets = [statement.target] if isinstance(statement, ast.AnnAssign) else targets
+        for target in [part for one in targets for part in ast.walk(one)]:
+            own = isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self"
+            if own:
+                found[target.attr] = ""
+            elif isinstance(target, ast.Name) and statement in node.body:
+                found[target.id] = ""
+    return {name: what for name, what in found.items() if not name.startswith("_")}
+
+
+def parameters_of(function: ast.FunctionDef) -> str:
+    bare = ast.parse(ast.unparse(function)).body[0]
+    for argument in ast.walk(bare.args):
+        if isinstance(argument, ast.arg):
+            argument.annotation = None
+    return f"({ast.unparse(bare.args)})"
+
+
+PROTOCOL = members_of(next(node for node in classes_of(DISPLAYS / "_base.py") if node.name == "Display"))
+FOUND = {name: node for name, node in displays().items() if name != "Display"}
+
+
+def test_all_displays_are_found():
+    assert set(FOUND) == {"DesktopDisplay", "OffscreenDisplay", "OpenXrDisplay", "StubDisplay"}
+    assert len(BACKENDS) == len(FOUND), "a display without a contract test"
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_a_display_has_the_members_of_the_protocol_and_no_others(name):
+    assert members_of(FOUND[name]) == PROTOCOL
+
+
+def test_a_missing_an_extra_and_a_changed_member_are_seen():
+    """The comparison sees each kind of deviation."""
+    source = ast.unparse(FOUND["StubDisplay"])
+    for old, new in (
+        ("def reopen", "def _reopen"),
+        ("def reopen", "def look_around"),
+        ("self.about =", "self._about ="),
+        ("label: Label=''", "label: Label='text'"),
+        ("def look(self, view", "def look(self, name"),
+    ):
+        assert source.count(old) == 1, old
+        changed = ast.parse(source.replace(old, new)).body[0]
+        assert members_of(changed) != PROTOCOL, new

@@ -1,0 +1,86 @@
+"""Everything that can keep a headset from showing anything has words of its own and something to do
+about it.
+"""
+
+from __future__ import annotations
+
+import platform
+from pathlib import Path
+
+import pytest
+
+from hmdwarp.display.openxr import LOST, STAGES, diagnose, manifest, manifest_text, missing_extensions
+
+ACTIVE = "active is runtime.json, library librt.so"
+DIFFERENT = [
+    ("binding", "AttributeError"),
+    ("runtime", "RuntimeUnavailableError"),
+    ("instance", "RuntimeFailureError"),
+    ("instance", "LimitReachedError"),
+    ("instance", "ExtensionNotPresentError"),
+    ("instance", "ApiVersionUnsupportedError"),
+    ("headset", "FormFactorUnavailableError"),
+    ("session", "GraphicsDeviceInvalidError"),
+    ("session", "OutOfMemoryError"),
+    ("running", "InstanceLostError"),
+]
+
+
+def test_every_trouble_has_words_of_its_own():
+    told = [diagnose(stage, error, "why\nso", "Runtime 1", ACTIVE) for stage, error in DIFFERENT]
+    assert len({words for words, _ in told}) == len(DIFFERENT)
+    for words, remedy in told:
+        assert words and remedy and "\n" not in words
+
+
+@pytest.mark.parametrize("stage", STAGES)
+@pytest.mark.parametrize("error", ["InstanceLostError", "SomethingNewError", "died", "OSError", "LimitReachedError"])
+def test_nothing_is_without_an_answer(stage, error):
+    words, remedy = diagnose(stage, error)
+    assert words and remedy
+
+
+@pytest.mark.parametrize("error", LOST)
+def test_what_is_lost_in_the_middle_went_away(error):
+    words, remedy = diagnose("running", error, "", "Runtime 1")
+    assert words.startswith("Runtime 1 went away") and "restart" in remedy
+
+
+def test_an_unknown_error_keeps_its_name_and_words():
+    words, _ = diagnose("session", "OutOfMemoryError", "no\n  memory", "Runtime 1")
+    assert words == "Runtime 1 failed when a session was made: OutOfMemoryError: no memory"
+
+
+def test_one_graphics_extension_is_enough_and_the_clock_is_wanted():
+    clock = "XR_KHR_convert_timespec_time"
+    assert (
+        missing_extensions("R", ["XR_KHR_opengl_enable", clock])
+        == missing_extensions("R", ["XR_MNDX_egl_enable", clock])
+        == ("", "")
+    )
+    assert "XR_KHR_opengl_enable or XR_MNDX_egl_enable" in missing_extensions("R", [clock])[0]
+    assert clock in missing_extensions("R", ["XR_MNDX_egl_enable"])[0]
+
+
+def test_manifest_follows_the_loader(tmp_path):
+    """XR_RUNTIME_JSON first, even if it is wrong.
+
+    Then the user's folder, the one for this processor before the general one.
+    """
+    home = {"HOME": str(tmp_path), "XDG_CONFIG_DIRS": str(tmp_path / "none")}
+    folder = tmp_path / ".config" / "openxr" / "1"
+    folder.mkdir(parents=True)
+    general = folder / "active_runtime.json"
+    general.write_text('{"runtime": {"library_path": "librt.so"}}', encoding="utf-8")
+    assert manifest(home) == general
+    assert "librt.so" in manifest_text(home)
+    own = folder / f"active_runtime.{platform.machine()}.json"
+    own.write_text("{", encoding="utf-8")
+    assert manifest(home) == own
+    assert "no runtime manifest" in manifest_text(home)
+    named = {**home, "XR_RUNTIME_JSON": str(tmp_path / "absent.json")}
+    assert manifest_text(named).endswith("absent.json: No such file or directory")
+    assert manifest({**home, "XDG_CONFIG_HOME": str(tmp_path / "empty")}) in (
+        None,
+        Path("/etc/openxr/1/active_runtime.json"),
+    )

@@ -1,0 +1,43 @@
+"""What became of the frames and of the holes, as people read it."""
+
+import pytest
+
+from hmdwarp.report import coding_rows, filled_rows, frame_rows, response_rows, transit_lines
+
+from .samples import a_summary
+
+
+def test_each_part_stands_once_and_empty_ones_are_left_out():
+    summary = a_summary()
+    assert filled_rows(summary) == [("fill memory", "3.10 %"), ("fill pyramid", "2.00 %"), ("left empty", "0.00 %")]
+    assert "waiting for earlier frames" not in dict(response_rows(summary))
+    assert response_rows(summary)[-1] == ("response time", "272.30 ms")
+    assert dict(frame_rows(summary)) == {
+        "drawn": "120",
+        "sent": "120",
+        "lost on the network": "3",
+        "arrived after a newer one was shown": "1",
+        "superseded by a newer one in the same refresh": "2",
+        "shown": "100",
+        "in transit at the end": "14",
+    }
+    assert coding_rows(summary)[0] == ("rate, both eyes", "21.4 Mbit/s")
+
+
+@pytest.mark.parametrize("rows", [filled_rows, response_rows, frame_rows, coding_rows, transit_lines])
+def test_a_summary_without_the_entries_gives_no_rows(rows):
+    summary = {key: value for key, value in a_summary().items() if key not in ("link", "filled")}
+    assert rows(summary) == []
+
+
+def test_a_plain_link_and_a_single_fill_need_no_lines():
+    summary = a_summary()
+    assert len(transit_lines(summary)) == 3
+    plain = {
+        "codec": "none",
+        "mbit_s": 100.0,
+        "frames": {"drawn": 10, "sent": 10, "shown": 8, "under_way": 2},
+        "response_ms": None,
+    }
+    assert transit_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
+    assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]

@@ -1,0 +1,74 @@
+"""Commands in a run that goes on: what can be is done, what cannot is said over the picture, and a key never gets stuck at it."""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.display import Command
+from hmdwarp.run import LiveOptions, PipelineHost
+from hmdwarp.run import commands as handling
+from hmdwarp.run.commands import CommandHandler, choices
+
+from .offscreen import OffscreenDisplay, run_on
+
+ONE_EYE = "the flat view has one eye"
+
+
+@pytest.fixture
+def flat(gpu):
+    """A host that cannot do every warp."""
+    with OffscreenDisplay(gpu=gpu, view="flat") as display:
+        host = PipelineHost(display, LiveOptions(scene="planes", latency_ms=0, fill="none", view="flat"))
+        yield host
+        host.close()
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_steps_pass_over_what_cannot_be(flat, back):
+    said: list[str] = []
+    one, seen = CommandHandler(flat, said.append), []
+    for _ in range(len(choices()["warp"]) - 1):
+        assert one.handle([Command("warp", back=back)])
+        seen.append(flat.options.warp)
+    assert sorted(seen) == sorted(set(choices()["warp"]) - {"multi"})
+    assert flat.options.warp == "forward"
+    assert len(said) == 1 and ONE_EYE in said[0]
+
+
+def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):
+    said: list[str] = []
+    one = CommandHandler(flat, said.append)
+    assert not one.handle([Command("warp", "multi"), Command("guard", 99)])
+    assert flat.options.warp == "forward"
+    assert len(said) == 2
+
+
+def test_what_can_be_of_several_is_done(flat):
+    one = CommandHandler(flat, lambda text: None)
+    assert one.handle([Command("warp", "multi"), Command("latency", 30.0), Command("warp", "backward")])
+    assert (flat.options.warp, flat.options.latency_ms) == ("backward", 30)
+
+
+def test_a_refusal_is_there_until_it_was_read(flat, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(handling.time, "monotonic", lambda: now[0])
+    one = CommandHandler(flat, lambda text: None)
+    assert one.refusal == ""
+    one.handle([Command("warp", "multi")])
+    now[0] += handling.READING_S - 0.1
+    assert ONE_EYE in one.refusal
+    now[0] += 0.2
+    assert one.refusal == ""
+
+
+def test_in_a_run_the_refusal_stands_over_the_pictures_which_go_on(monkeypatch):
+    asked = {3: [Command("warp", "multi")], 5: [Command("warp", "backward")]}
+    display = OffscreenDisplay(view="flat", asked=asked, keeps=True)
+    options = LiveOptions(scene="planes", latency_ms=0, fill="none", view="flat", frames=8)
+    run_on(monkeypatch, display, options)
+    assert [ONE_EYE in label for label in display.labels] == [False] * 4 + [True] * 4
+    assert len(display.said) == 1
+    status = display.statuses[-1]
+    assert status.values["warp"] == "backward"
+    assert ONE_EYE in status.notice
+    assert all(picture.any() for picture in display.pictures)

@@ -1,0 +1,391 @@
+"""What a live run writes: the same files as a replay, true to what was shown, whatever ends it, and in bounded memory."""
+
+from __future__ import annotations
+
+import functools
+import json
+import subprocess
+import sys
+import threading
+import tracemalloc
+
+import attrs
+import numpy as np
+import pytest
+from bench_files import a_bench, a_row
+from replays import contents, rows_of
+
+from hmdwarp.display import Command, Lost, Tick
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.gpu.textures import download, flip_rows
+from hmdwarp.report import FRAME_COLUMNS, validate_summary
+from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
+from hmdwarp.run import live_log as log
+from hmdwarp.run.live_figures import Thinned
+
+from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
+
+SMALL = {"scene": "planes", "latency_ms": 30.0}
+
+
+@attrs.define
+class Seen:
+    """What a log was told, copied while the pictures were there: the refresh, and the share of pixels without coverage of each eye."""
+
+    logs: list = attrs.field(factory=list)
+    refreshes: list = attrs.field(factory=list)
+    holes: list = attrs.field(factory=list)
+
+
+@pytest.fixture
+def seen(monkeypatch) -> Seen:
+    found, add = Seen(), LiveLog.add
+
+    def adding(self, tick, refresh, submitted_ns, notice):
+        found.logs.append(self)
+        if refresh is not None:
+            found.refreshes.append(refresh)
+            warped = [eye.warped for eye in refresh.eyes if eye.warped is not None]
+            found.holes.append([float((download(one.texture)[..., 3] == 0).mean()) for one in warped])
+        add(self, tick, refresh, submitted_ns, notice)
+
+    monkeypatch.setattr(LiveLog, "add", adding)
+    return found
+
+
+def go(monkeypatch, out, events=None, options=None, **display):
+    """A small run into `out`."""
+    shown = OffscreenDisplay(events=closed_at(20) if events is None else events, **display)
+    return run_on(
+        monkeypatch, shown, LiveOptions(**{**SMALL, "out": out, "command": "hmdwarp live", **(options or {})})
+    ), shown
+
+
+def test_rows_are_what_was_shown(monkeypatch, tmp_path, seen):
+    result, _ = go(monkeypatch, tmp_path / "out", options={"fill": "none"})
+    rows = rows_of(tmp_path / "out")
+    assert tuple(rows[0]) == FRAME_COLUMNS
+    assert len(rows) == 2 * len(seen.refreshes) == 2 * result.summary["frames"] > 20
+    for row, (number, eye) in zip(rows, np.ndindex(len(seen.refreshes), 2), strict=True):
+        refresh = seen.refreshes[number]
+        assert (row["frame"], row["eye"], row["warp"], row["fill"]) == (str(number), str(eye), "forward", "none")
+        assert int(row["shown_ns"]) == refresh.shown_ns and int(row["drawn_ns"]) == refresh.frame.drawn_ns
+        assert float(row["time_s"]) == pytest.approx(number * PERIOD_NS * 1e-9, abs=1e-9)
+        assert float(row["age_ms"]) == refresh.age_ns * 1e-6
+        assert float(row["pose_age_ms"]) == (SUBMITTED_NS - READ_NS) * 1e-6
+        for which, head in (("shown", refresh.head), ("drawn", refresh.frame.head)):
+            parts = [float(row[f"{which}_{part}"]) for part in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")]
+            assert parts == [*head.pose.position_m, *head.pose.orientation_xyzw]  # every bit
+        stages = dict(refresh.stage_ms[eye])
+        assert float(row["warp_ms"]) == stages["warp"] and float(row["lens_ms"]) == stages["lens"]
+        assert float(row["total_ms"]) == pytest.approx(sum(stages.values()))
+        assert float(row["hole_share"]) == seen.holes[number][eye]  # the GPU's count and NumPy's, of the same picture
+        assert row["psnr_db"] == row["flip"] == row["border_share"] == ""
+    assert sum(map(sum, seen.holes)) > 0
+
+
+def test_speeds_are_those_between_two_shown_poses(monkeypatch, tmp_path, seen):
+    go(monkeypatch, tmp_path / "out")
+    rows = rows_of(tmp_path / "out")[::2]
+    assert rows[0]["angular_speed_deg_s"] == rows[0]["linear_speed_m_s"] == ""
+    for row, before, now in zip(rows[1:], seen.refreshes, seen.refreshes[1:], strict=False):
+        turn = (now.head.pose.rotation * before.head.pose.rotation.inv()).magnitude()
+        assert float(row["angular_speed_deg_s"]) == pytest.approx(np.degrees(turn) / (PERIOD_NS * 1e-9), rel=1e-6)
+        step = np.linalg.norm(now.head.pose.position_m - before.head.pose.position_m)
+        assert float(row["linear_speed_m_s"]) == pytest.approx(step / (PERIOD_NS * 1e-9), rel=1e-6)
+
+
+def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
+    result, _ = go(monkeypatch, tmp_path / "out", options={"fill": "none"})
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    validate_summary(summary)
+    assert summary == result.summary and result.folder == tmp_path / "out"
+    rows = rows_of(tmp_path / "out")
+    for stage in ("warp", "fill", "effects", "lens", "total"):
+        assert summary["time_ms"][stage]["median"] == np.median([float(row[f"{stage}_ms"]) for row in rows])
+    assert summary["quality"]["hole_share"]["mean"] == pytest.approx(np.mean(seen.holes))
+    assert summary["quality"]["flip"] == {"mean": None, "p95": None} and summary["measured"]["hole_share"] == len(rows)
+    assert (summary["trace"], summary["headset"], summary["lens"]) == ("offscreen", "rift-dk1", "radial")
+    assert summary["size"] == [96, 120] and summary["link"]["frames"]["shown"] > 10
+    link = summary["link"]
+    assert link["mbit_s"] == pytest.approx(link["frame_bytes"] * 8 * 100 / 1e6)  # a hundred pictures a second came
+    live = summary["live"]
+    assert {"display": "offscreen", "trace": "look-around"}.items() <= live["about"].items() and live[
+        "budget_ms"
+    ] == 10.0
+    assert live["pose_age_ms"] == {"median": 2.0, "p95": 2.0} and live["period_ms"]["median"] == 10.0
+    both = [float(a["total_ms"]) + float(b["total_ms"]) for a, b in zip(rows[::2], rows[1::2], strict=True)]
+    assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
+    assert live["garbage_collector"]["between"] and live["garbage_collector"]["collections"][0] >= len(rows) // 2 - 1
+
+
+def test_a_recording_replays_unchanged_with_the_same_poses(monkeypatch, tmp_path):
+    result, display = go(monkeypatch, tmp_path / "live", options={"record": tmp_path / "head.csv", "latency_ms": 20.0})
+    assert f"{tmp_path / 'head.csv'}: {result.summary['frames']} poses" in display.said[-1]
+    assert result.summary["trace"] == "head" and result.summary["live"]["record"].endswith("head.csv")
+    options = RunOptions(
+        trace=str(tmp_path / "head.csv"), scene="planes", latency_ms=20.0, rate_hz=100.0, size=(48, 60), against="", metrics_every=4,
+        workers=0, images=0, out=tmp_path / "replay",
+    )  # fmt: skip
+    again = replay(options)
+    assert again.summary["notes"] == []
+    live, replayed = ({row["shown_ns"]: row for row in rows_of(tmp_path / which)} for which in ("live", "replay"))
+    first = min(int(row["shown_ns"]) for row in live.values())
+    assert len(replayed) > 10
+    for shown_ns, row in replayed.items():
+        meant = live[str(first + int(shown_ns))]  # a reader's clock begins at the first pose
+        assert row["pose_origin"] == "measured"
+        for part in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"):
+            assert row[f"shown_{part}"] == meant[f"shown_{part}"]
+        assert row["pose_age_ms"] == "" and float(row["time_s"]) == pytest.approx(float(meant["time_s"]), abs=1e-9)
+
+
+def test_pictures_are_those_that_were_handed_over(monkeypatch, tmp_path):
+    _, display = go(monkeypatch, tmp_path / "out", keeps=True, options={"images_every": 4})
+    shown = [picture for picture, label in zip(display.pictures, display.labels, strict=True) if not label]
+    names = sorted(path.name for path in (tmp_path / "out" / "images").iterdir())
+    kept = range(0, len(shown), 4)
+    assert names == [f"frame-{number:06d}-{eye}.png" for number in kept for eye in ("left", "right")]
+    for number in kept:
+        halves = [read_png(tmp_path / "out" / "images" / f"frame-{number:06d}-{eye}.png") for eye in ("left", "right")]
+        window = flip_rows(shown[number]).astype(int)
+        # A shader's powers and NumPy's table: each rounds to the nearest of 255 levels, seldom to different ones.
+        assert np.abs(np.concatenate(halves, axis=1).astype(int) - window).max() <= 1
+
+
+def read_png(path):
+    from PIL import Image
+
+    return np.asarray(Image.open(path))
+
+
+def test_pictures_have_an_end(monkeypatch, tmp_path):
+    monkeypatch.setattr(log, "Pictures", functools.partial(log.Pictures, most=2))
+    result, _ = go(monkeypatch, tmp_path / "out", options={"images_every": 1})
+    assert len(list((tmp_path / "out" / "images").iterdir())) == 4
+    assert any("no more were kept" in note for note in result.summary["notes"])
+
+
+def test_what_happened_is_told(monkeypatch, tmp_path):
+    events = {
+        8: Tick(0, 0, render=False),
+        9: Tick(0, 0, missed=2, notice="tracking lost"),
+        10: Lost("the runtime is gone"),
+        12: None,
+        **closed_at(30),
+    }
+    asked = {14: [Command("latency", 50.0)], 18: [Command("warp", "rotation")], 22: [Command("fill", "no such fill")]}
+    result, display = go(monkeypatch, tmp_path / "out", events, asked=asked, back_after=0)
+    live = result.summary["live"]
+    assert (live["missed"], live["unseen"], live["lost"][0]["why"]) == (2, 1, "the runtime is gone")
+    assert live["lost"][0]["away_s"] >= 0 and live["notices"]["tracking lost"] == 1
+    assert live["waiting"] == live["notices"]["waiting for the first frame"] > 0
+    assert live["refreshes"] + live["waiting"] + live["unseen"] == 30 - 2
+    changes = [(change["what"], change["reason"]) for change in live["changes"]]
+    assert changes == [({"latency": [30.0, 50.0]}, "by hand"), ({"warp": ["forward", "rotation"]}, "by hand")]
+    warps = [row["warp"] for row in rows_of(tmp_path / "out")[::2]]
+    assert warps.index("rotation") == live["changes"][1]["frame"] + 1 and warps[-1] == "rotation"
+    ages = {float(row["age_ms"]) for row in rows_of(tmp_path / "out")}
+    assert result.summary["latency_ms"] == 30.0 and max(ages) == pytest.approx(50.0)
+    told = "\n".join(result.describe())
+    assert "; 2 missed (" in told and "Settings were changed 2 times" in told and "the runtime is gone" in told
+    assert display.statuses[-1].missed == 2
+
+
+def test_a_view_of_one_eye_has_one_row(monkeypatch, tmp_path):
+    asked = {10: [Command("view", "both")]}
+    result, _ = go(monkeypatch, tmp_path / "out", view="flat", asked=asked, options={"view": "flat", "images_every": 5})
+    eyes = [int(row["eye"]) for row in rows_of(tmp_path / "out")]
+    first = eyes.index(1)
+    assert set(eyes[: first - 1]) == {0} and eyes[first - 1 :] == [0, 1] * ((len(eyes) - first + 1) // 2)
+    assert result.summary["frames"] == first - 1 + (len(eyes) - first + 1) // 2
+    assert result.summary["measured"]["hole_share"] == len(eyes)
+    validate_summary(result.summary)
+
+
+def test_a_fused_warp_has_no_picture_to_count_holes_in(monkeypatch, tmp_path):
+    result, _ = go(monkeypatch, tmp_path / "out", options={"fused": True, "warp": "backward", "fill": "none"})
+    assert {row["hole_share"] for row in rows_of(tmp_path / "out")} == {""}
+    assert result.summary["quality"]["hole_share"]["mean"] is None
+
+
+def test_warp_auto_tells_its_changes(monkeypatch, tmp_path):
+    rows = [
+        a_row(warp, "none", total_ms, flip, headset="rift-dk1", size=[96, 120], scene="planes", latency_ms=30.0)
+        for warp, total_ms, flip in (("none", 0.001, 0.3), ("rotation", 0.002, 0.2), ("forward", 0.003, 0.1))
+    ]
+    bench = a_bench(tmp_path / "bench.json", rows)
+    options = {
+        "warp": "auto",
+        "budget_ms": 0.003,
+        "bench": bench,
+        "size": (96, 120),
+    }  # nothing here is done in 3 us: it must step down
+    result, _ = go(monkeypatch, tmp_path / "out", closed_at(60), options=options)
+    live, warps = result.summary["live"], [row["warp"] for row in rows_of(tmp_path / "out")[::2]]
+    assert result.summary["warp"] == result.summary["fill"] == "auto" and warps[0] == "forward"
+    steps = [(change["frame"], change["what"]["warp"]) for change in live["changes"]]
+    assert steps and [now for _, (_, now) in steps] == [b for a, b in zip(warps, warps[1:], strict=False) if a != b]
+    assert all(warps[frame] == before and warps[frame + 1] == now for frame, (before, now) in steps)
+    assert all(change["reason"] not in ("", "by hand") for change in live["changes"])
+
+
+def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    result, display = go(monkeypatch, None)
+    validate_summary(result.summary)
+    assert result.folder is None and not list(tmp_path.iterdir())
+    told = result.describe()
+    assert (
+        told[0].startswith("shown")
+        and "a second" in told[0]
+        and "of 10.00 ms" in "".join(told)
+        and "report" not in "".join(told)
+    )
+    status = display.statuses[-1]
+    assert len(status.age_ms) == len(status.pose_age_ms) == result.summary["frames"]
+    assert len(status.total_ms) == len(status.holes) == len(status.period_ms) + 1 == result.summary["frames"]
+    assert set(status.stage_ms) == {"warp", "fill", "effects", "lens"} and status.budget_ms == 10.0
+
+
+def test_pictures_need_a_folder():
+    with pytest.raises(InputError, match="--out"):
+        LiveOptions(images_every=2)
+
+
+def test_nothing_waits_for_the_gpu(monkeypatch, tmp_path, seen):
+    """With timer queries, a refresh's times are asked for after the next one was handed over, and the last one's at the end."""
+    read = []
+
+    def after(number):
+        *_, before, now = [None, *seen.refreshes]
+        read.append(
+            (before is None or not any(lap._pending for lap in before.laps), not all(lap._pending for lap in now.laps))
+        )
+
+    display = OffscreenDisplay(events=closed_at(20))
+    display.gpu.timer.clock = "gpu"  # llvmpipe has queries too; their answers mean nothing
+    run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out"), after=after)
+    assert set(read) == {(True, False)} and len(read) > 10
+    assert all(row["total_ms"] and row["hole_share"] for row in rows_of(tmp_path / "out"))
+
+
+def test_nothing_shown_leaves_nothing_and_says_so(monkeypatch, tmp_path):
+    result, display = go(monkeypatch, tmp_path / "out", closed_at(1), options={"record": tmp_path / "head.csv"})
+    assert result.describe() == ["no picture was shown"] and result.folder is None
+    assert "nothing recorded" in display.said[-1] and not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_made_is_told_before_a_display_opens(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot write"):
+        go(monkeypatch, tmp_path / "file" / "out")
+
+
+@pytest.mark.parametrize("error", [MachineError("the GPU is gone"), KeyboardInterrupt()])
+def test_whatever_ends_it_what_was_shown_is_written(monkeypatch, tmp_path, error):
+    with pytest.raises(type(error)):
+        go(monkeypatch, tmp_path / "out", {15: error}, options={"record": tmp_path / "head.csv"})
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    validate_summary(summary)
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) == 2 * summary["frames"] > 10 and rows[-1]["total_ms"]  # the last one's times, too
+    assert (tmp_path / "head.csv").read_text().count("\n") == 6 + summary["frames"]
+
+
+def test_a_watchdog_s_thread_can_finish_it_while_the_loop_hangs(monkeypatch, tmp_path, seen):
+    """No GL there: the last refresh's times are not known then. What comes back to life afterwards is not logged."""
+
+    def after(number):
+        if number == 10:
+            other = threading.Thread(target=seen.logs[0].finish)
+            other.start()
+            other.join()
+
+    display = OffscreenDisplay(events=closed_at(20))
+    result = run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out"), after=after)
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) == 20 and result.summary["frames"] == 10 and result.folder == tmp_path / "out"
+    assert rows[-1]["total_ms"] == rows[-1]["hole_share"] == "" and rows[-3]["total_ms"] and rows[-1]["shown_qw"]
+    validate_summary(result.summary)
+
+
+def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
+    display = OffscreenDisplay(events={5: Tick(0, 0, notice="<b>lost</b>"), **closed_at(20)})
+    display.about["headset"] = "<i>X</i> & Y"
+    run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'"))
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert (
+        "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page
+        and "<i>X" not in page
+        and "<b>lost" not in page
+        and "&lt;out&gt;" in page
+    )
+    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Age of the pose" in page
+    assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]  # and nothing hidden
+
+
+def test_a_new_run_replaces_the_files_of_the_one_before(monkeypatch, tmp_path):
+    go(monkeypatch, tmp_path / "out", options={"images_every": 2})
+    (tmp_path / "out" / "mine.txt").write_text("kept")
+    go(monkeypatch, tmp_path / "out")
+    assert sorted(contents(tmp_path / "out")) == ["frames.csv", "mine.txt", "report.html", "summary.json"]
+
+
+FULL = """
+import resource, sys
+from pathlib import Path
+from hmdwarp.errors import MachineError
+from hmdwarp.run import LiveOptions
+from hmdwarp.run import live_run as run
+from tests.run.offscreen import OffscreenDisplay, closed_at
+resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))
+try:
+    run.live(LiveOptions(scene="planes", latency_ms=0.0, out=Path(sys.argv[1])))
+except MachineError as error:
+    print(error)
+"""
+
+
+def test_a_full_disk_ends_it_and_leaves_whole_rows(tmp_path):
+    run = [sys.executable, "-c", FULL, str(tmp_path / "out")]
+    done = subprocess.run(run, capture_output=True, text=True, timeout=120, check=False)
+    assert "cannot write" in done.stdout and "make room" in done.stdout and done.stderr == "", done
+    assert sorted(contents(tmp_path / "out")) == ["frames.csv"]  # no summary: it is not whole
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) > 20 and all(row["fill"] == "interpolate" for row in rows)
+
+
+def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
+    """Ten thousand refreshes and the same again: what is kept for ever would be a megabyte more, at 100 bytes each."""
+    monkeypatch.setattr(live_figures, "Thinned", functools.partial(Thinned, most=64))
+    grown = []
+
+    def after(number):
+        if number != 5:
+            return
+        refresh, logged = seen.refreshes[-1], seen.logs[0]
+        monkeypatch.undo()
+        for part in range(3):
+            for k in range(3000):
+                later = attrs.evolve(refresh, shown_ns=refresh.shown_ns + (3000 * part + k + 1) * PERIOD_NS)
+                logged.add(Tick(later.shown_ns, PERIOD_NS), later, later.shown_ns, f"notice {k}")
+            logged._files.rows.flush()
+            if part == 0:
+                tracemalloc.start()
+            grown.append(tracemalloc.get_traced_memory()[0])
+
+    display = OffscreenDisplay(events=closed_at(12))
+    result = run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out"), after=after)
+    tracemalloc.stop()
+    assert grown[2] - grown[1] < 50_000
+    assert result.summary["frames"] > 9000 and result.summary["live"]["sampled_every"] >= 256
+    assert len(result.summary["live"]["notices"]) <= 52
+    with (tmp_path / "out" / "frames.csv").open() as file:
+        assert sum(1 for _ in file) == 1 + 2 * result.summary["frames"]
+
+
+def test_fields_with_commas_are_read_back(monkeypatch, tmp_path):
+    go(monkeypatch, tmp_path / "out", options={"warp": "mesh:cut=vertex,steepest_deg=80.0", "fill": "constant"})
+    assert {row["warp"] for row in rows_of(tmp_path / "out")} == {"mesh:cut=vertex,steepest_deg=80.0"}

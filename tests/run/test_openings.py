@@ -1,0 +1,170 @@
+"""Which display a run gets: the real loader with runtimes that are not there, and no screen or a virtual one."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from contextlib import nullcontext
+from pathlib import Path
+
+import needs
+import pytest
+from display.virtual_screen import VirtualScreen
+
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.link.codec import Coding
+from hmdwarp.run import LiveOptions
+from hmdwarp.run import live_run as run
+from hmdwarp.run.live_run import display_options, open_display
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE_S = 120
+
+
+def opened(**options):
+    said: list[str] = []
+    return open_display(LiveOptions(**options), lambda what: nullcontext(), said.append), said
+
+
+@pytest.fixture(autouse=True)
+def no_screen(monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+
+
+MANIFESTS = {
+    "nowhere": (None, "No such file or directory"),
+    "no json": ("{", "which is no runtime manifest"),
+    "another json": ('{"file_format_version": "1.0.0"}', "which is no runtime manifest"),
+    "a library that is not there": (
+        json.dumps({"file_format_version": "1.0.0", "runtime": {"library_path": "./libnowhere.so"}}),
+        "library ./libnowhere.so",
+    ),
+    "a library that is no runtime": (
+        json.dumps({"file_format_version": "1.0.0", "runtime": {"library_path": "libm.so.6"}}),
+        "library libm.so.6",
+    ),
+}
+
+
+@pytest.fixture(params=MANIFESTS)
+def absent(request, monkeypatch, tmp_path) -> str:
+    """A runtime that cannot be loaded is the active one; what must be told of it."""
+    text, told = MANIFESTS[request.param]
+    path = tmp_path / "runtime.json"
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    monkeypatch.setenv("XR_RUNTIME_JSON", str(path))
+    return told
+
+
+def test_who_insists_on_the_headset_is_told_why_there_is_none(absent):
+    with pytest.raises(MachineError) as caught:
+        opened(source="openxr")
+    assert str(caught.value).startswith("no OpenXR runtime: XR_RUNTIME_JSON names ")
+    assert absent in str(caught.value)
+    assert str(caught.value).endswith("--source desktop")
+    assert caught.value.exit_status == 3
+
+
+def test_with_neither_both_reasons_are_told(absent):
+    with pytest.raises(MachineError) as caught:
+        opened(source="auto")
+    told = str(caught.value)
+    assert told.startswith("neither headset nor window: no OpenXR runtime: ")
+    assert absent in told
+    assert "and no window: neither DISPLAY nor WAYLAND_DISPLAY is set" in told
+    assert caught.value.exit_status == 3
+
+
+def test_who_insists_on_the_window_hears_nothing_of_headsets(monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":987")
+    with pytest.raises(MachineError) as caught:
+        opened(source="desktop")
+    assert "no window: " in str(caught.value)
+    assert "OpenXR" not in str(caught.value)
+
+
+def test_a_display_is_told_what_it_must_know():
+    asked = LiveOptions(
+        headset="cardboard-v2",
+        view="flat",
+        size=(96, 120),
+        full_screen=True,
+        vsync=False,
+        panel=False,
+        depth_layer=False,
+    )
+    watching = lambda what: nullcontext()  # noqa: E731
+    inputs = display_options(asked, watching)
+    assert (inputs.headset, inputs.view, inputs.size, inputs.watching) == ("cardboard-v2", "flat", (96, 120), watching)
+    assert (inputs.full_screen, inputs.vsync, inputs.control_panel, inputs.depth_layer) == (True, False, False, False)
+
+
+def live(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
+    """hmdwarp live as a program, without any runtime."""
+    return python("-m", "hmdwarp", "live", *arguments, screen=screen, tmp_path=tmp_path)
+
+
+def python(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
+    """Before a virtual screen or without any."""
+    kept = tmp_path / "screen"
+    kept.mkdir()
+    with VirtualScreen(kept) if screen else nullcontext() as shown:
+        environment = shown.environment if shown is not None else os.environ
+        environment = {**environment, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
+        command = [sys.executable, *arguments]
+        return subprocess.run(
+            command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S
+        )
+
+
+def test_the_program_ends_with_3_and_one_line(tmp_path):
+    """The loader's own five lines are not to be seen."""
+    done = live("--quiet", screen=False, tmp_path=tmp_path)
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    assert "no OpenXR runtime" in done.stderr and "no window" in done.stderr
+
+
+@needs.programs("Xvfb")
+def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
+    done = live(
+        "--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.startswith("a window, as there is no headset: no OpenXR runtime: XR_RUNTIME_JSON names ")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"warp": "forwrad"}, "unknown warp 'forwrad': did you mean 'forward'"),
+        ({"fill": "pyramids"}, "unknown fill"),
+        ({"scene": "rooom"}, "unknown scene"),
+        ({"lens": "fisheye"}, "unknown lens"),
+        ({"predict": "crystal"}, "unknown predictor"),
+        ({"coding": Coding("h265")}, "unknown codec"),
+        ({"effects": "sparkle"}, "sparkle"),
+    ],
+)
+def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong, told):
+    monkeypatch.setattr(run, "open_display", lambda *_: pytest.fail("a display was opened"))
+    with pytest.raises(InputError, match=told):
+        run.live(LiveOptions(**{"scene": "planes", **wrong}))
+
+
+@needs.programs("Xvfb")
+def test_briefly_it_is_one_clause(tmp_path):
+    """As the desk of a study says it: how to get a runtime is no concern of a session that has begun."""
+    program = (
+        "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live_run import open_display\n"
+        "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"
+    )
+    done = python("-c", program, screen=True, tmp_path=tmp_path)
+    assert (done.returncode, done.stdout) == (
+        0,
+        "a window, as there is no headset: no OpenXR runtime (hmdwarp doctor tells more)\n",
+    ), done

@@ -1,0 +1,243 @@
+"""A recording is on the disk while it grows, survives what ends the program, and reads back bit for bit."""
+
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.geometry import Pose
+from hmdwarp.poses import Origin, PoseSample, load_trace
+from hmdwarp.run import lines
+from hmdwarp.run.lines import Lines
+from hmdwarp.run.recorder import Recorder, origin_of
+
+ABOUT = {"runtime": "Monado", "runtime_version": "25.0", "headset": "Simulated HMD"}
+
+
+def samples(count, first_ns=10**15, step_ns=11_111_111, seed=1):
+    """A head that sways, with random digits to the last one."""
+    rng = np.random.default_rng(seed)
+    for k in range(count):
+        near = rng.normal(0, 1e-3, 4) + (0, 0, 0, 1)  # about 0.2 degrees: a larger jump is none that a head can make
+        yield PoseSample(first_ns + k * step_ns, Pose(rng.normal(0, 1e-3, 3), near), Origin.MEASURED)
+
+
+def record(path, heads, **more):
+    told = []
+    with Recorder(path, told.append, **more) as recorder:
+        recorder.begin(ABOUT, 90.0)
+        for head in heads:
+            recorder.add(head)
+    return told
+
+
+def test_a_recording_reads_back_bit_for_bit(tmp_path):
+    heads = list(samples(200))
+    told = record(tmp_path / "a.csv", heads)
+    loaded = load_trace(tmp_path / "a.csv")
+    assert loaded.format == "native" and not loaded.defects
+    track = loaded.track
+    assert track.epoch_ns == heads[0].time_ns
+    assert (track.time_ns == [h.time_ns - heads[0].time_ns for h in heads]).all()
+    assert (track.position_m == [h.pose.position_m for h in heads]).all()
+    assert (track.orientation_xyzw == [h.pose.orientation_xyzw for h in heads]).all()
+    assert told == [f"{tmp_path / 'a.csv'}: 200 poses, 2.211 s"]
+
+
+def test_the_header_names_runtime_and_headset(tmp_path):
+    record(tmp_path / "a.csv", samples(2))
+    assert load_trace(tmp_path / "a.csv").track.origin == "hmdwarp live, Monado 25.0, headset 'Simulated HMD'"
+    assert origin_of("hmdwarp record", {"runtime": "", "window": "X11"}) == "hmdwarp record, window 'X11'"
+
+
+def test_an_existing_file_is_never_touched(tmp_path):
+    (tmp_path / "a.csv").write_text("precious")
+    with pytest.raises(InputError, match="overwrites nothing"):
+        Recorder(tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_text() == "precious"
+
+
+def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path):
+    with pytest.raises(InputError, match="cannot write"):
+        Recorder(tmp_path / "nowhere" / "a.csv")
+
+
+def test_who_will_not_come_to_the_end_saves_what_there_is(tmp_path):
+    one, two = (Recorder(tmp_path / name) for name in ("one.csv", "two.csv"))
+    for recorder, count in ((one, 1), (two, 2)):
+        recorder.begin(ABOUT, 90.0)
+        for head in samples(count):
+            recorder.add(head)
+    assert one.save() == "" and two.save() == f"the recording until then is in {tmp_path / 'two.csv'}"
+    assert [path.name for path in tmp_path.iterdir()] == ["two.csv"] and len(
+        load_trace(tmp_path / "two.csv").track
+    ) == 2
+    for recorder in (one, two):
+        with recorder:
+            pass
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_what_no_reader_takes_is_not_left_behind(tmp_path, count):
+    (told,) = record(tmp_path / "a.csv", samples(count))
+    assert "nothing recorded" in told and not list(tmp_path.iterdir())
+
+
+def test_a_run_that_never_began_leaves_nothing(tmp_path):
+    with pytest.raises(ZeroDivisionError), Recorder(tmp_path / "a.csv"):
+        raise ZeroDivisionError
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_error_leaves_what_was_recorded(tmp_path):
+    with pytest.raises(ZeroDivisionError), Recorder(tmp_path / "a.csv") as recorder:
+        recorder.begin(ABOUT, 90.0)
+        for head in samples(50):
+            recorder.add(head)
+        raise ZeroDivisionError
+    assert len(load_trace(tmp_path / "a.csv").track) == 50
+
+
+def test_time_that_does_not_rise_is_left_out_and_told(tmp_path):
+    a, b, c, d = samples(4)
+    told = record(tmp_path / "a.csv", [a, b, a, b, c, c, d])
+    assert load_trace(tmp_path / "a.csv").track.time_ns.tolist() == [x.time_ns - a.time_ns for x in (a, b, c, d)]
+    assert "went back by 0.011 s" in told[0] and "3 whose time did not rise" in told[-1] and len(told) == 2
+
+
+def test_held_poses_make_a_gap(tmp_path):
+    heads = [attrs.evolve(h, origin=Origin.HELD) if 20 <= k < 60 else h for k, h in enumerate(samples(80))]
+    told = record(tmp_path / "a.csv", heads)
+    track = load_trace(tmp_path / "a.csv").track
+    assert (
+        len(track) == 40 and track.broken.sum() == 1
+    )  # 41 steps of 11 ms are longer than what is interpolated, 100 ms
+    assert "40 held (tracking lost)" in told[0]
+
+
+def test_poses_are_on_the_disk_while_it_runs(tmp_path):
+    with Recorder(tmp_path / "a.csv") as recorder:
+        recorder.begin(ABOUT, 90.0)
+        for head in samples(30):
+            recorder.add(head)
+        recorder.flush()
+        assert len(load_trace(tmp_path / "a.csv").track) == 30
+        for head in samples(30, first_ns=10**16):
+            recorder.add(head)
+        until = time.monotonic() + 60
+        while (tmp_path / "a.csv").read_text().count("\n") < 6 + 60 and time.monotonic() < until:  # nobody asks for it
+            time.sleep(0.05)
+        assert (tmp_path / "a.csv").read_text().count("\n") == 6 + 60
+
+
+CHILD = """
+import sys, time
+from pathlib import Path
+from hmdwarp.geometry import Pose
+from hmdwarp.run import Recorder
+from hmdwarp.poses import Origin, PoseSample
+with Recorder(Path(sys.argv[1])) as recorder:
+    recorder.begin({"headset": "none"}, 200.0)
+    while True:
+        now = time.monotonic_ns()
+        recorder.add(PoseSample(now, Pose((0, 1.6, 0)), Origin.MEASURED))
+        print(now, flush=True)
+        time.sleep(0.005)
+"""
+
+
+def test_a_killed_program_has_lost_a_second_at_most(tmp_path):
+    child = subprocess.Popen([sys.executable, "-c", CHILD, str(tmp_path / "a.csv")], stdout=subprocess.PIPE, text=True)
+    try:
+        first = last = int(child.stdout.readline())
+        while last - first < 2.3e9:
+            last = int(child.stdout.readline())
+    finally:
+        child.kill()
+        rest = child.communicate(timeout=60)[0].split("\n")
+    last = max([last, *(int(line) for line in rest[:-1])])
+    text = (tmp_path / "a.csv").read_text()
+    assert text.endswith("\n")
+    track = load_trace(tmp_path / "a.csv").track
+    assert track.epoch_ns == first and 0 <= last - (first + track.end_ns) < 1e9
+
+
+FULL = """
+import resource, sys
+from pathlib import Path
+from hmdwarp.errors import MachineError
+from hmdwarp.run import Recorder
+from tests.run.test_recorder import ABOUT, samples
+resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+told = []
+try:
+    with Recorder(Path(sys.argv[1]), told.append) as recorder:
+        recorder.begin(ABOUT, 90.0)
+        for count, head in enumerate(samples(100000)):
+            recorder.add(head)
+            if count % 10 == 9:
+                recorder.flush()
+except MachineError as error:
+    print(count, error)
+"""
+
+
+def test_a_full_disk_ends_the_run_and_leaves_whole_lines(tmp_path):
+    run = [sys.executable, "-c", FULL, str(tmp_path / "a.csv")]
+    done = subprocess.run(run, capture_output=True, text=True, timeout=120, check=False)
+    assert "cannot write" in done.stdout and "make room" in done.stdout and done.stderr == "", done
+    assert int(done.stdout.split()[0]) < 40  # at the next pose, not at the end
+    text = (tmp_path / "a.csv").read_text()
+    assert 2800 < len(text) <= 3000 and text.endswith("\n")
+    assert load_trace(tmp_path / "a.csv").track.time_ns[-1] > 0
+
+
+def test_a_disk_that_stands_still_holds_no_pose_up_and_its_backlog_is_bounded(tmp_path, monkeypatch):
+    stands, go = threading.Event(), threading.Event()
+
+    def stalled(_):
+        stands.set()
+        go.wait(60)
+
+    monkeypatch.setattr(lines.os, "fsync", stalled)
+    monkeypatch.setattr(lines, "MOST_WAITING", 20_000)
+    heads, told = list(samples(1000)), []
+    recorder = Recorder(tmp_path / "a.csv", told.append)
+    with pytest.raises(MachineError, match="does not answer"), recorder:
+        recorder.begin(ABOUT, 90.0)
+        recorder.add(heads[0])
+        assert stands.wait(60)
+        try:
+            for head in heads[1:]:
+                recorder.add(head)
+        finally:
+            go.set()
+    assert 100 < recorder.count < 300  # 20,000 characters of about 130 each
+    assert len(load_trace(tmp_path / "a.csv").track) >= recorder.count  # the disk came back in time
+
+
+def test_lines_of_another_thread_s_flush_come_in_order(tmp_path):
+    out = Lines(tmp_path / "a.txt")
+    ended = threading.Event()
+
+    def flushing():
+        while not ended.is_set():
+            out.flush()
+
+    threads = [threading.Thread(target=flushing) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for k in range(20_000):
+        out.add(f"{k}\n")
+    ended.set()
+    for thread in threads:
+        thread.join()
+    out.close()
+    out.close()
+    assert (tmp_path / "a.txt").read_text() == textwrap.dedent("".join(f"{k}\n" for k in range(20_000)))
