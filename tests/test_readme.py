@@ -59,7 +59,7 @@ def run(command: list[str], folder: Path) -> None:
 
 
 def smaller(block: str) -> str:
-    """Return the commands of a block, each with the options of SMALLER; of a study, less to show."""
+    """Return the commands of a block with the options of SMALLER; of a study, less to show."""
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     return "\n".join(
         line + next((more for start, more in SMALLER.items() if line.startswith(start)), "")
