@@ -24,12 +24,6 @@ RETIRED = re.compile(
 QUOTED = re.compile(r"^```.*?^```|<!-- [\w -]+ -->.*?<!-- end -->|`\"nobody\"`", re.DOTALL | re.MULTILINE)
 
 
-# Words that are retired and still in names: each goes from here with the last name that has it.
-OWED = {
-    "asked", "given", "openings", "paper", "returning", "thinned",
-}  # fmt: skip
-
-
 def words_of(name: str) -> list[str]:
     """Split CamelCase and snake_case into lower-case words, without digits."""
     parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)
@@ -50,7 +44,7 @@ def glossary_rows() -> list[list[str]]:
 
 def known_words() -> set[str]:
     terms = " ".join(row[0] + " " + " ".join(re.findall(r"`(\w+)`", row[1])) for row in glossary_rows())
-    return set(words_of(terms)) | set(PLAIN.read_text(encoding="utf-8").split()) | OWED
+    return set(words_of(terms)) | set(PLAIN.read_text(encoding="utf-8").split())
 
 
 def public_names() -> dict[str, Path]:
@@ -94,12 +88,7 @@ def test_public_names_use_known_words():
 def test_the_plain_words_are_sorted_and_no_retired_ones():
     words = PLAIN.read_text(encoding="utf-8").split()
     assert words == sorted(set(words))
-    assert not [word for word in words if word in OWED or RETIRED.fullmatch(word)]
-
-
-def test_what_is_owed_is_still_in_a_name():
-    used = {word for name in public_names() for word in words_of(name)}
-    assert used >= OWED, f"no name has these any more, take them out of OWED: {sorted(OWED - used)}"
+    assert not [word for word in words if RETIRED.fullmatch(word)]
 
 
 def test_each_term_is_explained_in_one_line():

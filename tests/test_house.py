@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import functools
+import graphlib
 import importlib
 import importlib.util
 import re
@@ -362,6 +363,44 @@ def test_clock_reads_are_noticed():
     for guilty in ("import time", "from time import monotonic", "x = datetime.datetime.now()"):
         assert clock_reads(ast.parse(guilty)) == [1], guilty
     assert clock_reads(ast.parse("from .time import ticks\nx = trace.now")) == []
+
+
+def files_imported(path: Path) -> set[Path]:
+    """The files of the package that `path` takes names from, annotations included."""
+    package, found = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts), set()
+    for node in ast.walk(tree_of(path)):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        base = PACKAGE.parent.joinpath(*package[: len(package) - node.level + 1], *(node.module or "").split("."))
+        for alias in node.names:
+            places = (
+                base / f"{alias.name}.py",
+                base / alias.name / "__init__.py",
+                base.with_suffix(".py"),
+                base / "__init__.py",
+            )
+            found |= set([place for place in places if place.is_file()][:1])
+    return found - {path}
+
+
+def test_no_private_module_is_imported_by_another_package():
+    wrong = {
+        f"{name_of(path)} -> {name_of(other)}"
+        for path in modules()
+        for other in files_imported(path)
+        if other.stem.startswith("_") and other.stem != "__init__" and other.parent not in (path.parent, *path.parents)
+    }
+    assert not wrong, f"export what they need from the package's face: {sorted(wrong)}"
+
+
+def test_no_files_import_each_other_in_a_circle():
+    """Two files that need each other are one idea; a package's face is no part of it."""
+    graph = {path: {other for other in files_imported(path) if other.name != "__init__.py"} for path in modules()}
+    order = graphlib.TopologicalSorter({path: others for path, others in graph.items() if path.name != "__init__.py"})
+    try:
+        order.prepare()
+    except graphlib.CycleError as error:
+        pytest.fail(" -> ".join(name_of(path) for path in error.args[1]))
 
 
 def loaded_by(code: str) -> set[str]:

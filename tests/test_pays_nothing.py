@@ -96,7 +96,7 @@ def test_every_effect_has_a_scene_that_calls_for_it():
 
 
 def test_an_effect_is_named_only_where_it_is_declared_and_compensated():
-    """Whoever looks at names elsewhere has a second opinion of what is to be done; only the plan has one."""
+    """A test for a name elsewhere would be a second opinion of what is to be done."""
     root = folder("shaders").parent / "hmdwarp"
     own = ("client/effects/", "client/effect_passes/", "scenes/library/")
     found = [

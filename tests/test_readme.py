@@ -1,8 +1,8 @@
 """Every command and line of Python in README.md and docs/*.md runs, as a reader would run it.
 
-A block of kind `sh` or `python` runs as it is, in an empty folder for each page; a block of kind
-`shell` opens a window. A block of kind `text` needs people, a headset or the checkout, so it is
-only read.
+A block of kind `sh` or `python` runs as it is but for smaller pictures, in an empty folder for each
+page; a block of kind `shell` opens a window. A block of kind `text` needs people, a headset or the
+checkout, so it is only read.
 """
 
 from __future__ import annotations
@@ -29,6 +29,13 @@ LIVE = sorted(
     {line for blocks in BLOCKS.values() for kind, text in blocks if kind == "shell" for line in text.splitlines()}
 )
 
+# Of an option given twice the last counts: what is drawn is smaller and shorter here.
+SMALLER = {
+    "hmdwarp replay ": " --size 96x120 --seconds 0.2 --images 1 --workers 0",
+    "hmdwarp bench ": " --size 64x80 --workers 0",
+    "hmdwarp live ": " --size 96x120",
+}
+
 # What the examples of a page must leave behind.
 LEFT = {
     "README.md": ("out/walk/report.html", "out/bench/bench.json", "out/thesis/report.html"),
@@ -51,6 +58,15 @@ def run(command: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
+def smaller(block: str) -> str:
+    """Return the commands of a block with the options of SMALLER; of a study, less to show."""
+    block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
+    return "\n".join(
+        line + next((more for start, more in SMALLER.items() if line.startswith(start)), "")
+        for line in block.splitlines()
+    )
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page", [name for name, blocks in BLOCKS.items() if {"sh", "python"} & {kind for kind, _ in blocks}]
@@ -60,7 +76,7 @@ def test_a_page_runs_from_top_to_bottom(page, tmp_path):
         if kind == "python":
             run([sys.executable, "-c", text], tmp_path)
         elif kind == "sh" and not text.startswith("make "):
-            run(["sh", "-ec", text], tmp_path)
+            run(["sh", "-ec", smaller(text)], tmp_path)
     for name in LEFT.get(page, ()):
         assert (tmp_path / name).stat().st_size > 0, name
 
@@ -100,7 +116,15 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
 def test_make_replay_does_the_main_job(tmp_path):
     # All of the recording takes minutes; a third of a second of it takes the same way.
     run(
-        ["make", "-C", str(ROOT), "replay", "SECONDS=0.3", f"OUT={tmp_path / 'out'}", "OPTIONS=--size 160x200"],
+        [
+            "make",
+            "-C",
+            str(ROOT),
+            "replay",
+            "SECONDS=0.3",
+            f"OUT={tmp_path / 'out'}",
+            "OPTIONS=--size 96x120 --images 1",
+        ],
         tmp_path,
     )
     assert (tmp_path / "out/report.html").is_file()

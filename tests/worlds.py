@@ -51,7 +51,7 @@ def read(texture) -> np.ndarray:
 
 
 class World:
-    """A rendered picture of a few planes with holes, and a shown view a plausible head motion away."""
+    """A rendered picture of a few planes with holes, and a view a plausible head motion away."""
 
     def __init__(
         self, gpu, seed: int, size: tuple[int, int], shown_size: tuple[int, int] | None = None, *, moved: bool = True
@@ -147,9 +147,7 @@ class World:
             )
 
     def bring_cube(self, gpu) -> None:
-        """Random colours all around the rendered eye, faces as wide inside as the rendered picture's longer
-        side.
-        """
+        """Random colours around the rendered eye, faces as wide as the picture's longer side."""
         if self.cube is None:
             side = max(self.size) + 2
             colour = self.rng.uniform(0, 2, (2 * side, 3 * side, 3))

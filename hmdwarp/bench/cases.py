@@ -1,4 +1,4 @@
-"""Which cases a bench runs, and which combinations in each."""
+"""The cases of a bench and the combinations in each."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def cases_of(options: BenchOptions) -> list[Case]:
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """Return the warps of the options, or all with their variants, each once.
+    """Return the warps of the options, or all with their variants, as shortest text, each once.
 
-    They are in the shortest text that means them. Errors: as parse_warp.
+    Errors: as parse_warp.
     """
     return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
 
 
 def fills_of(options: BenchOptions) -> list[str]:
-    """Return the fills and chains of the options, each once, in the shortest text that means them.
+    """Return the fills and chains of the options as their shortest text, each once.
 
     Errors: as parse_fills.
     """
@@ -40,16 +40,16 @@ def fills_of(options: BenchOptions) -> list[str]:
 
 
 def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
-    """Return all combinations of warp and fill. Errors: as build_plan."""
+    """Return each warp with each fill. Errors: as build_plan."""
     pairs = itertools.product(warps_of(options), fills_of(options))
     selected = effects.selected(options.effects, effects.of(scene))
     return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
-    """Return the run of one case.
+    """Return the options of a run of one case.
 
-    Its first refresh is the same whatever the latency, so that all latencies see the same head.
+    Its first refresh does not depend on the latency, so that all latencies have the same head.
     """
     known: dict[str, Any] = {
         "trace": case.recording,
@@ -74,7 +74,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
 
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
-    """Return where all latencies can start; each has a frame to show in this recording.
+    """Return the start that suits all latencies; check that each has a frame to show.
 
     Errors: as schedule_of.
     """

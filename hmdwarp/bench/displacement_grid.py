@@ -1,7 +1,4 @@
-"""Error as a function of motion.
-
-One late frame from the scene's viewpoint, and a head that has moved or turned by so much.
-"""
+"""Error against motion: one late frame from the scene's viewpoint, and a head moved since."""
 
 from __future__ import annotations
 
@@ -37,16 +34,16 @@ AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 
 
 def offsets() -> list[tuple[str, float]]:
-    """(axis, metres or degrees) of every displacement but none at all.
+    """Return (axis, metres or degrees) of every displacement.
 
-    X right, y up, z backwards; yaw left, pitch up, roll left.
+    x is right, y up, z backwards; yaw left, pitch up, roll left.
     """
     shares = [k / STEPS for k in range(-STEPS, STEPS + 1) if k]
     return [(axis, share * (METRES if axis in "xyz" else DEGREES)) for axis in AXES for share in shares]
 
 
 def displaced(viewpoint: Pose, axis: str, offset: float) -> Pose:
-    """world_from_head after a movement in the head's own frame."""
+    """Return world_from_head after a movement in the head's own frame."""
     if axis in ("x", "y", "z"):
         return viewpoint @ Pose(offset * np.eye(3)["xyz".index(axis)])
     half = math.radians(offset) / 2
@@ -55,35 +52,32 @@ def displaced(viewpoint: Pose, axis: str, offset: float) -> Pose:
 
 
 class Scripted:
-    """A PoseSource.
-
-    At rest at the viewpoint up to time 0, then one displacement after the other, a nanosecond each.
-    """
+    """A PoseSource: at the viewpoint up to time 0, then each displacement for a nanosecond."""
 
     def __init__(self, scene: Scene, moves: list[tuple[str, float]]) -> None:
         self._poses = [displaced(scene.viewpoint, axis, offset) for axis, offset in moves]
         self._rest = scene.viewpoint
 
     def start(self) -> None:
-        """Nothing to get ready."""
+        """Do nothing."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Errors: HmdwarpError after the last displacement."""
+        """Return the pose. Errors: HmdwarpError after the last displacement."""
         if time_ns > len(self._poses):
-            raise HmdwarpError(f"the script has {len(self._poses)} displacements: wanted none after them")
+            raise HmdwarpError(f"the script has {len(self._poses)} displacements: expected no time after them")
         return PoseSample(time_ns, self._poses[time_ns - 1] if time_ns > 0 else self._rest, Origin.MEASURED)
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing."""
 
 
 def grid_rows(
     setup: ReplaySetup, warps: list[Combination], pool: QualityPool, step: Callable[[], None]
 ) -> list[dict[str, Any]]:
-    """Return the `grid` of bench.json: every warp, left eye, on the server and headset of `setup`.
+    """Return the `grid` of bench.json: every warp (unfilled combinations), left eye.
 
-    warps: unfilled combinations. setup: of the size wanted. The head has been at rest before, so
-    older frames show what the newest one does.
+    setup: has the server, the headset and the size. The head has been at rest before, so older
+    frames equal the newest one.
     """
     moves = [("x", 0.0), *offsets()]
     with ExitStack() as stack:
@@ -108,7 +102,7 @@ def grid_rows(
 
 
 def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack: ExitStack) -> Loop:
-    """Return a loop of its own on the setup's server, whose newest frame was drawn at time 0."""
+    """Return a second loop on the setup's server, whose newest frame was drawn at time 0."""
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)

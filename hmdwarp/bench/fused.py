@@ -1,7 +1,4 @@
-"""One resample from the late picture to the panel against two.
-
-Sharpness and time, for every warp that can be fused with the lens.
-"""
+"""Fused warps: one resample from late picture to panel against two, in sharpness and time."""
 
 from __future__ import annotations
 
@@ -32,7 +29,7 @@ EYE = 0
 
 @attrs.frozen(eq=False)
 class _Pair:
-    """A warp both ways."""
+    """A warp in both forms, with its times and sharpness."""
 
     warp: str
     compensators: dict[str, Compensator]
@@ -41,23 +38,20 @@ class _Pair:
 
 
 def pairs_of(setup: ReplaySetup, warps: list[str], lens: str) -> list[_Pair]:
-    """Those of the warps that can be fused."""
-    found = []
+    """Return the warps that can be fused with the lens."""
+    pairs = []
     for warp in warps:
         plan = build_plan(setup.plan.effects, warp, "none", lens, client_geometry=True)
         if plan.warp.fuses:
             fused = build_plan(setup.plan.effects, warp, "none", lens, client_geometry=True, fused=True)
-            found.append(_Pair(warp, {"fused": setup.compensator(fused), "separate": setup.compensator(plan)}))
-    return found
+            pairs.append(_Pair(warp, {"fused": setup.compensator(fused), "separate": setup.compensator(plan)}))
+    return pairs
 
 
 class PanelTruth:
-    """What the panel should show.
+    """The truth on the panel: the scene without latency, through the lens.
 
-    The scene without latency, drawn and sent through the lens at several times the resolution,
-    averaged in linear light.
-
-    Call with what the passes are given.
+    It is drawn at several times the resolution and averaged in linear light.
     """
 
     def __init__(self, setup: ReplaySetup, lens: str) -> None:
@@ -74,7 +68,7 @@ class PanelTruth:
         self._lens = plan.lens(setup.gpu, setup.headset, self._size)
 
     def __call__(self, inputs: PassInputs) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
-        """SRGB picture (h, w, 3) and where the lens shows something (h, w), top row first."""
+        """Return the sRGB picture (h, w, 3) and the lit pixels (h, w), top row first."""
         self._setup.server.draw(inputs.shown, self._size, self._target, inputs.shown_ns)
         self._lens.run(self._shown, inputs.shown.fov, inputs.eye, self._panel)
         self._setup.gpu.gl.memory_barrier()
@@ -99,7 +93,7 @@ def fused_rows(
     rounds: int,
     step: Callable[[], None],
 ) -> list[dict[str, Any]]:
-    """Return the `fused` of bench.json: the left eye at up to INSTANTS refreshes, both ways."""
+    """Return the `fused` of bench.json: the left eye at up to INSTANTS refreshes, both forms."""
     pairs = pairs_of(setup, warps, lens)
     truth_of = PanelTruth(setup, lens)
     numbers = instants_of(setup.schedule.count, min(INSTANTS, instants))

@@ -29,7 +29,7 @@ def _several(what: str, key: Callable[[Any], Any] = lambda value: value) -> Call
     def convert(values: Iterable[Any]) -> tuple[Any, ...]:
         found = tuple({key(value): value for value in ((values,) if isinstance(values, str) else values)}.values())
         if not found:
-            raise InputError(f"a bench without any {what}: wanted one at least")
+            raise InputError(f"a bench without any {what}: expected at least one")
         return found
 
     return convert
@@ -42,7 +42,7 @@ def _unique(names: Iterable[str]) -> tuple[str, ...]:
 def _size(value: Any) -> Size:
     sides = tuple(value)
     if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
-        raise InputError(f"size {value!r}: wanted (width, height) in pixels of one eye")
+        raise InputError(f"size {value!r}: expected (width, height) in pixels of one eye")
     return sides
 
 
@@ -51,7 +51,7 @@ def _split(text: str) -> list[str]:
 
 
 def _names(texts: list[str]) -> list[str]:
-    """Return every text that has settings (and commas), or its parts between commas."""
+    """Return every text that has settings (these hold commas), or its parts between commas."""
     return [name for text in texts for name in ([text] if ":" in text else _split(text))]
 
 
@@ -64,7 +64,7 @@ def _milliseconds(text: str) -> float:
     try:
         return float(text)
     except ValueError as error:
-        raise InputError(f"latency '{text}': wanted milliseconds, like 200") from error
+        raise InputError(f"latency '{text}': expected milliseconds, like 200") from error
 
 
 _RECORDING = Option("As an argument; repeat it for several.", list, name="recording", metavar="TRACE")
@@ -72,9 +72,7 @@ _RECORDING = Option("As an argument; repeat it for several.", list, name="record
 
 @attrs.frozen
 class BenchOptions(Declared):
-    """Which combinations of warps, fills, latencies, scenes, recordings and sizes a bench runs.
-
-    All of them.
+    """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
 
     Errors: InputError for a number that makes no sense, and for an empty list.
     """

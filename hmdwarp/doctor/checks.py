@@ -21,7 +21,7 @@ from typing import Any
 
 import attrs
 
-from ..display.openxr import APT, diagnose, lacks, manifest_in_words
+from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
 from ..gpu.context import HOW_TO_GET_GL
 from ..version import __version__
 
@@ -174,7 +174,7 @@ def openxr() -> list[Finding]:
     known = ask("openxr")
     if known["stage"] in ("start", "binding"):
         reason = _one_line(known.get("message", known.get("error")))
-        return [Finding("OpenXR loader", State.OPTIONAL, reason, f"{APT} libgl1, and pip install pyopenxr", known)]
+        return [Finding("OpenXR loader", State.OPTIONAL, reason, f"{INSTALL} libgl1, and pip install pyopenxr", known)]
     loader = Finding(
         "OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}"
     )
@@ -184,19 +184,23 @@ def openxr() -> list[Finding]:
 def _runtime(known: Answer) -> Finding:
     parts = (known["runtime"], known["runtime_version"]) if "runtime" in known else ("the runtime", "")
     name = parts[0] if parts[1] in parts[0] else " ".join(parts)  # Monado's name says it
-    detail, remedy = _runtime_failure(name, known) if "error" in known else lacks(name, known["extensions"])
+    detail, remedy = (
+        _runtime_failure(name, known) if "error" in known else missing_extensions(name, known["extensions"])
+    )
     if detail:
         return Finding("OpenXR runtime", State.OPTIONAL, detail, remedy, known)
     return Finding("OpenXR runtime", State.OK, f"{name}, headset '{known['headset']}'", facts=known)
 
 
 def _runtime_failure(name: str, known: Answer) -> tuple[str, str]:
-    return diagnose(known["stage"], known["error"], known.get("message"), name, manifest_in_words(os.environ))
+    return diagnose(known["stage"], known["error"], known.get("message"), name, manifest_text(os.environ))
 
 
 def window() -> Finding:
     """Check that a desktop window opens; optional, replay needs none."""
-    remedy = f"run in a desktop session, or under a virtual one: {APT} xvfb, then put xvfb-run -a before the command"
+    remedy = (
+        f"run in a desktop session, or under a virtual one: {INSTALL} xvfb, then put xvfb-run -a before the command"
+    )
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return Finding(
             "desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy

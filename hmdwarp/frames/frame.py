@@ -84,8 +84,7 @@ class Frame:
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
     drawing: Lap | None = None
-    # Milliseconds of other work on its way by name (encode, decode), entered by whoever does the
-    # work.
+    # Milliseconds of other work on its way, by name (encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
 
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:

@@ -11,6 +11,8 @@ from typing import Any
 import moderngl
 
 from ..errors import MachineError
+from .shaders import ShaderLibrary
+from .timers import StageTimer, is_software
 
 WANTED = 430
 HOW_TO_GET_GL = (
@@ -45,11 +47,6 @@ def create_context() -> moderngl.Context:
     return context
 
 
-def is_software(gl: moderngl.Context) -> bool:
-    """Tell whether the context draws on the CPU."""
-    return any(name in gl.info["GL_RENDERER"].lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
-
-
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
 
 
@@ -62,9 +59,6 @@ class Gpu:
     """
 
     def __init__(self, gl: moderngl.Context | None = None) -> None:
-        from .shaders import ShaderLibrary
-        from .timers import StageTimer
-
         self.gl = gl if gl is not None else create_context()
         self._before: Gpu | None = getattr(_thread, "gpu", None)
         self._closed = False

@@ -7,7 +7,10 @@ from collections.abc import Callable
 
 import moderngl
 
-from .context import is_software
+
+def is_software(gl: moderngl.Context) -> bool:
+    """Tell whether the context draws on the CPU."""
+    return any(name in gl.info["GL_RENDERER"].lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
 
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:

@@ -1,4 +1,4 @@
-"""One picture to measure, with everything its metrics need, and the measuring itself."""
+"""One picture to measure, with everything its metrics need."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError
 from ..geometry import View
-from .library.flip import flip
-from .metric import Input, metrics_in_order
+from .flip_map import flip
+from .inputs import Input
 from .pictures import check_pair, error_image
-from .regions import region_sums
 
 T = TypeVar("T")
 
@@ -146,17 +145,3 @@ def _declared(value: T | None, flag: Input) -> T:
     if value is None:
         raise HmdwarpError(f"a metric reads {flag.name} without declaring it in `needs`")
     return value
-
-
-def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
-    """Return all figures of one job; the same job gives the same bits wherever it runs."""
-    now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
-    values = {
-        metric.name: metric.compute(measurement) if metric.needs in there else None for metric in metrics_in_order()
-    }
-    flip_map = measurement.flip[1]
-    error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
-    regions = None
-    if job.regions:
-        regions = region_sums(now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map)
-    return QualityResult(values, error_map, regions)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -11,19 +10,10 @@ import attrs
 
 from ..registry import Registry
 from .figure import Figure
+from .inputs import Input
 
 if TYPE_CHECKING:
     from .job import Measurement
-
-
-class Input(enum.Flag):
-    """What a metric is computed from."""
-
-    TRUTH = enum.auto()  # the picture without latency
-    COVERAGE = enum.auto()  # which pixels the warp covered, before the fill
-    DEPTH = enum.auto()  # inverse depth of the truth
-    RENDERED = enum.auto()  # the view the late frame was rendered for
-    PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
 
 
 @attrs.frozen(kw_only=True)

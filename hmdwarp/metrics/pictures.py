@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+
+PSNR_CAP_DB = 100.0  # JSON has no infinity; one grey level in one byte of a 640x400 picture would be 107 dB
 
 
 def check_pair(shown: NDArray, truth: NDArray) -> None:
@@ -29,3 +33,8 @@ def error_image(shown: NDArray, truth: NDArray) -> NDArray[np.float32]:
     """Return the signed error shown - truth, (h, w, 3) in -1..1; bytes count as 0..255 over 255."""
     scale = np.float32(255 if shown.dtype == np.uint8 else 1)
     return (shown.astype(np.float32) - truth.astype(np.float32)) / scale
+
+
+def db_of(mean_square: float) -> float:
+    """Return a mean squared error, 0..1, in dB, at most 100 dB."""
+    return min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB

@@ -23,7 +23,8 @@ from typing import Any
 import attrs
 
 from ..errors import HmdwarpError, MachineError
-from .job import QualityJob, QualityResult, measure
+from .job import QualityJob, QualityResult
+from .measuring import measure
 from .worst import Kept, WorstKeeper
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"

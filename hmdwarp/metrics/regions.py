@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .library.psnr_db import db_of
-from .pictures import check_pair
+from .pictures import check_pair, db_of
 
 REGIONS = ("holes", "edges", "elsewhere")
 SUMS = ("pixels", "squared_error", "flip")

@@ -39,7 +39,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
     format.
     """
-    from .formats._find import find_format
+    from .finding import find_format
     from .reading.head import read_head
 
     options = options or TraceOptions()

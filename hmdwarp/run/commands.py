@@ -12,8 +12,7 @@ from typing import Any
 import attrs
 
 from ..client.variants import every_fill, every_warp
-from ..display import Command, Lost
-from ..display.controls import control
+from ..display import Command, Lost, control
 from ..errors import InputError, MachineError
 from ..pipeline.options import AUTO
 from ..scenes import scenes

@@ -16,8 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..display import Display, Tick
-from ..display.status import Status
+from ..display import Display, Status, Tick
 from ..report import OutputFolder, live_lines, render_live_report
 from .commands import values
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, stage_columns

@@ -9,8 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 
-from ..display import Closed, Command, Display, DisplayOptions
-from ..display.controls import CONTROLS, Control
+from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions
 from ..errors import MachineError
 from ..pipeline.loop import Refresh
 from ..poses import load_trace

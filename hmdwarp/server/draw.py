@@ -157,8 +157,8 @@ def _is_marched(mirrors: str) -> bool:
     return mirrors == SCREEN
 
 
-def _check_same_size(found: Size, wanted: Size) -> None:
-    if tuple(found) != tuple(wanted):
+def _check_same_size(target: Size, picture: Size) -> None:
+    if tuple(target) != tuple(picture):
         raise InputError(
-            f"target is {found[0]}x{found[1]} pixels, the picture {wanted[0]}x{wanted[1]}: they must be the same"
+            f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: they must be the same"
         )

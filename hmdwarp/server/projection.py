@@ -26,7 +26,7 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
     return out
 
 
-@lru_cache(maxsize=64)  # a few fields of view, asked for at every frame
+@lru_cache(maxsize=64)  # a few fields of view, used at every frame
 def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
     """Return the 4x4 asymmetric projection with an infinite far plane; read-only.
 

@@ -1,1 +1,1 @@
-"""Rating studies: a plan in a file, sessions through the live loop, a store that loses nothing, and honest statistics."""
+"""Rating studies: plans, sessions through the live loop, a crash-safe store, and statistics."""

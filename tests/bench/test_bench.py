@@ -252,7 +252,7 @@ def test_what_is_interrupted_leaves_what_was_there(at, tmp_path):
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setattr("hmdwarp.bench.bench_run.build_rig", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
     with pytest.raises(Exception, match="file"):
         bench(attrs.evolve(SMALL, out=tmp_path / "file"))
     OutputFolder(tmp_path / "fine").discard()

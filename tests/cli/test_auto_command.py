@@ -15,5 +15,5 @@ def test_what_it_wants_and_what_plan_tells(command, tmp_path):
     told = " ".join(command(*usual, "5000", "--bench", str(path)).done().out.split())
     assert "rotation 3000.00 ms per eye, mean FLIP 0.2000; it would begin here" in told
     # Frames carry what the best of them reads.
-    assert "late.colour 0.1 MB, late.inverse_depth 0.1 MB" in told
+    assert "rendered.colour 0.1 MB, rendered.inverse_depth 0.1 MB" in told
     assert "forward + interpolate" in " ".join(command(*usual, "5000").done().out.split())

@@ -227,7 +227,7 @@ def test_scene_files_that_cannot_be_used(name, data, command, quick, kept, tmp_p
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [(None, "not there"), ("name = ", "Invalid value"), ('name = "x"\n', "missing"), ("\x00", "mine.toml")],
+    [(None, "does not exist"), ("name = ", "Invalid value"), ('name = "x"\n', "missing"), ("\x00", "mine.toml")],
 )
 def test_headset_files_that_cannot_be_used(text, told, command, quick, kept, tmp_path):
     path = tmp_path / "mine.toml"

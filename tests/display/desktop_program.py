@@ -16,7 +16,10 @@ SMALL = ("--size", "96x120", "--scene", "spheres", "--latency", "50", "--no-pane
 
 
 class Live:
-    """Use as a context manager; it waits until pictures are shown. Killed at the end, if it has not ended by itself."""
+    """Use as a context manager; it waits until pictures are shown.
+
+    Killed at the end, if it has not ended by itself.
+    """
 
     def __init__(self, screen: VirtualScreen, folder: Path, *options: str) -> None:
         self.screen = screen

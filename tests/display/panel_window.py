@@ -1,8 +1,11 @@
-"""A window with nothing in it but the panel, for tests that lead it with a real mouse and keyboard: python -m display.panel_window.
+"""A window with nothing in it but the panel, for tests that lead it with a real mouse and keyboard.
 
-Prints one JSON object a line: where the window is, what was asked for, what the window itself heard, whether the panel wanted the mouse.
-A line on its standard input: "end", "off", "on", "catch", "free" (the mouse), "close" (the panel alone), or "where" for the pixels that
-the latency slider's grab covers, counted from the top left.
+Python -m display.panel_window.
+
+Prints one JSON object a line: where the window is, what was asked for, what the window itself
+heard, whether the panel wanted the mouse. A line on its standard input: "end", "off", "on",
+"catch", "free" (the mouse), "close" (the panel alone), or "where" for the pixels that the latency
+slider's grab covers, counted from the top left.
 """
 
 from __future__ import annotations
@@ -103,7 +106,7 @@ def main() -> None:
             elif line == "close":
                 panel.close()
                 heard.panel = None
-            tell(done=line, grab=grab_of(gl.screen, size), column=panel._column)
+            tell(done=line, grab=grab_of(gl.screen, size), column=panel._layout.column)
     panel.close()
     glfw.terminate()
 

@@ -1,4 +1,7 @@
-"""The display of the desktop as the driver sees it, in processes of their own: a window's context does not mix with other tests'."""
+"""The display of the desktop as the driver sees it, in processes of their own.
+
+A window's context does not mix with other tests'.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,8 @@ def test_alone(screen, what):
 @needs.programs("xrandr")
 def test_a_full_screen_that_is_unplugged_becomes_a_window_again(screen, tmp_path):
     def plugged(option: str) -> None:
-        # Xvfb takes its output off, and then refuses to shrink to nothing, which xrandr asks for besides.
+        # Xvfb takes its output off, and then refuses to shrink to nothing, which xrandr asks for
+        # besides.
         subprocess.run(
             ["xrandr", "--output", "screen", option], check=False, env=screen.environment, timeout=PATIENCE_S
         )

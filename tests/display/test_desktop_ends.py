@@ -1,4 +1,7 @@
-"""How a run in a window ends: by keys, by the window manager, with the screen; each with status 0 and everything written."""
+"""How a run in a window ends: by keys, by the window manager, with the screen.
+
+Each with status 0 and everything written.
+"""
 
 from __future__ import annotations
 
@@ -40,8 +43,9 @@ x.XCloseDisplay(display)
 # ICCCM 4.2.8.1: what a click on the cross sends.
 DELETE = """
 class Message(ctypes.Structure):
-    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int), ("display", ctypes.c_void_p),
-                ("window", ctypes.c_ulong), ("kind", ctypes.c_ulong), ("format", ctypes.c_int), ("data", ctypes.c_long * 20)]
+    _fields_ = [("type", ctypes.c_int), ("serial", ctypes.c_ulong), ("sent", ctypes.c_int),
+                ("display", ctypes.c_void_p), ("window", ctypes.c_ulong), ("kind", ctypes.c_ulong),
+                ("format", ctypes.c_int), ("data", ctypes.c_long * 20)]
 message = Message(33, 0, 1, display, {window}, atom(b"WM_PROTOCOLS"), 32)
 message.data[0] = atom(b"WM_DELETE_WINDOW").value
 x.XSendEvent(display, ctypes.c_ulong({window}), 0, 0, ctypes.byref(message))
@@ -77,7 +81,8 @@ def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path
     assert status == 0 and "the window was closed" in told and "Traceback" not in told
     track = load_trace(trace).track
     way = track.position_m[-1] - track.position_m[0]
-    # 1.5 s and what xdotool, and a program that looks at its keys once a picture under load, add to it.
+    # 1.5 s and what xdotool, and a program that looks at its keys once a picture under load, add to
+    # it.
     assert 1.4 * 1.3 < -way[2] < 1.4 * 4 and abs(way[0]) < 1e-9 and abs(way[1]) < 1e-9
     speed = -np.diff(track.position_m[:, 2]) / (np.diff(track.time_ns) * 1e-9)
     assert speed.max() <= 1.4 * 1.02

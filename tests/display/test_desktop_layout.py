@@ -22,12 +22,14 @@ def test_pictures_fill_the_window_as_far_as_their_aspect_lets_them(size, count, 
     assert len(places) == count
     x, y, w, h = places[0]
     assert all(place == (x + k * w, y, w, h) for k, place in enumerate(places))  # side by side, equally large, no gap
-    # In the middle within a pixel, and inside (a window narrower than its pictures has a pixel for each still).
+    # In the middle within a pixel, and inside (a window narrower than its pictures has a pixel for
+    # each still).
     right, above = size[0] - x - count * w, size[1] - y - h
     assert abs(right - x) <= 1 or size[0] < count
     assert 0 <= above - y <= 1
     assert abs(w - h * aspect) <= max(1, aspect) or min(w, h) == 1  # the aspect, within a pixel of either side
-    # One of both directions is full; a narrow picture's height goes by its width in whole pixels, of which each is worth 1 / aspect.
+    # One of both directions is full; a narrow picture's height goes by its width in whole pixels,
+    # of which each is worth 1 / aspect.
     assert right + x <= count or above + y <= 1 + 1 / aspect
 
 

@@ -14,7 +14,10 @@ PERIOD = round(1e9 / 60)
 
 
 def run(pacer: Pacer, works_ms, screen) -> list[tuple[int, int]]:
-    """Pictures that take so long each; screen(done) says when a swap asked for then is back. [(expected, seen)]."""
+    """Pictures that take so long each; screen(done) says when a swap asked for then is back.
+
+    [(expected, seen)].
+    """
     now, out = 5_000 * MS, []
     for work in works_ms:
         begun = max(now, pacer.due(now))
@@ -46,7 +49,8 @@ def test_pictures_that_take_longer_than_a_refresh_are_counted_as_missed():
     run(pacer, [5] * 10, at_vblank)
     assert pacer.missed() == 0
     run(pacer, [5, 5, 55, 5, 5], at_vblank)
-    # The first of these comes after the clock was set back by `run`; 55 ms reach into the fourth refresh.
+    # The first of these comes after the clock was set back by `run`; 55 ms reach into the fourth
+    # refresh.
     assert pacer.missed() == 3
     assert pacer.missed() == 0
 
@@ -64,7 +68,10 @@ def test_without_waiting_a_picture_is_seen_when_it_is_done_and_half_a_refresh_la
 
 
 def test_a_driver_that_does_not_wait_though_asked_is_waited_for():
-    """llvmpipe, and drivers whose settings say "off": pictures come at the screen's rate nevertheless."""
+    """llvmpipe, and drivers whose settings say "off".
+
+    Pictures come at the screen's rate nevertheless.
+    """
     pacer = Pacer(60, waits=True)
     seen = run(pacer, [2] * 60, at_once)
     assert pacer.paced

@@ -1,4 +1,7 @@
-"""The same window under Wayland: Weston, drawn into a virtual X screen, so that xdotool's mouse and keyboard reach it."""
+"""The same window under Wayland.
+
+Weston, drawn into a virtual X screen, so that xdotool's mouse and keyboard reach it.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ NAME = "hmdwarp-test"
 
 
 class Weston:
-    """A compositor with one window to a screen (its kiosk shell). environment: for programs that are to be shown by it."""
+    """A compositor with one window to a screen (its kiosk shell).
+
+    environment: for programs that are to be shown by it.
+    """
 
     def __init__(self, screen: VirtualScreen, folder) -> None:
         runtime = folder / "runtime"

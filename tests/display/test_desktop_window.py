@@ -1,4 +1,6 @@
-"""hmdwarp live in a real window of a virtual screen, led by a real mouse and keyboard, and what is seen there."""
+"""hmdwarp live in a real window of a virtual screen, led by a real mouse and keyboard, and what is
+seen there.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from .virtual_screen import VirtualScreen, needs_a_screen, until
 
 pytestmark = [needs_a_screen, pytest.mark.slow]  # a program of its own, led by hand: 15 s
 
-NOISE = 6  # of 255: what a still picture's mean may differ by between two looks (a title-long age changes a few pixels at edges)
+# of 255: what a still picture's mean may differ by between two looks (a title-long age changes a
+# few pixels at edges)
+NOISE = 6
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +148,8 @@ def test_mouse_turns_once_caught_and_escape_lets_it_go(live):
     live.screen.do("mousemove_relative", 60, 0)  # 6 degrees to the right
     turned = live.shows(lambda p: np.abs(p.astype(int) - before).mean() > NOISE, "another direction")
     turned = settled(live)
-    # 6 degrees are tan(6 deg) / 2.185 of the picture's width in its middle; what is there moves to the left.
+    # 6 degrees are tan(6 deg) / 2.185 of the picture's width in its middle; what is there moves to
+    # the left.
     wide = 480 * 1.0924 / 1.3293
     assert shift(before, turned) == pytest.approx(-wide * np.tan(np.radians(6)) / (2 * 1.0924), abs=4)
     live.press("Escape", "r")

@@ -34,12 +34,12 @@ def laid(controls, *does):
         mirror._drawn_ns = 0  # due
         mirror.show(presenter, None, one)
         is_help = isinstance(presenter.last, str) and "\\t" in presenter.last
-        print("help" if is_help else "plate" if presenter.last else "nothing", end=" ")
+        print("help" if is_help else "panel" if presenter.last else "nothing", end=" ")
     print()
     presenter.close(); gpu.close(); mirror.close()
 
-plate = message_panel("Ready?", "Sit comfortably.", "Enter: begin")
-laid(CONTROLS, "", "H", "", plate, "H", plate, "", plate)
+panel = message_panel("Ready?", "Sit comfortably.", "Enter: begin")
+laid(CONTROLS, "", "H", "", panel, "H", panel, "", panel)
 laid(LIVE, "", "H", "", "H", "")
 """
 
@@ -52,5 +52,5 @@ def test_in_a_study_no_help_lies_over_what_the_headset_shows(tmp_path):
         done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE_S)
     assert done.returncode == 0, done.stderr
     of_study, live = done.stdout.splitlines()
-    assert of_study.split() == ["nothing", "nothing", "plate", "help", "nothing", "plate"]
+    assert of_study.split() == ["nothing", "nothing", "panel", "help", "nothing", "panel"]
     assert live.split() == ["nothing", "help", "nothing"]

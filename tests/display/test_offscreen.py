@@ -1,4 +1,7 @@
-"""The display nobody looks at, by the command: the same every time, its own time, and words for what it needs."""
+"""The display nobody looks at, by the command.
+
+The same every time, its own time, and words for what it needs.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,8 @@ def test_two_runs_are_equal_and_as_long_as_asked_for_by_the_display_s_own_clock(
         # 25 refreshes of 20 ms from the first picture, which the 26th then ends.
         assert result.summary["frames"] == 26
         rows = list(csv.DictReader((tmp_path / name / "frames.csv").read_text(encoding="utf-8").splitlines()))
-        # Asked for at a tick and seen two refreshes later, 60 ms under way: no refresh falls between 60 and 80 ms.
+        # Asked for at a tick and seen two refreshes later, 60 ms under way: no refresh falls
+        # between 60 and 80 ms.
         assert {round(float(row["age_ms"]), 3) for row in rows} <= {60.0, 80.0, 100.0}
         summary = json.loads((tmp_path / name / "summary.json").read_text(encoding="utf-8"))
         assert summary["live"]["source"] == "offscreen"

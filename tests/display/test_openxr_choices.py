@@ -1,4 +1,7 @@
-"""What the headset's display chooses from what a runtime offers: how to draw, in which pictures, in which space."""
+"""What the headset's display chooses from what a runtime offers.
+
+How to draw, in which pictures, in which space.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +81,7 @@ def test_the_floor_is_at_zero_as_far_as_it_is_known():
     assert _world({local, floor}, floor=False)[1:] == (xr.ReferenceSpaceType.LOCAL, EYE_HEIGHT_M)
 
 
-# --- results of calls ----------------------------------------------------------------------------------------------------
+# --- results of calls ---------------------------------------------------------------------------
 
 
 def answering(result: int) -> Calls:
@@ -122,7 +125,7 @@ def test_a_driver_that_is_too_old_is_refused():
     check_requirements(calls, instance, SimpleNamespace(gl=SimpleNamespace(version_code=460)))
 
 
-# --- flags that no runtime here sets ------------------------------------------------------------------------------------------
+# --- flags that no runtime here sets ------------------------------------------------------------
 
 ORIENTATION_VALID, POSITION_VALID, ORIENTATION_TRACKED = 1, 2, 4
 
@@ -156,7 +159,10 @@ def test_before_the_first_pose_someone_stands_there():
 
 
 def test_a_guess_is_no_measurement():
-    """How a runtime says that it has lost track of a headset: what it last knew stays valid, and is not tracked."""
+    """How a runtime says that it has lost track of a headset.
+
+    What it last knew stays valid, and is not tracked.
+    """
     told = Told()
     both = ORIENTATION_VALID | POSITION_VALID
     sample = told.at(5, both, position=(1.0, 2.0, 3.0))

@@ -1,4 +1,6 @@
-"""Everything that can keep a headset from showing anything has words of its own and something to do about it."""
+"""Everything that can keep a headset from showing anything has words of its own and something to do
+about it.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.display.openxr import LOST, STAGES, diagnose, lacks, manifest, manifest_in_words
+from hmdwarp.display.openxr import LOST, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 ACTIVE = "active is runtime.json, library librt.so"
 DIFFERENT = [
@@ -51,26 +53,33 @@ def test_an_unknown_error_keeps_its_name_and_words():
 
 def test_one_graphics_extension_is_enough_and_the_clock_is_wanted():
     clock = "XR_KHR_convert_timespec_time"
-    assert lacks("R", ["XR_KHR_opengl_enable", clock]) == lacks("R", ["XR_MNDX_egl_enable", clock]) == ("", "")
-    assert "XR_KHR_opengl_enable or XR_MNDX_egl_enable" in lacks("R", [clock])[0]
-    assert clock in lacks("R", ["XR_MNDX_egl_enable"])[0]
+    assert (
+        missing_extensions("R", ["XR_KHR_opengl_enable", clock])
+        == missing_extensions("R", ["XR_MNDX_egl_enable", clock])
+        == ("", "")
+    )
+    assert "XR_KHR_opengl_enable or XR_MNDX_egl_enable" in missing_extensions("R", [clock])[0]
+    assert clock in missing_extensions("R", ["XR_MNDX_egl_enable"])[0]
 
 
 def test_manifest_follows_the_loader(tmp_path):
-    """XR_RUNTIME_JSON first, even if it is wrong; then the user's folder, the one for this processor before the general one."""
+    """XR_RUNTIME_JSON first, even if it is wrong.
+
+    Then the user's folder, the one for this processor before the general one.
+    """
     home = {"HOME": str(tmp_path), "XDG_CONFIG_DIRS": str(tmp_path / "none")}
     folder = tmp_path / ".config" / "openxr" / "1"
     folder.mkdir(parents=True)
     general = folder / "active_runtime.json"
     general.write_text('{"runtime": {"library_path": "librt.so"}}', encoding="utf-8")
     assert manifest(home) == general
-    assert "librt.so" in manifest_in_words(home)
+    assert "librt.so" in manifest_text(home)
     own = folder / f"active_runtime.{platform.machine()}.json"
     own.write_text("{", encoding="utf-8")
     assert manifest(home) == own
-    assert "no runtime manifest" in manifest_in_words(home)
+    assert "no runtime manifest" in manifest_text(home)
     named = {**home, "XR_RUNTIME_JSON": str(tmp_path / "absent.json")}
-    assert manifest_in_words(named).endswith("absent.json: No such file or directory")
+    assert manifest_text(named).endswith("absent.json: No such file or directory")
     assert manifest({**home, "XDG_CONFIG_HOME": str(tmp_path / "empty")}) in (
         None,
         Path("/etc/openxr/1/active_runtime.json"),

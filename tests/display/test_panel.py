@@ -1,4 +1,8 @@
-"""The panel without a window: its drawing against NumPy, what it leaves behind, its numbers, its widgets led by events of their own."""
+"""The panel without a window.
+
+Its drawing against NumPy, what it leaves behind, its numbers, its widgets led by events of their
+own.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +74,9 @@ def screen(gpu):
 
 
 class Hand(NoInput):
-    """A mouse led by the test, in pixels of the panel, with the events that a window would have sent."""
+    """A mouse led by the test, in pixels of the panel, with the events that a window would have
+    sent.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -120,7 +126,10 @@ def settle(panel: ControlPanel, told: Status, refreshes: int = 4) -> list[Comman
 
 
 def place_of(panel: ControlPanel, told: Status, name: str) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Corners of the widget of a control, as Dear ImGui has it: seen by asking after each one is drawn."""
+    """Corners of the widget of a control, as Dear ImGui has it.
+
+    Seen by asking after each one is drawn.
+    """
     found = {}
     drawn = dict(panel._widgets._by_kind)
 
@@ -140,7 +149,7 @@ def place_of(panel: ControlPanel, told: Status, name: str) -> tuple[tuple[float,
     return found[name]
 
 
-# --- the drawing -----------------------------------------------------------------------------------------------------------
+# --- the drawing --------------------------------------------------------------------------------
 
 
 def inside(points: np.ndarray, triangle: np.ndarray) -> np.ndarray:
@@ -155,7 +164,10 @@ def inside(points: np.ndarray, triangle: np.ndarray) -> np.ndarray:
 
 
 def blended(size, corners, indices, batches, atlas) -> np.ndarray:
-    """(h, w, 4), row 0 at the top: every triangle over what is there, pixel by pixel in float64. Source: Porter and Duff 1984, over."""
+    """(h, w, 4), row 0 at the top: every triangle over what is there, pixel by pixel in float64.
+
+    Source: Porter and Duff 1984, over.
+    """
     w, h = size
     out = np.zeros((h, w, 4))
     xs, ys = np.meshgrid(np.arange(w) + 0.5, np.arange(h) + 0.5)
@@ -190,7 +202,8 @@ def test_triangles_lie_where_numpy_has_them(gpu):
     """Random tints, textures and overlaps, clipped, over an odd size."""
     rng = np.random.default_rng(7)
     size, corners = (37, 29), np.zeros(12, CORNER)
-    # Thirds of a pixel off the grid: no pixel's centre lies on an edge, where either triangle may have it.
+    # Thirds of a pixel off the grid: no pixel's centre lies on an edge, where either triangle may
+    # have it.
     corners["position_px"] = rng.integers(-4, 40, (12, 2)) + 1 / 3
     corners["ink_uv"] = rng.random((12, 2))
     corners["tint"] = rng.integers(0, 256, (12, 4))
@@ -205,8 +218,9 @@ def test_triangles_lie_where_numpy_has_them(gpu):
         renderer.picture.release()
         texture.release()
     wanted = blended(size, corners, indices, batches, atlas / 255.0)
-    # Four layers are each rounded to 1/255, and rgba8 texels come 1.5/255 off on llvmpipe: 4 * 2.5 steps. The edges themselves
-    # are snapped to 1/256 of a pixel, which a centre at 1/3 and more from the grid lines of integer corners may still meet.
+    # Four layers are each rounded to 1/255, and rgba8 texels come 1.5/255 off on llvmpipe: 4 * 2.5
+    # steps. The edges themselves are snapped to 1/256 of a pixel, which a centre at 1/3 and more
+    # from the grid lines of integer corners may still meet.
     off = np.abs(found - wanted).max(axis=2) * 255
     assert (off > 10).mean() < 0.005
     assert (wanted[..., 3] > 0).mean() > 0.3
@@ -225,13 +239,15 @@ def test_it_lies_over_the_picture_as_its_alpha_says(gpu, screen, panel):
     over[:, SIZE[0] - w :] = np.frombuffer(panel._renderer.picture.read(), np.uint8).reshape(h, w, 4) / 255.0
     wanted = over + (1 - over[..., 3:]) * before
     assert np.abs(found - wanted).max() <= 1.01 / 255  # one rounding
-    assert np.array_equal(found[: SIZE[1] - panel._height], before[: SIZE[1] - panel._height])
+    assert np.array_equal(found[: SIZE[1] - panel._layout.height], before[: SIZE[1] - panel._layout.height])
     assert np.array_equal(found[:, : SIZE[0] - w], before[:, : SIZE[0] - w])
-    assert w == 330 and 400 < panel._height < SIZE[1]
+    assert w == 330 and 400 < panel._layout.height < SIZE[1]
 
 
 def test_the_next_pass_does_not_notice_it(gpu, panel):
-    """Pictures of a scene with blending, culling and depth are the same bits with a panel drawn between any two refreshes."""
+    """Pictures of a scene with blending, culling and depth are the same bits with a panel drawn
+    between any two refreshes.
+    """
     from hmdwarp.client.plan import needs_of
     from hmdwarp.geometry import Fov, Pose, View
     from hmdwarp.gpu.textures import download
@@ -291,7 +307,8 @@ def test_nothing_is_made_anew_after_the_first_refreshes(gpu, panel):
     )
     settle(panel, status(missed=1234567890, notice="0123456789"), 40)
     assert things == (
-        renderer.picture.glo, renderer._array.glo, renderer._corners.buffer.glo, renderer._indices.buffer.glo, *renderer._atlases,
+        renderer.picture.glo, renderer._array.glo, renderer._corners.buffer.glo, renderer._indices.buffer.glo,
+        *renderer._atlases,
     )  # fmt: skip
 
 
@@ -310,7 +327,7 @@ def test_buffers_grow_with_what_is_drawn(gpu):
         renderer.picture.release()
 
 
-# --- when it is drawn ------------------------------------------------------------------------------------------------------
+# --- when it is drawn ---------------------------------------------------------------------------
 
 
 def test_untouched_it_is_drawn_fifteen_times_a_second_and_seen_at_every_refresh(gpu, screen, hand):
@@ -324,7 +341,7 @@ def test_untouched_it_is_drawn_fifteen_times_a_second_and_seen_at_every_refresh(
     for _ in range(90):
         screen.clear(1, 1, 1, 1)
         panel.draw(status(), SIZE)
-        assert pixels(screen)[-20, -20, 0] < 0.5  # the plate over white
+        assert pixels(screen)[-20, -20, 0] < 0.5  # its background over white
     assert len(painted) == pytest.approx(CALM_HZ, abs=2)
     painted.clear()
     for k in range(20):
@@ -373,7 +390,7 @@ def test_a_run_that_has_not_begun_has_a_panel_too(panel):
     settle(panel, infinite)
 
 
-# --- what is asked for by it -----------------------------------------------------------------------------------------------
+# --- what is asked for by it --------------------------------------------------------------------
 
 
 def test_every_control_is_there_with_its_key(panel):
@@ -431,7 +448,10 @@ def test_a_slider_of_the_guard_waits_for_the_hand_to_let_go(panel, hand):
 
 
 def test_a_number_can_be_typed(panel, hand):
-    """Ctrl and click: any number, to the digit; then Enter. Meanwhile the window's keys are silent."""
+    """Ctrl and click: any number, to the digit; then Enter.
+
+    Meanwhile the window's keys are silent.
+    """
     told = status()
     settle(panel, told)
     (left, top), (right, bottom) = place_of(panel, told, "latency")
@@ -492,7 +512,7 @@ def test_switches_say_what_they_switch_to(panel, hand):
 
 
 def test_a_refused_value_is_shown_as_it_is_again(panel, hand):
-    """What was asked for is shown at once, and for half a second only if the run does not take it."""
+    """A request is shown at once, and for half a second only if the run does not take it."""
     told = status()
     settle(panel, told)
     x, y = middle(place_of(panel, told, "view"))
@@ -506,11 +526,13 @@ def test_a_refused_value_is_shown_as_it_is_again(panel, hand):
 def test_buttons_ask_for_what_the_display_does(panel, hand):
     told = status()
     settle(panel, told)
-    asked = [click(panel, hand, told, x, panel._height - 10 - 24 * row - 10) for row in (2, 1, 0) for x in (80, 240)]
+    asked = [
+        click(panel, hand, told, x, panel._layout.height - 10 - 24 * row - 10) for row in (2, 1, 0) for x in (80, 240)
+    ]
     assert asked == [[Command(name)] for name in widgets.ACTIONS]
 
 
-# --- numbers ---------------------------------------------------------------------------------------------------------------
+# --- numbers ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("most", [1e-6, 0.07, 1.0, 1.01, 9.99, 16.7, 33.4, 99.9, 100.0, 101.0, 2512.0])
@@ -544,7 +566,7 @@ def test_stages_keep_their_colours_when_others_come_and_go():
     assert stages._shown() == ["warp"]
 
 
-# --- without the package ---------------------------------------------------------------------------------------------------
+# --- without the package ------------------------------------------------------------------------
 
 
 def test_without_the_package_there_is_no_panel(gpu, screen, monkeypatch):

@@ -38,7 +38,8 @@ class Led:
         self._screen = screen
         self._process = subprocess.Popen(
             [sys.executable, "-m", "display.panel_window"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={**screen.environment, "PYTHONPATH": paths}, cwd=TESTS,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            env={**screen.environment, "PYTHONPATH": paths}, cwd=TESTS,
         )  # fmt: skip
         self._said: queue.Queue[str] = queue.Queue()
         self._reader = threading.Thread(target=self._listen)

@@ -1,4 +1,7 @@
-"""Colours and depths on their way to the screen: sRGB by the shader and by the GPU, places, scaling, text, and what must not disturb."""
+"""Colours and depths on their way to the screen.
+
+SRGB by the shader and by the GPU, places, scaling, text, and what must not disturb.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,9 @@ def presenter(gpu):
 
 
 class Screen:
-    """A framebuffer as a window (plain) or a runtime (sRGB) gives one, filled with a colour that nothing here draws."""
+    """A framebuffer as a window (plain) or a runtime (sRGB) gives one, filled with a colour that
+    nothing here draws.
+    """
 
     UNTOUCHED = (9, 99, 199, 77)
 
@@ -62,8 +67,12 @@ def random_picture(seed: int, w: int, h: int) -> np.ndarray:
 
 @WAYS
 def test_all_256_levels_arrive_as_they_are(gpu, presenter, hardware):
-    """float16 moves a level by less than 0.07 of one (2^-11 of the light, times the curve's slope, 255 * 2^-11 / 2.4 at most, and 10
-    * 2^-11 in the straight part); both encoders stay within 0.4 of it (the hardware's own limit is 0.6 with the rounding)."""
+    """float16 moves a level by less than 0.07 of one.
+
+    That is 2^-11 of the light, times the curve's slope: 255 * 2^-11 / 2.4 at most, and 10 * 2^-11
+    in the straight part. Both encoders stay within 0.4 of it (the hardware's own limit, with the
+    rounding, is 0.6).
+    """
     levels = np.arange(256, dtype=np.uint8).reshape(16, 16)
     image = np.ones((16, 16, 4))
     image[..., :3] = linear_from_srgb(levels)[..., None]
@@ -74,7 +83,10 @@ def test_all_256_levels_arrive_as_they_are(gpu, presenter, hardware):
 
 @WAYS
 def test_random_light_is_encoded_by_the_exact_curve(gpu, presenter, hardware):
-    """The shader rounds float32 (0.01 of a level: pow of llvmpipe is good to 2^-16); hardware may be 0.6 of a level off before that."""
+    """The shader rounds float32 (0.01 of a level: pow of llvmpipe is good to 2^-16).
+
+    Hardware may be 0.6 of a level off before that.
+    """
     image = random_picture(1, 37, 23)
     exact = 255 * srgb_from_linear(image[..., :3])
     got = shown(gpu, presenter, image, (37, 23), hardware=hardware)[..., :3]
@@ -118,7 +130,10 @@ def test_a_hole_is_black_and_what_is_no_light_does_no_harm(gpu, presenter, hardw
 
 
 def scaled(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """By another route than the shader: the two nearest texel centres along each axis, weighted as a triangle of width 1 about them."""
+    """By another route than the shader.
+
+    The two nearest texel centres along each axis, weighted as a triangle of width 1 about them.
+    """
     clean = np.where(image[..., 3:] > 0, np.clip(image[..., :3].astype(np.float64), 0, 1), 0)
     for axis, target in ((0, size[1]), (1, size[0])):
         count = clean.shape[axis]
@@ -132,7 +147,10 @@ def scaled(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 @pytest.mark.parametrize("size", [(31, 45), (8, 5), (13, 11), (26, 22)])
 def test_another_size_is_bilinear(gpu, presenter, size):
-    """float32 weights: 1e-5 of light at most, which in the steep start of the curve (12.92) is 0.04 of a level."""
+    """float32 weights.
+
+    1e-5 of light at most, which in the steep start of the curve (12.92) is 0.04 of a level.
+    """
     image = random_picture(3, 13, 11)
     image[4:6, 5, 3] = 0
     got = shown(gpu, presenter, image, size)[..., :3]
@@ -162,7 +180,7 @@ def test_bars_keep_the_shape():
     assert fitted((3000, 2), (0, 0, 100, 100))[3] == 1  # never nothing
 
 
-# --- the flags of GL -----------------------------------------------------------------------------------------------------
+# --- the flags of GL ----------------------------------------------------------------------------
 
 
 def test_nothing_of_the_state_left_by_others_matters(gpu, presenter):
@@ -177,7 +195,10 @@ def test_nothing_of_the_state_left_by_others_matters(gpu, presenter):
 
 
 def test_encoding_is_off_again_afterwards(gpu, presenter):
-    """Or the server's own pictures would be encoded; a clear tells, for it is encoded like everything else."""
+    """Or the server's own pictures would be encoded.
+
+    A clear tells, for it is encoded like everything else.
+    """
     screen = Screen(gpu.gl, (4, 4), srgb=True)
     presenter.show(None, screen.framebuffer, (0, 0, 4, 4), hardware_srgb=True)
     screen.framebuffer.clear(0.5, 0.5, 0.5, 1)
@@ -211,7 +232,7 @@ def test_nothing_is_made_after_the_first_time(gpu, presenter, monkeypatch):
     assert gpu.shaders.compiled == compiled
 
 
-# --- notices -------------------------------------------------------------------------------------------------------------
+# --- notices ------------------------------------------------------------------------------------
 
 EYES = {
     "symmetric": View(Pose(), Fov.symmetric(1.2, 1.1)),
@@ -226,7 +247,10 @@ EYES = {
 
 @pytest.mark.parametrize("eye", EYES)
 def test_a_notice_stands_1_m_before_the_head(gpu, eye):
-    """By rays instead of the matrix: each pixel's ray through the plane z = -1 m of the head, then along the plate's axes."""
+    """By rays instead of the matrix.
+
+    Each pixel's ray through the plane z = -1 m of the head, then along the notice's axes.
+    """
     view, size, notices = EYES[eye], (64, 80), Notices(gpu.gl)
     notice = notices.of("tracking lost")
     uv_from_pixel = notice.uv_from_pixel(size, view)
@@ -259,8 +283,12 @@ def test_what_lies_behind_the_eye_shows_no_notice(gpu):
 
 @pytest.mark.parametrize("eye", [None, *EYES])
 def test_a_notice_is_laid_over_the_picture_as_its_twin_says(gpu, presenter, eye):
-    """Where the plate is not, nothing changes; on it, the twin in float64 mixes and samples the finest level; magnified, so that no
-    other level is looked at. A texel's weight is good to 1/256 in hardware, and letters differ by 1: two levels, doubled by the curve."""
+    """Where the notice is not, nothing changes.
+
+    On it, the twin in float64 mixes and samples the finest level; magnified, so that no other level
+    is looked at. A texel's weight is good to 1/256 in hardware, and letters differ by 1: two
+    levels, doubled by the curve.
+    """
     size, notice = (1200, 1000), presenter.notice("Ag")
     view = EYES[eye] if eye else None
     image = random_picture(7, *size)
@@ -278,7 +306,7 @@ def test_a_notice_is_laid_over_the_picture_as_its_twin_says(gpu, presenter, eye)
     light = 0.2 * image[inside][:, :3].astype(float) + 0.8 * 0.01
     wanted = 255 * srgb_from_linear(letter + (1 - letter) * light)
     off = np.abs(got[inside] - wanted).max(axis=1)[~edge[inside]]
-    # Every view magnifies the plate, by 1.1 and more: none of them asks for a coarser level.
+    # Every view magnifies the notice, by 1.1 and more: none of them asks for a coarser level.
     assert np.quantile(off, 0.99) <= 4
     assert off.max() <= 12
 
@@ -339,7 +367,7 @@ def test_texts_are_kept_and_the_oldest_goes(gpu):
     notices.close()
 
 
-# --- depth ---------------------------------------------------------------------------------------------------------------
+# --- depth --------------------------------------------------------------------------------------
 
 DEPTH_COMPONENT32F = 0x8CAC
 

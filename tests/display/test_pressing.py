@@ -1,4 +1,7 @@
-"""Buttons and sticks to what they ask for, without any runtime; and the table of controllers: every kind can do all there is to do."""
+"""Buttons and sticks to what they ask for, without any runtime; and the table of controllers.
+
+Every kind can do all there is to do.
+"""
 
 from __future__ import annotations
 

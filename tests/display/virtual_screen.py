@@ -1,6 +1,7 @@
 """A virtual screen (Xvfb) with a real mouse and keyboard (xdotool), and what is to be seen on it.
 
-Needs Xvfb and xdotool, nothing else: the screen's memory is a file that Xvfb keeps in X's own picture format (XWD), which is read here.
+Needs Xvfb and xdotool, nothing else: the screen's memory is a file that Xvfb keeps in X's own
+picture format (XWD), which is read here.
 """
 
 from __future__ import annotations
@@ -21,7 +22,10 @@ needs_a_screen = needs.programs("Xvfb", "xdotool")
 
 
 class VirtualScreen:
-    """Use as a context manager. display: for DISPLAY. folder: an empty one for the screen's memory."""
+    """Use as a context manager.
+
+    display: for DISPLAY. folder: an empty one for the screen's memory.
+    """
 
     def __init__(self, folder: Path, size: tuple[int, int] = (1280, 800)) -> None:
         self._folder, self.size = folder, size
@@ -69,7 +73,8 @@ class VirtualScreen:
     def picture(self) -> np.ndarray:
         """(h, w, 3) bytes, top row first, of the whole screen as it is now.
 
-        Source: XWDFile.h, version 7: 25 words of the header, big endian, then the window's name, the colours of 12 bytes each, the pixels.
+        Source: XWDFile.h, version 7: 25 words of the header, big endian, then the window's name,
+        the colours of 12 bytes each, the pixels.
         """
         data = (self._folder / "Xvfb_screen0").read_bytes()
         header = np.frombuffer(data, ">u4", 25)

@@ -1,4 +1,6 @@
-"""The display of the desktop with nothing behind it, on a virtual screen: python -m display.window_alone WHAT.
+"""The display of the desktop with nothing behind it, on a virtual screen.
+
+Python -m display.window_alone WHAT.
 
 Ends with 0 if all is as it should be.
 """
@@ -26,7 +28,10 @@ def refresh(display: DesktopDisplay, times: int = 1) -> None:
 
 
 def twice() -> None:
-    """A window after another in one process, each closed twice; the second with a context of its own kind (EGL)."""
+    """A window after another in one process, each closed twice.
+
+    The second with a context of its own kind (EGL).
+    """
     for api in ("native", "EGL"):
         if api == "EGL":
             import glfw
@@ -45,8 +50,10 @@ def twice() -> None:
 
 
 def beside() -> None:
-    """Another context in the same thread, that has stepped aside: each GL call reaches its own. (While a context of EGL is current,
-    no window with one of GLX can be made.)"""
+    """Another context in the same thread, that has stepped aside: each GL call reaches its own.
+
+    (While a context of EGL is current, no window with one of GLX can be made.)
+    """
     with Gpu() as first:
         before = first.gl.texture((1, 1), 4, b"\1\2\3\4")
         first.step_aside()
@@ -77,7 +84,10 @@ def source() -> None:
 
 
 def switches() -> None:
-    """What the window does by itself, by command of a panel: nobody else hears of it, and what is on is told back."""
+    """What the window does by itself, by command of a panel.
+
+    Nobody else hears of it, and what is on is told back.
+    """
     from hmdwarp.display import Command, Status
 
     display, status = DesktopDisplay(SMALL), Status(values={"latency": 0.0})
@@ -123,24 +133,30 @@ def closed(display: DesktopDisplay) -> str:
 
 
 def bare() -> None:
-    """Without the panel's package everything else works, and the window says how to get it: at the start, and when it is asked for."""
+    """Without the panel's package everything else works, and the window says how to get it.
+
+    At the start, and when it is asked for.
+    """
     import attrs
 
     from hmdwarp.display import Command
 
     sys.modules["imgui_bundle"] = None  # as if it were not installed
     display = DesktopDisplay(attrs.evolve(SMALL, control_panel=True))
-    assert "hmdwarp[panel]" in display._overlay._remark and "H" in display._overlay._remark
+    assert "hmdwarp[panel]" in display._painter._remark and "H" in display._painter._remark
     refresh(display)
-    display._overlay.say("")
+    display._painter.say("")
     display._commands.pending.append(Command("panel"))
-    assert not display.commands() and "hmdwarp[panel]" in display._overlay._remark
+    assert not display.commands() and "hmdwarp[panel]" in display._painter._remark
     refresh(display)
     display.close()
 
 
 def reset() -> None:
-    """A driver that was reset ends the run. No software driver ever is, so its answer is made up; that it is asked is real."""
+    """A driver that was reset ends the run.
+
+    No software driver ever is, so its answer is made up; that it is asked is real.
+    """
     display = DesktopDisplay(SMALL)
     refresh(display)
     assert display._window._reset_status is None or display._window._reset_status() == 0
@@ -150,7 +166,9 @@ def reset() -> None:
 
 
 def colours() -> None:
-    """Linear light comes out as sRGB bytes, left and right where they belong, the top row at the top."""
+    """Linear light comes out as sRGB bytes, left and right where they belong, the top row at the
+    top.
+    """
     import attrs
     import glfw
 
@@ -186,7 +204,8 @@ def colours() -> None:
             for column in range(4):
                 x, y = eye * (w // 2) + column * wide + wide // 2, row * (h // 5) + h // 10
                 wanted = srgb8_from_linear(picture[row * 8, column * 8, :3])
-                # Half floats are 11 bits: 2^-12 of the value, which is below half a level of 255 anywhere on the curve.
+                # Half floats are 11 bits: 2^-12 of the value, which is below half a level of 255
+                # anywhere on the curve.
                 assert np.abs(shown[y, x].astype(int) - wanted).max() <= 1, (eye, row, column, shown[y, x], wanted)
     display.close()
 

@@ -1,4 +1,6 @@
-"""The doctor tells each kind of lack apart, says how to mend it, and outlives drivers that crash or hang."""
+"""The doctor tells each kind of lack apart, says how to mend it, and outlives drivers that crash or
+hang.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ def answers(monkeypatch, **known):
     monkeypatch.setattr(doctor, "ask", lambda question: known)
 
 
-# --- asking -------------------------------------------------------------------------------------------------------------
+# --- asking -------------------------------------------------------------------------------------
 
 
 def test_last_whole_line_counts(probe):
@@ -61,7 +63,7 @@ def test_silence_is_a_lack(probe):
     assert doctor.ask("window")["error"] == "died"
 
 
-# --- OpenXR -------------------------------------------------------------------------------------------------------------
+# --- OpenXR -------------------------------------------------------------------------------------
 
 AT = {"binding": "1.1", "loader": "1.1.0"}
 NAMED = {
@@ -136,7 +138,7 @@ def test_openxr_binding_that_does_not_load(monkeypatch, known):
     assert loader.state is State.OPTIONAL and "libgl1" in loader.remedy
 
 
-# --- live ---------------------------------------------------------------------------------------------------------------
+# --- live ---------------------------------------------------------------------------------------
 
 HEADSET = [Finding("OpenXR loader", State.OK, "there"), Finding("OpenXR runtime", State.OK, "Runtime 1, headset 'H'")]
 NO_LOADER = [Finding("OpenXR loader", State.OPTIONAL, "no libGL", "get it")]
@@ -176,7 +178,7 @@ def test_the_doctor_says_what_live_would_take(monkeypatch):
     )
 
 
-# --- the rest, and the command ---------------------------------------------------------------------------------------------
+# --- the rest, and the command ------------------------------------------------------------------
 
 
 def run(*options: str):

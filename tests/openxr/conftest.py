@@ -1,7 +1,10 @@
-"""Tests with a real OpenXR runtime: they run in Monado's root (root.py), where this file is read a second time.
+"""Tests with a real OpenXR runtime.
 
-Outside, a test here waits for its namesake inside and ends as that one did; where there can be no such root it is skipped with the reason.
-`tests/openxr/with-monado CMD...` runs anything else beside the runtime.
+They run in Monado's root (root.py), where this file is read a second time.
+
+Outside, a test here waits for its namesake inside and ends as that one did; where there can be no
+such root it is skipped with the reason. `tests/openxr/with-monado CMD...` runs anything else beside
+the runtime.
 """
 
 from __future__ import annotations
@@ -55,7 +58,10 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
 
 def _inner_of(item: pytest.Function) -> Inner:
-    """The pytest inside that runs the tests of this one's file: those of them that were asked for here."""
+    """The pytest inside that runs the tests of this one's file.
+
+    Those of them that were asked for here.
+    """
     started = item.config.stash.setdefault(_inner, {})
     name = item.nodeid.partition("::")[0]
     if name not in started:

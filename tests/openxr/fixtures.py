@@ -17,7 +17,10 @@ MakeMonado = Callable[..., Monado]
 
 @pytest.fixture
 def runtime(tmp_path_factory, monkeypatch) -> Iterator[MakeMonado]:
-    """runtime(settings...) -> a Monado that was not started yet; this process and those it starts find it by their environment."""
+    """runtime(settings...) -> a Monado that was not started yet.
+
+    This process and those it starts find it by their environment.
+    """
     made: list[Monado] = []
 
     def make(*settings: dict[str, str]) -> Monado:
@@ -35,7 +38,9 @@ def runtime(tmp_path_factory, monkeypatch) -> Iterator[MakeMonado]:
 
 @pytest.fixture
 def monado(runtime) -> Monado:
-    """A running service whose head stays where `remote_head` puts it, and whose pictures go nowhere, at 20 a second."""
+    """A running service whose head stays where `remote_head` puts it, and whose pictures go
+    nowhere, at 20 a second.
+    """
     made = runtime(REMOTE, UNSEEN)
     made.start()
     return made

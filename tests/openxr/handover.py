@@ -1,7 +1,9 @@
-"""Tests of this folder run in Monado's root, by a second pytest; what becomes of them there becomes of them here.
+"""Tests of this folder run in Monado's root, by a second pytest.
 
-Outside, `Inner` starts the second pytest for the tests of one file and hands out what it reports. Inside, `Reporter` tells it, line by
-line, through a pipe.
+What becomes of them there becomes of them here.
+
+Outside, `Inner` starts the second pytest for the tests of one file and hands out what it reports.
+Inside, `Reporter` tells it, line by line, through a pipe.
 """
 
 from __future__ import annotations
@@ -32,7 +34,10 @@ class Outcome:
 
 
 class Inner:
-    """A pytest in `root` that runs the tests named. Errors: none; a test it does not tell of counts as failed, with what it said."""
+    """A pytest in `root` that runs the tests named.
+
+    Errors: none; a test it does not tell of counts as failed, with what it said.
+    """
 
     def __init__(self, root: Path, names: list[str]) -> None:
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the process)
@@ -110,7 +115,10 @@ class Reporter:
         self._worst: dict[str, Outcome] = {}
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Of the three steps of a test the first that did not pass counts; after the last one it is told."""
+        """Of the three steps of a test the first that did not pass counts.
+
+        After the last one it is told.
+        """
         worst = self._worst.setdefault(report.nodeid, Outcome("passed"))
         if worst.outcome == "passed" and report.outcome != "passed":
             self._worst[report.nodeid] = Outcome(report.outcome, _why(report))

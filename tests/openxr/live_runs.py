@@ -1,4 +1,7 @@
-"""`hmdwarp live` beside Monado: as a program of its own, as users start it, or in this process, with every refresh at hand."""
+"""`hmdwarp live` beside Monado.
+
+As a program of its own, as users start it, or in this process, with every refresh at hand.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,9 @@ def quick(**options: object) -> LiveOptions:
 
 
 class Watched:
-    """A display that remembers its ticks and what was shown for them. display: the real one, which does everything.
+    """A display that remembers its ticks and what was shown for them.
+
+    display: the real one, which does everything.
 
     before: called with each refresh that is about to be shown.
     """
@@ -59,7 +64,10 @@ class Watched:
 
 
 class Here:
-    """A run in this process. said: the sentences it told. watched: its display, once it is open. before: as Watched."""
+    """A run in this process.
+
+    said: the sentences it told. watched: its display, once it is open. before: as Watched.
+    """
 
     def __init__(self, monkeypatch, before: Callable[[Refresh], None] = lambda refresh: None) -> None:
         self.said: list[str] = []
@@ -92,7 +100,10 @@ class Here:
 
 
 class Program:
-    """A run as a program of its own. Use as a context manager. recording: the head's trace it writes."""
+    """A run as a program of its own.
+
+    Use as a context manager. recording: the head's trace it writes.
+    """
 
     def __init__(self, folder: Path, *options: str) -> None:
         self.recording = folder / "head.csv"

@@ -1,4 +1,7 @@
-"""Monado's service as a process that tests start, kill, stop and start again; `python -m openxr.monado CMD...` runs CMD beside one."""
+"""Monado's service as a process that tests start, kill, stop and start again.
+
+`python -m openxr.monado CMD...` runs CMD beside one.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 RUNTIME = "/usr/share/openxr/1/openxr_monado.json"
-# A head that wobbles by itself; one that stays where openxr.remote_head puts it; pictures go nowhere, at 20 a second; or on the screen.
+# A head that wobbles by itself; one that stays where openxr.remote_head puts it; pictures go
+# nowhere, at 20 a second; or on the screen.
 WOBBLING = {"SIMULATED_ENABLE": "1"}
 REMOTE = {"P_OVERRIDE_ACTIVE_CONFIG": "remote", "SIMULATED_ENABLE": "0"}
 UNSEEN = {"XRT_COMPOSITOR_NULL": "1"}
@@ -21,8 +25,10 @@ START_S = 20.0
 
 
 def listens(socket: Path) -> bool:
-    """Whether somebody takes connections there: the file is there a moment before that. Source: proc(5), /proc/net/unix; the fourth
-    column is __SO_ACCEPTCON."""
+    """Whether somebody takes connections there: the file is there a moment before that.
+
+    Source: proc(5), /proc/net/unix; the fourth column is __SO_ACCEPTCON.
+    """
     for line in Path("/proc/net/unix").read_text(encoding="utf-8").splitlines()[1:]:
         fields = line.split()
         if fields[-1] == str(socket) and int(fields[3], 16) & 0x10000:
@@ -31,7 +37,9 @@ def listens(socket: Path) -> bool:
 
 
 class Monado:
-    """One service after the other on one runtime folder. Use as a context manager; it is started by `start`.
+    """One service after the other on one runtime folder.
+
+    Use as a context manager; it is started by `start`.
 
     folder: for its socket and what it says. settings: its environment variables, beside ours.
     """

@@ -1,6 +1,8 @@
-"""Drives Monado's 'remote' device exactly: the head's poses, fields of view and where the eyes sit, controllers' buttons, over TCP 4242.
+"""Drives Monado's 'remote' device exactly.
 
-Source: Monado 25.0, src/xrt/drivers/remote/r_interface.h, struct r_remote_data, which is sent as it lies in memory.
+The head's poses, fields of view and where the eyes sit, controllers' buttons, over TCP 4242.
+Source: Monado 25.0, src/xrt/drivers/remote/r_interface.h, struct r_remote_data, which is sent as it
+lies in memory.
 """
 
 from __future__ import annotations
@@ -53,8 +55,9 @@ AXES = (
     "trackpad_y",
 )
 BUTTONS = (
-    "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click", "b_touch", "trigger_click",
-    "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch", "pad_0", "pad_1", "pad_2",
+    "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click", "b_touch",
+    "trigger_click", "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch",
+    "pad_0", "pad_1", "pad_2",
 )  # fmt: skip
 
 
@@ -94,7 +97,9 @@ class RemoteHead:
         self._socket.sendall(bytes(self._data))
 
     def hold(self, hand: str, **states: float) -> None:
-        """From now on "left" or "right" has these, by their names in AXES (-1..1) and BUTTONS (0 or 1); what is not named stays."""
+        """From now on "left" or "right" has these, by their names in AXES (-1..1) and BUTTONS (0 or
+        1); what is not named stays.
+        """
         controller = getattr(self._data, hand)
         controller.active = 1
         for name, state in states.items():

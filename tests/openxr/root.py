@@ -1,9 +1,12 @@
-"""A Debian root with Monado, an actual OpenXR runtime, and hmdwarp's pinned packages: for tests, without a headset or a GPU.
+"""A Debian root with Monado, an actual OpenXR runtime, and hmdwarp's pinned packages.
 
-Built once (a minute; 1.4 GB) into the user's cache folder, from Debian's unmodified packages and .ci/constraints.txt, and again when
-either list changes; one that nobody has entered for a month is removed at the next build. `python tests/openxr/root.py` builds it and
-prints where it is; with a command behind, it runs that in it; `with-monado` runs one beside Monado. HMDWARP_MONADO_ROOT names another
-folder.
+For tests, without a headset or a GPU.
+
+Built once (a minute; 1.4 GB) into the user's cache folder, from Debian's unmodified packages and
+.ci/constraints.txt, and again when either list changes; one that nobody has entered for a month is
+removed at the next build. `python tests/openxr/root.py` builds it and prints where it is; with a
+command behind, it runs that in it; `with-monado` runs one beside Monado. HMDWARP_MONADO_ROOT names
+another folder.
 """
 
 from __future__ import annotations
@@ -28,14 +31,16 @@ ENTER = Path(__file__).with_name("enter.sh")
 SUITE = "trixie"
 PYTHON, GLIBC = "3.13", 41  # of that suite: glibc 2.41
 DEBIAN = (
-    "python3", "ca-certificates", "xvfb", "xdotool", "monado-service", "libopenxr1-monado", "mesa-vulkan-drivers", "libvulkan1",
-    "libgl1", "libglx-mesa0", "libegl1", "libegl-mesa0", "libgl1-mesa-dri",
+    "python3", "ca-certificates", "xvfb", "xdotool", "monado-service", "libopenxr1-monado",
+    "mesa-vulkan-drivers", "libvulkan1", "libgl1", "libglx-mesa0", "libegl1", "libegl-mesa0", "libgl1-mesa-dri",
 )  # fmt: skip
 UNREAD = ("man", "doc", "locale", "info")  # below usr/share: left out
-# What Python compiles and matplotlib looks up at its first start; kept in the root, it saves 5 s each time the root is entered.
+# What Python compiles and matplotlib looks up at its first start; kept in the root, it saves 5 s
+# each time the root is entered.
 FIRST_START = """
 exec 3>&1 >&2
-python3 -m hmdwarp doctor; python3 -m pytest -q -p no:cacheprovider --collect-only tests/openxr; python3 -c 'import matplotlib.pyplot'
+python3 -m hmdwarp doctor; python3 -m pytest -q -p no:cacheprovider --collect-only tests/openxr; \
+python3 -c 'import matplotlib.pyplot'
 tar -C /tmp --exclude=pycache/project -cf - pycache home >&3
 """
 WARM = "var/cache/hmdwarp-warm.tar"
@@ -49,7 +54,10 @@ class Lacking(Exception):
 
 
 def ready_root(say: Say = lambda text: None) -> Path:
-    """The root, built first if there is none of this recipe. say: told before what takes long. Errors: Lacking."""
+    """The root, built first if there is none of this recipe.
+
+    say: told before what takes long. Errors: Lacking.
+    """
     _check_rights()
     place = _folder() / f"root-{recipe()}"
     place.parent.mkdir(parents=True, exist_ok=True)
@@ -65,10 +73,12 @@ def ready_root(say: Say = lambda text: None) -> Path:
 
 
 def entered(root: Path, command: list[str], project: Path = PROJECT) -> list[str]:
-    """The command line that runs `command` in the root, with process ids and a network of its own; it dies with whoever started it.
+    """The command line that runs `command` in the root, with process ids and a network of its own.
 
-    `project` is seen as /project, read-only; the only place to write to is /tmp, which nobody shares. Leading NAME=VALUE words are its
-    environment, which takes nothing else along.
+    It dies with whoever started it.
+
+    `project` is seen as /project, read-only; the only place to write to is /tmp, which nobody
+    shares. Leading NAME=VALUE words are its environment, which takes nothing else along.
     """
     apart = ["unshare", "--mount", "--pid", "--net", "--fork", "--kill-child", "--propagation", "private"]
     return ["setpriv", "--pdeathsig", "KILL", *apart, "bash", str(ENTER), str(root), str(project), *command]
@@ -116,7 +126,7 @@ def _check_rights() -> None:
         )
 
 
-# --- building ---------------------------------------------------------------------------------------------------------
+# --- building -----------------------------------------------------------------------------------
 
 
 def _build(place: Path) -> None:
@@ -149,15 +159,21 @@ def _build(place: Path) -> None:
 
 
 def _warm(place: Path) -> None:
-    """Start everything once; where that fails, tests are slower by it and say themselves what is wrong."""
+    """Start everything once.
+
+    Where that fails, tests are slower by it and say themselves what is wrong.
+    """
     with (place / WARM).open("wb") as kept:
         command, none = entered(place, ["bash", "-c", FIRST_START]), subprocess.DEVNULL
         subprocess.run(command, check=False, stdin=none, stdout=kept, stderr=none)
 
 
 def _pip(target: Path) -> list[str]:
-    """The machine's own pip fills the folder, for the root's Python: so whatever index, proxy, certificate or folder of wheels it is set to
-    is obeyed. Every package is pinned, those that others need too, so nothing is left to resolve."""
+    """The machine's own pip fills the folder, for the root's Python.
+
+    So whatever index, proxy, certificate or folder of wheels it is set to is obeyed. Every package
+    is pinned, those that others need too, so nothing is left to resolve.
+    """
     wheels = [f"--platform=manylinux_2_{minor}_{platform.machine()}" for minor in range(GLIBC, 4, -1)]
     wheels += [f"--platform={old}_{platform.machine()}" for old in ("manylinux2014", "manylinux2010", "manylinux1")]
     fit = ["--python-version", PYTHON, "--implementation", "cp", *wheels, "--only-binary=:all:"]
@@ -210,7 +226,9 @@ def _bootstrap(place: Path) -> None:
 
 
 def _apt_settings() -> str:
-    """How this machine's apt reaches its mirrors (proxies, certificates, checks of dates), and no packages that are only recommended."""
+    """How this machine's apt reaches its mirrors (proxies, certificates, checks of dates), and no
+    packages that are only recommended.
+    """
     known = _run(["apt-config", "dump"]).stdout.splitlines()
     reach = [line for line in known if re.match(r"Acquire::(https?|ftp|ForceIP|Check|Max-?Future|Retries)", line)]
     return "\n".join([*reach, 'Acquire::Retries "3";', 'APT::Install-Recommends "false";', ""])

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 
 class Screen:
-    """Xvfb with a screen of (w, h) pixels and 24 bits. Use as a context manager. display: as DISPLAY has it, ":99"."""
+    """Xvfb with a screen of (w, h) pixels and 24 bits.
+
+    Use as a context manager. display: as DISPLAY has it, ":99".
+    """
 
     def __init__(self, size: tuple[int, int] = (1280, 800)) -> None:
         self.size, self.display = size, ""

@@ -1,4 +1,7 @@
-"""Known colours through the real compositor: what is in the panel is on the screen, for both eyes, the right way up."""
+"""Known colours through the real compositor.
+
+What is in the panel is on the screen, for both eyes, the right way up.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,8 @@ from .screen import Screen
 
 SIZE = (400, 400)
 LAST = 12  # the picture to look at: by then the first ones have gone all the way
-# sRGB levels, left to right and top to bottom: black and white, greys on both sides of the linear part of the curve, and one primary each.
+# sRGB levels, left to right and top to bottom: black and white, greys on both sides of the linear
+# part of the curve, and one primary each.
 CHART = np.array([
     [(0, 0, 0), (255, 255, 255), (128, 128, 128), (188, 188, 188)],
     [(10, 10, 10), (64, 64, 64), (255, 0, 0), (0, 255, 0)],
@@ -55,7 +59,8 @@ def test_known_colours_arrive_on_the_screen(runtime, screen, monkeypatch):
     (picture,) = pictures
     for eye, seen in enumerate(charts_in(picture)):
         patches = CHART if eye == 0 else CHART[:, ::-1]
-        # Half a step by rounding here and in the compositor, and what hardware may be off by in encoding and decoding.
+        # Half a step by rounding here and in the compositor, and what hardware may be off by in
+        # encoding and decoding.
         assert np.abs(seen.astype(int) - patches).max() <= 1
 
 
@@ -69,7 +74,10 @@ def when_lit(screen: Screen) -> np.ndarray:
 
 
 def charts_in(picture: np.ndarray) -> list[np.ndarray]:
-    """(4, 4, 3) the middle of each patch of each chart on the screen, the left one first. Errors: AssertionError unless there are two."""
+    """(4, 4, 3) the middle of each patch of each chart on the screen, the left one first.
+
+    Errors: AssertionError unless there are two.
+    """
     lit = picture.any(axis=-1)
     rows = np.flatnonzero(lit.any(axis=1))
     edges = np.flatnonzero(np.diff(lit.any(axis=0).astype(int), prepend=0, append=0))

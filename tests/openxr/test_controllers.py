@@ -1,4 +1,7 @@
-"""Controllers of a real runtime: what is pressed becomes commands, once; after a reconnection too."""
+"""Controllers of a real runtime: what is pressed becomes commands, once.
+
+After a reconnection too.
+"""
 
 from __future__ import annotations
 
@@ -174,8 +177,9 @@ def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, m
 
 
 def _focus_is_elsewhere(display: OpenXrDisplay) -> None:
-    """Monado takes the focus away from nobody who is alone; what it answers then is
-    XR_SESSION_NOT_FOCUSED (8).
+    """Monado takes the focus away from nobody who is alone.
+
+    What it answers then is XR_SESSION_NOT_FOCUSED (8).
     """
 
     def calls(name: str, *arguments: object) -> int:

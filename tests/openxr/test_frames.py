@@ -16,7 +16,8 @@ from .monado import UNSEEN, WOBBLING
 
 pytestmark = pytest.mark.usefixtures("no_screen")
 HEAD = Pose((0.4, 1.5, 0.3), (-0.05, 0.25, 0.02, 0.95))
-# Wide outwards, narrow inwards, one eye higher and turned: nothing is mirrored, nothing is symmetric.
+# Wide outwards, narrow inwards, one eye higher and turned: nothing is mirrored, nothing is
+# symmetric.
 UNLIKE = [
     (Pose((-0.034, 0.002, 0.01)), Fov(left=-0.9, right=0.6, down=-0.7, up=0.5)),
     (Pose((0.029, -0.004, 0.0), (0.02, -0.04, 0.0, 1.0)), Fov(left=-0.5, right=0.85, down=-0.65, up=0.75)),
@@ -29,7 +30,10 @@ def test_200_frames(runtime, monkeypatch, tmp_path):
 
 
 def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
-    """Without latency the warp has nothing to do: each picture is what the server draws for where the eye was told to be."""
+    """Without latency the warp has nothing to do.
+
+    Each picture is what the server draws for where the eye was told to be.
+    """
     remote_head.put(HEAD)
     remote_head.put_eyes(UNLIKE)
     here, pictures, drawn = Here(monkeypatch), [], []
@@ -50,5 +54,6 @@ def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
     here.run(quick(scene="room", frames=3), after)
     assert not np.array_equal(drawn[0], drawn[1])
     for picture, wanted in zip(pictures, drawn, strict=True):
-        # The runtime's float32 moves edges by 1e-5 pixels: of 11,520 pixels a few may fall on their other side (here none did).
+        # The runtime's float32 moves edges by 1e-5 pixels: of 11,520 pixels a few may fall on their
+        # other side (here none did).
         assert (np.abs(picture - wanted).max(axis=-1) > 1).mean() < 2e-3

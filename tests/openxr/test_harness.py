@@ -24,7 +24,8 @@ def test_the_service_comes_and_goes(runtime):
 def test_what_is_on_the_screen_is_seen(screen):
     """A window of one colour, all over the screen."""
     code = (
-        "import glfw, moderngl, time; glfw.init(); glfw.window_hint(glfw.DECORATED, 0); w = glfw.create_window(2000, 1200, '', None, None);"
+        "import glfw, moderngl, time; glfw.init(); glfw.window_hint(glfw.DECORATED, 0); w = glfw.create_window(2000, "
+        "1200, '', None, None);"
         "glfw.set_window_pos(w, 0, 0); glfw.make_context_current(w); c = moderngl.create_context();"
         "[(c.clear(1.0, 0.5, 0.25), glfw.swap_buffers(w), glfw.poll_events(), time.sleep(0.05)) for _ in range(4)];"
         "c.finish(); print('there', flush=True); time.sleep(60)"

@@ -1,4 +1,7 @@
-"""Live and replay are one pipeline: the same head, fed to a real runtime pose by pose, gives the same poses and the same pictures."""
+"""Live and replay are one pipeline.
+
+The same head, fed to a real runtime pose by pose, gives the same poses and the same pictures.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,8 @@ from hmdwarp.run import ReplaySetup, set_up_replay
 
 from .live_runs import SMALL, Here, quick
 
-# What a float32 holds exactly: a runtime speaks in those. Of the left eye; the right one's is mirrored.
+# What a float32 holds exactly: a runtime speaks in those. Of the left eye; the right one's is
+# mirrored.
 FOV = Fov(left=-0.84375, right=0.6875, down=-0.78125, up=0.65625)
 IPD_M = 0.0625
 SCENE, LATENCY_MS, POSES = "room", 175.0, 16
@@ -46,7 +50,10 @@ up = {math.degrees(FOV.up)}
 
 
 def fed_poses() -> list[Pose]:
-    """A quarter of a second apart in a recording: the head turns and moves by several pixels each time."""
+    """A quarter of a second apart in a recording.
+
+    The head turns and moves by several pixels each time.
+    """
     track = load_trace("look-around").track
     return [track.at(track.start_ns + number * 250_000_000).pose for number in range(POSES)]
 
@@ -58,7 +65,10 @@ def eyes() -> list[tuple[Pose, Fov]]:
 
 @attrs.frozen(eq=False)
 class Shown:
-    """A refresh of the live run, as its log has it. head: at display; drawn: when its frame was drawn. age_ms: of the frame."""
+    """A refresh of the live run, as its log has it.
+
+    head: at display; drawn: when its frame was drawn. age_ms: of the frame.
+    """
 
     head: Pose
     drawn: Pose
@@ -66,7 +76,10 @@ class Shown:
 
 
 class EyesAsTheyWere:
-    """Eyes as the runtime had them at one refresh after the other; each in the head, with its field of view."""
+    """Eyes as the runtime had them at one refresh after the other.
+
+    Each in the head, with its field of view.
+    """
 
     def __init__(self) -> None:
         self._known: list[list[tuple[Pose, Fov]]] = []
@@ -142,10 +155,12 @@ def setup(tmp_path, passes):
 
 
 def replayed(setup: ReplaySetup, rows: list[Shown], eyes: Eyes) -> list[list[NDArray[np.uint8]]]:
-    """Both pictures of each refresh from the replay of the recording, of frames as old as those of the live run.
+    """Both pictures of each refresh from the replay of the recording, of frames as old as those of
+    the live run.
 
-    A live frame is drawn a while before the instant its refresh is seen, and a machine under load makes that while now longer, now
-    shorter: so here each frame is drawn when the log says it was first used, and the link passes it on at once.
+    A live frame is drawn a while before the instant its refresh is seen, and a machine under load
+    makes that while now longer, now shorter: so here each frame is drawn when the log says it was
+    first used, and the link passes it on at once.
     """
     made, found, last = setup.pipeline, [], None
     loop = Loop(made.requested, made.server, made.channel, made.loop.history, made.loop.compensator, eyes)
@@ -186,7 +201,8 @@ def test_the_same_poses_and_pictures(remote_head, no_screen, monkeypatch, tmp_pa
         np.testing.assert_array_equal(replayed(made, rows, were), handed_over)
     with setup() as made:
         again = replayed(made, rows, HeadsetEyes(made.headset))
-    # A runtime tells where the eyes sit in the head by float32 sums over the head's own place, so they tremble by 3e-8 m and 3e-8 rad
-    # (measured), 2e-6 pixels. That tips over what lies on the edge of two surfaces: 18 pixels of 11,520 at most in 64 pictures.
+    # A runtime tells where the eyes sit in the head by float32 sums over the head's own place, so
+    # they tremble by 3e-8 m and 3e-8 rad (measured), 2e-6 pixels. That tips over what lies on the
+    # edge of two surfaces: 18 pixels of 11,520 at most in 64 pictures.
     off = np.abs(np.array(again, int) - np.array(handed_over, int)).max(axis=-1) > 1
     assert off.mean(axis=(-2, -1)).max() < 0.005

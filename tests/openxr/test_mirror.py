@@ -1,4 +1,7 @@
-"""The window beside the headset: GLX's context draws for the runtime, the left eye is seen, the keys do what they say."""
+"""The window beside the headset.
+
+GLX's context draws for the runtime, the left eye is seen, the keys do what they say.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,8 @@ def test_the_left_eye_is_on_the_screen(runtime, screen, monkeypatch):
         here.watched.gpu.gl.finish()
         time.sleep(0.02)  # the X server's turn
         on_screen = screen.picture()[:WINDOW, :WINDOW].astype(float)
-        # Scaled up bilinearly by four: the mean of a block is its pixel's, but for a part of its neighbours'.
+        # Scaled up bilinearly by four: the mean of a block is its pixel's, but for a part of its
+        # neighbours'.
         blocks = on_screen.reshape(SIZE[1], 4, SIZE[0], 4, 3).mean((1, 3))
         found.append([np.abs(blocks - picture).mean() for picture in (left, right, flip_rows(left))])
 

@@ -1,4 +1,7 @@
-"""`hmdwarp record` with a real runtime: the head as the runtime tells it, through the runtime's death and return."""
+"""`hmdwarp record` with a real runtime.
+
+The head as the runtime tells it, through the runtime's death and return.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,10 @@ def after_poses(path, count: int, do: Callable[[], None]) -> threading.Thread:
 
 
 def places_in(path) -> np.ndarray:
-    """Which of PLACES each pose is; exactly one. A trace's reader would take the first of them for a tracker that had not begun."""
+    """Which of PLACES each pose is; exactly one.
+
+    A trace's reader would take the first of them for a tracker that had not begun.
+    """
     meant = np.array([np.concatenate([pose.position_m, pose.orientation_xyzw]) for pose in PLACES])
     found = np.loadtxt(path, delimiter=",", comments=("#", "t"))[:, 1:]
     near = np.abs(found[:, None] - meant[None]).max(axis=2) < 2 * FLOAT32

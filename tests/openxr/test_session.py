@@ -1,4 +1,7 @@
-"""The headset's display with a real runtime: whose eyes and head it has, what it hands over, and that it lets go whatever happens."""
+"""The headset's display with a real runtime.
+
+Whose eyes and head it has, what it hands over, and that it lets go whatever happens.
+"""
 
 from __future__ import annotations
 
@@ -72,7 +75,7 @@ def until_head_at(display, wanted: Pose) -> None:
         assert time.monotonic() < until, "the runtime never said so"
 
 
-# --- whose eyes and head ---------------------------------------------------------------------------------------------------
+# --- whose eyes and head ------------------------------------------------------------------------
 
 
 def test_the_head_is_the_runtimes(display, remote_head):
@@ -108,7 +111,9 @@ def test_eyes_follow_the_runtime_while_it_runs(display, remote_head):
 
 
 def test_a_head_that_is_lost_is_held_where_it_was(display, remote_head, monado):
-    """A dead service's locations are identities without a flag, and no error, as long as nobody polls."""
+    """A dead service's locations are identities without a flag, and no error, as long as nobody
+    polls.
+    """
     remote_head.put(HEAD)
     until_head_at(display, HEAD)
     assert not display.source.lost
@@ -118,11 +123,14 @@ def test_a_head_that_is_lost_is_held_where_it_was(display, remote_head, monado):
     assert sample.pose.isclose(HEAD, 1e-5)
 
 
-# --- what is handed over -----------------------------------------------------------------------------------------------------
+# --- what is handed over ------------------------------------------------------------------------
 
 
 class HandedOver:
-    """What reached the runtime: at each xrEndFrame the views of its layer, and each picture as it was when it was released."""
+    """What reached the runtime.
+
+    At each xrEndFrame the views of its layer, and each picture as it was when it was released.
+    """
 
     def __init__(self, monkeypatch) -> None:
         self.layers: list[list[dict[str, object]]] = []
@@ -174,7 +182,9 @@ def _views(end: xr.FrameEndInfo) -> list[dict[str, object]]:
 
 @pytest.mark.parametrize(("warp", "depth_layer"), [("forward", True), ("backward", True), ("forward", False)])
 def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, warp, depth_layer):
-    """Each eye's picture within a step of 8 bits, its depth as float32 has it, and the very pose and field of view it was warped for."""
+    """Each eye's picture within a step of 8 bits, its depth as float32 has it, and the very pose
+    and field of view it was warped for.
+    """
     remote_head.put(HEAD)
     remote_head.put_eyes(UNLIKE)
     here, expected, handed_over = Here(monkeypatch), [], HandedOver(monkeypatch)
@@ -182,7 +192,8 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
     def after(number: int) -> None:
         refresh = here.watched.shown[-1]
         expected.append([
-            (one.shown, picture_from_linear(download(eye.panel.texture)), download(eye.inverse_depth) if depth_layer else None)
+            (one.shown, picture_from_linear(download(eye.panel.texture)),
+             download(eye.inverse_depth) if depth_layer else None)
             for one, eye in zip(refresh.inputs, refresh.eyes, strict=True)
         ])  # fmt: skip
 
@@ -196,7 +207,8 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
             fov = shown.fov
             assert np.array_equal(view["fov"], np.float32([fov.left, fov.right, fov.down, fov.up]))
             arrived = next(pictures)
-            # Half a step by rounding here, and up to 0.6 by the encoding in hardware that OpenGL allows.
+            # Half a step by rounding here, and up to 0.6 by the encoding in hardware that OpenGL
+            # allows.
             assert np.abs(arrived[..., :3].astype(int) - picture[..., :3]).max() <= 1
             assert (arrived[..., 3] == 255).all() and arrived[..., :3].std() > 5
             assert (view["depth"] is not None) == depth_layer
@@ -221,7 +233,7 @@ def test_nothing_is_handed_over_where_nothing_would_be_seen(display, monkeypatch
         assert (picture[:20, :, :3] == 0).all() and picture[..., :3].max() > 100
 
 
-# --- in step, whatever happens -------------------------------------------------------------------------------------------------
+# --- in step, whatever happens ------------------------------------------------------------------
 
 
 def test_times_are_one_clock(display):
@@ -341,7 +353,7 @@ def test_every_call_that_may_hang_is_watched(monado):
     assert frame <= set(watched)
 
 
-# --- the head alone ----------------------------------------------------------------------------------------------------------
+# --- the head alone -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("headless", [True, False])

@@ -1,4 +1,7 @@
-"""A session of a study in a headset that goes away in the middle of a trial: a clear line, nothing lost, and the trial is shown again."""
+"""A session of a study in a headset that goes away in the middle of a trial.
+
+A clear line, nothing lost, and the trial is shown again.
+"""
 
 from __future__ import annotations
 

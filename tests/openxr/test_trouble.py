@@ -1,4 +1,7 @@
-"""What goes wrong with a runtime, and what is left of a live run then: a clear line, the recording, and the headset again if it can be."""
+"""What goes wrong with a runtime, and what is left of a live run then.
+
+A clear line, the recording, and the headset again if it can be.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +73,10 @@ def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch
 
 
 def test_another_program_takes_the_headset_for_a_while(runtime, tmp_path):
-    """Monado shows the newest of two programs; the other one's session is not visible any more, and is again when the newer one ends."""
+    """Monado shows the newest of two programs.
+
+    The other one's session is not visible any more, and is again when the newer one ends.
+    """
     runtime(WOBBLING, UNSEEN).start()
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
@@ -80,7 +86,8 @@ def test_another_program_takes_the_headset_for_a_while(runtime, tmp_path):
             second.until_recorded(5)
             before = first.recorded()
             second.until_recorded(45)  # two seconds later
-            # What was on its way to the disk, for half a second at most, may still have come: 10 pictures.
+            # What was on its way to the disk, for half a second at most, may still have come: 10
+            # pictures.
             assert first.recorded() <= before + 10
             before = first.recorded()
             second.send(signal.SIGINT)

@@ -1,6 +1,9 @@
-"""Live runs with a real runtime where there is a screen: drawn by a window's context (GLX), whose keys are the controls.
+"""Live runs with a real runtime where there is a screen.
 
-In a file of its own, as each has a process of its own: GLX does not follow Mesa's EGL in one (X_GLXMakeCurrent: BadAccess).
+Drawn by a window's context (GLX), whose keys are the controls.
+
+In a file of its own, as each has a process of its own: GLX does not follow Mesa's EGL in one
+(X_GLXMakeCurrent: BadAccess).
 """
 
 from __future__ import annotations

@@ -151,24 +151,31 @@ def bounds(share: float, total: int) -> tuple[float, float]:
 def table(studies: int) -> Iterator[str]:
     """Lines of Markdown."""
     design, model = designed()
-    yield f"{studies} studies each; {LEVEL:.0%} intervals, BCa with all resamples; three comparisons, 6 conditions once each."
+    intervals = f"{LEVEL:.0%} intervals, BCa with all resamples"
+    yield f"{studies} studies each; {intervals}; three comparisons, 6 conditions once each."
     yield ""
-    yield "| begin | come to the end | pairs | comparison | true mean | Hodges-Lehmann says | covers | BCa should | covers |"
+    heads = (
+        "begin | come to the end | pairs | comparison | true mean | Hodges-Lehmann says | covers | BCa should | covers"
+    )
+    yield f"| {heads} |"
     yield "|" + " --- |" * 9
     for n in (12, 24):
         found = coverage(design, model, n, studies, seed=1)
         true = true_values(design, model)
         for k, one in enumerate(found.comparisons):
             yield (
-                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | {one.a} - {one.b} | {true[one][0]:+.2f} "
-                f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | {expected_bca(found.pairs[:, k]):.1%} "
+                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | {one.a} - {one.b} | "
+                f"{true[one][0]:+.2f} "
+                f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | "
+                f"{expected_bca(found.pairs[:, k]):.1%} "
                 f"| {found.mean[:, k].mean():.1%} |"
             )
     yield ""
     for n in (12, 24):
         null = without_effect(design, model, n, studies, seed=2)
         each = ", ".join(f"{share:.1%}" for share in (null.p <= 1 - LEVEL).mean(axis=0))
-        yield f"No effect, {n} people: one test finds one in {each}; anything after Holm in {null.any_found.mean():.1%} (5 % allowed)."
+        anything = f"anything after Holm in {null.any_found.mean():.1%} (5 % allowed)"
+        yield f"No effect, {n} people: one test finds one in {each}; {anything}."
 
 
 if __name__ == "__main__":

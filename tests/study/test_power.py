@@ -1,4 +1,6 @@
-"""How many people a study needs: the simulation against theory, against the analysis, and as a command."""
+"""How many people a study needs: the simulation against theory, against the analysis, and as a
+command.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +35,6 @@ from hmdwarp.study.respondents import Population, load_model
 from . import tiny
 from .made_up import simulate_study
 
-pytestmark = pytest.mark.usefixtures("quick_corrections")
-
 DESIGN, THESIS = load_design("quick"), load_design("thesis")
 GRADE = DESIGN.scales[0]
 
@@ -48,7 +48,9 @@ def test_shares_have_wilsons_interval(total, data):
 
 
 def test_how_many_to_invite():
-    """Of 15 who come with probability 0.9, at least 12 come with probability 0.944; of 14 with 0.842."""
+    """Of 15 who come with probability 0.9, at least 12 come with probability 0.944; of 14 with
+    0.842.
+    """
     assert people_for(12, 0.9, sure=0.9) == 15
     assert people_for(12, 0.9, sure=0.84) == 14
     assert people_for(12, 1.0) == 12
@@ -56,7 +58,9 @@ def test_how_many_to_invite():
 
 
 def test_what_is_significant_is_what_the_analysis_says():
-    """Twenty studies, both families of the thesis, through ratings and tables as study analyse takes them."""
+    """Twenty studies, both families of the thesis, through ratings and tables as study analyse
+    takes them.
+    """
     model = load_model("thesis")
     for study in range(20):
         ratings = simulate_study(THESIS, model, 12, seed=3, study=study)
@@ -78,8 +82,10 @@ def one_comparison():
 
 
 def test_power_is_that_of_the_signed_rank_test():
-    """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86: that is the signed-rank test's efficiency.
-    The exact level is 0.0425 here, which takes a little more; 3 standard errors of 2000 studies are 0.024."""
+    """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86: that
+    is the signed-rank test's efficiency. The exact level is 0.0425 here, which takes a little more;
+    3 standard errors of 2000 studies are 0.024.
+    """
     design = one_comparison()
     found = power_of(
         planned_model(design, design.scales[0], 1.0, 1.0), design, design.scales[0], [12], studies=2000, seed=1
@@ -101,7 +107,9 @@ def test_without_an_effect_the_power_is_the_level():
 
 
 def test_the_ends_of_the_scale_take_power():
-    """At the better end of the scale nothing can be told apart any more; without ends and steps it could."""
+    """At the better end of the scale nothing can be told apart any more; without ends and steps it
+    could.
+    """
     model = planned_model(DESIGN, GRADE, 1.0, 0.8)
     means = {name: mean - 2.5 for name, mean in model.ratings["grade"].means[DESIGN.parts[0].name].items()}
     at_the_end = attrs.evolve(model, ratings={"grade": attrs.evolve(model.ratings["grade"], means=means)})

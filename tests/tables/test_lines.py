@@ -1,4 +1,4 @@
-"""Where a key stands in a TOML file: against files whose every key was written with its line known."""
+"""Lines of keys in a TOML file, against files whose keys were written at known lines."""
 
 from __future__ import annotations
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -20,10 +22,7 @@ _FAMILY = "Compare these pairs instead of the planned ones, as one family; may b
 def analyse(
     source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help=_SOURCE)],
     out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/*.csv.")],
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", help="Folder of the study's data; by default beside its file.", show_default=False),
-    ] = None,
+    store: StoreOption = None,
     scale: Annotated[
         str,
         typer.Option("--scale", help="Scale of a table that does not name it: grade, acr, ..", show_default=False),
@@ -52,17 +51,15 @@ def analyse(
             "--claims", help="A .toml file of published figures to compare with the ratings.", show_default=False
         ),
     ] = None,
-    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
-    simulated: Annotated[
-        bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")
-    ] = False,
+    pilot: PilotOption = False,
+    simulated: SimulatedOption = False,
     seed: Annotated[
         int, typer.Option("--seed", min=0, help="Random seed, where resamples are drawn: not for ratings in steps.")
     ] = 0,
     resamples: Annotated[
         int, typer.Option("--resamples", min=100, max=10_000_000, help="Number of resamples, where they are drawn.")
     ] = 20_000,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Analyse ratings: exact tests, intervals, order effects; writes tables, plots and one page.
 

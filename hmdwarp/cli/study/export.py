@@ -7,20 +7,15 @@ from typing import Annotated
 
 import typer
 
+from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption, StudyArgument
+
 
 def export(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="The study's .toml file, or the name of a shipped study.")
-    ],
+    study: StudyArgument,
     out: Annotated[Path, typer.Option("--out", help="A new folder for the tables and the BIDS data set.")],
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", help="Folder of the study's data; by default beside its file.", show_default=False),
-    ] = None,
-    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of people.")] = False,
-    simulated: Annotated[
-        bool, typer.Option("--simulated", help="Simulated sessions instead of those of people.")
-    ] = False,
+    store: StoreOption = None,
+    pilot: PilotOption = False,
+    simulated: SimulatedOption = False,
     remarks: Annotated[bool, typer.Option("--remarks", help="Also remarks, which may name people.")] = False,
     all_revisions: Annotated[
         bool, typer.Option("--all-revisions", help="Also every answer that was corrected later.")
@@ -33,7 +28,7 @@ def export(
             show_default=False,
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
     from ...errors import InputError

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from ._options import PilotOption, QuietOption, StoreOption, StudyArgument
+
 
 def measure(
-    study: Annotated[str, typer.Argument(help="The study's .toml file, or the name of a shipped study.")],
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", help="Folder of the study's data; by default beside its file.", show_default=False),
-    ] = None,
+    study: StudyArgument,
+    store: StoreOption = None,
     every: Annotated[int, typer.Option("--every", help="Measure every n-th refresh.")] = 10,
     size: Annotated[
         str | None,
@@ -30,8 +28,8 @@ def measure(
     again: Annotated[
         bool, typer.Option("--again", help="Re-measure trials already measured with these options.")
     ] = False,
-    pilot: Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of participants.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    pilot: PilotOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
     from ...pipeline.options import parse_size

@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ._options import StudyArgument
+
 if TYPE_CHECKING:
     from ...study.design import Condition, Design, Family, Order, Part, Sickness
     from ...study.scales import Scale
 
-Study = Annotated[str, typer.Argument(help="A .toml file, or the name of a shipped study, such as thesis.")]
 _MOST_ORDERS = 40  # printed; --json has them all
 
 
 def plan(
-    study: Study,
+    study: StudyArgument,
     json: Annotated[bool, typer.Option("--json", help="Print the plan as one JSON object.")] = False,
     orders: Annotated[bool, typer.Option("--orders", help="Print every order as well.")] = False,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .plan import Study
+from ._options import QuietOption, StudyArgument
 
 if TYPE_CHECKING:
     from ...report import OutputFolder
@@ -21,7 +21,7 @@ OWNED = ("power.csv", "power.png")
 
 
 def power(
-    study: Study,
+    study: StudyArgument,
     out: Annotated[Path, typer.Option("--out", help="Folder for the table, the plot and power.json.")],
     effect: Annotated[
         float | None, typer.Option("--effect", help="How much better b is than a, in each planned comparison.")
@@ -43,7 +43,7 @@ def power(
     target: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="Target power.")] = 0.8,
     alpha: Annotated[float, typer.Option("--alpha", min=1e-6, max=0.5, help="Significance level, after Holm.")] = 0.05,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of the simulation.")] = 1,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
     from ...report import OutputFolder

@@ -8,18 +8,16 @@ from typing import Annotated
 
 import typer
 
+from ._options import StoreOption, StudyArgument
+
 
 def withdraw(
-    study: Annotated[
-        str, typer.Argument(metavar="STUDY", help="The study's file (.toml), or the name of a shipped one.")
-    ],
+    study: StudyArgument,
     code: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.")],
-    store: Annotated[
-        Path | None, typer.Option("--store", help="Folder of the study's data; by default beside its file.")
-    ] = None,
+    store: StoreOption = None,
     yes: Annotated[bool, typer.Option("--yes", help="Erase without confirmation.")] = False,
 ) -> None:
-    """Erase all ratings, events and head traces of a participant; only the code stays reserved."""
+    """Erase all ratings, events and head traces of a participant; the code stays reserved."""
     from ...errors import InputError
     from ...study.store import Store
     from ...study.withdraw import BEYOND, finish_interrupted, holdings

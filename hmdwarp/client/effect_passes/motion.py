@@ -100,10 +100,7 @@ class MotionPass(RenderedPass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        Colour and depth read and written once, ids or velocities read; moving pixels add little.
-        """
+        # Colour and depth read and written once, ids or velocities read; moving pixels add little.
         return rendered_pixels * (2 * (8 + 4) + 2)
 
     def prepare(self) -> None:

@@ -71,11 +71,8 @@ class Reflections(ShownPass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        The layer's depth once; its colour and the surface for each shown pixel read, warped and
-        read again; the picture both ways.
-        """
+        # The layer's depth once; its colour and the surface for each shown pixel read, warped and
+        # read again; the picture both ways.
         return 4 * rendered_pixels + 8 * shown_pixels * (2 * 3 + 2)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:

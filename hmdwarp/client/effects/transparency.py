@@ -85,11 +85,8 @@ class TransparencyPass(ShownPass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        The veil, the colour that passes it and the picture in, one picture out; three depths:
-        rendered for the seeds and for the samples, and shown.
-        """
+        # The veil, the colour that passes it and the picture in, one picture out; three depths:
+        # rendered for the seeds and for the samples, and shown.
         return shown_pixels * (4 * 8 + 2 * 4) + 4 * rendered_pixels
 
 

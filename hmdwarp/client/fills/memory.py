@@ -137,11 +137,8 @@ class Memory(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        The shown picture copied. Of the newest and the usual number of kept pictures, all of the
-        same size, a quarter of the depth read, and guesses for a quarter of the pixels emptied,
-        raised and read. The newest and a kept one read once to compare them.
-        """
+        # The shown picture copied. Of the newest and the usual number of kept pictures, all of the
+        # same size, a quarter of the depth read, and guesses for a quarter of the pixels emptied,
+        # raised and read. The newest and a kept one read once to compare them.
         pictures = 1 + MemorySettings().use
         return shown_pixels * (16 + pictures * (4 + 4 * 4) // 4 + 12 * 2)

@@ -146,11 +146,8 @@ class Relight(Fill):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        Colour and inverse depth of the picture read and written, of the model written and read; the
-        lights of 64 pixels are 48 bytes.
-        """
+        # Colour and inverse depth of the picture read and written, of the model written and read;
+        # the lights of 64 pixels are 48 bytes.
         return (4 * (8 + 4) + 2) * shown_pixels
 
 

@@ -106,12 +106,9 @@ class CompositeWarp(Warp):
 
     @classmethod
     def bytes_of(cls, pictures: int, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        For each picture: its depth read, the guesses emptied, raised (read, written) and read;
-        depth and the best hit so far read and written once more. Of all pictures one colour read
-        and one written for each shown pixel.
-        """
+        # For each picture: its depth read, the guesses emptied, raised (read, written) and read;
+        # depth and the best hit so far read and written once more. Of all pictures one colour read
+        # and one written for each shown pixel.
         best = cls.best[0] * DEPTH_BYTES
         each = rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
         return pictures * each + shown_pixels * 2 * COLOUR_BYTES

@@ -113,11 +113,8 @@ class MeshWarp(Warp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        Each rendered pixel's depth to make cells and again to draw them, its colour once; the shown
-        colour and depth cleared and written, the depth read for its test.
-        """
+        # Each rendered pixel's depth to make cells and again to draw them, its colour once; the
+        # shown colour and depth cleared and written, the depth read for its test.
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:

@@ -96,11 +96,8 @@ class OrderedScatter(ScatterWarp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
-        colour read and one written for each.
-        """
+        # Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
+        # colour read and one written for each.
         return rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def close(self) -> None:

@@ -56,13 +56,10 @@ class Forward(ScatterWarp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        portable and auto: each rendered pixel's depth twice and colour once; the shown keys
-        cleared, raised (read, written) and read; the result cleared and written. atomic64: the
-        depth once; keys of two words raised, read and emptied; a colour read and one written for
-        each shown pixel.
-        """
+        # portable and auto: each rendered pixel's depth twice and colour once; the shown keys
+        # cleared, raised (read, written) and read; the result cleared and written. atomic64: the
+        # depth once; keys of two words raised, read and emptied; a colour read and one written for
+        # each shown pixel.
         if settings.path == "atomic64":
             return rendered_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
         rendered = 2 * DEPTH_BYTES + COLOUR_BYTES

@@ -78,11 +78,8 @@ class Iterative(GatherWarp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        Per shown pixel one colour, one depth and the result; with the forward seed the rendered
-        depth once more.
-        """
+        # Per shown pixel one colour, one depth and the result; with the forward seed the rendered
+        # depth once more.
         splat = rendered_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat
 

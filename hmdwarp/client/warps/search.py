@@ -71,11 +71,8 @@ class Search(GatherWarp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        The rendered depth once for the pyramid; per shown pixel one colour, one depth and the
-        result.
-        """
+        # The rendered depth once for the pyramid; per shown pixel one colour, one depth and the
+        # result.
         return rendered_pixels * DEPTH_BYTES + shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:

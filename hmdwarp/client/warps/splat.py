@@ -72,11 +72,8 @@ class Splat(ScatterWarp):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory.
-
-        Each rendered pixel's depth twice and colour once; the shown keys raised (read, written),
-        read and emptied; the result written.
-        """
+        # Each rendered pixel's depth twice and colour once; the shown keys raised (read, written),
+        # read and emptied; the result written.
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
 
     def close(self) -> None:

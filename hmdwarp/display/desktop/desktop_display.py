@@ -47,14 +47,14 @@ class DesktopDisplay:
             self._closers = closers.pop_all()
 
     def _open(self, options: DisplayOptions, closers: ExitStack) -> None:
+        glfw = start()  # before the modules that import glfw: it chooses the library of X11 or Wayland
         from ..present import Presenter
         from .keys import Keys
-        from .overlay import Overlay
+        from .painter import Painter
         from .screen_monitor import ScreenMonitor
         from .status_views import NO_PANEL, StatusViews
         from .window_commands import WindowCommands
 
-        glfw = start()
         has_panel = options.control_panel and any(one.name == "panel" and one.of_display for one in options.controls)
         self._window = Window(
             glfw,
@@ -70,16 +70,16 @@ class DesktopDisplay:
         presenter = Presenter(self.gpu)
         closers.callback(presenter.close)
         keys = Keys(options.controls)
-        self._overlay = Overlay(self.gpu, presenter, self.now_ns, keys.controls, keys.help_text)
+        self._painter = Painter(self.gpu, presenter, self.now_ns, keys.controls, keys.help_text)
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
         self._status = StatusViews(self._window, options.controls)
         walker = Walker(self.now_ns())
         self._commands = WindowCommands(
-            keys, self._window, walker, self._overlay, self._pacer, self._status, self.now_ns
+            keys, self._window, walker, self._painter, self._pacer, self._status, self.now_ns
         )
         self.source: PoseSource = self._source(options, walker)
         if has_panel and not self._commands.open_panel():
-            self._overlay.say(f"H shows the keys\n{NO_PANEL}")
+            self._painter.say(f"H shows the keys\n{NO_PANEL}")
         closers.callback(self._status.close)
         self._screens = ScreenMonitor(glfw, self._window, self._pacer)
         self._begun_ns = 0
@@ -151,7 +151,7 @@ class DesktopDisplay:
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw the eyes' pictures, the text over them and the control panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
-        self._overlay.draw(canvases, self._views.current, self._window.framebuffer_size, self._status.column, label)
+        self._painter.draw(canvases, self._views.current, self._window.framebuffer_size, self._status.column, label)
         self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
         self._commands.pending += self._status.draw_panel()
         handed_over_ns = self.now_ns()
@@ -162,7 +162,7 @@ class DesktopDisplay:
 
     def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
         """Return the text panel's (u, v) at a position in the window's own units."""
-        return self._overlay.uv_at(*self._window.pixel_of(x, y))
+        return self._painter.uv_at(*self._window.pixel_of(x, y))
 
     def commands(self) -> Sequence[Command]:
         """Return the requests that change the run; the window has handled its own."""
@@ -170,7 +170,7 @@ class DesktopDisplay:
 
     def tell(self, status: Status) -> None:
         """Show a Status in the title line and the control panel."""
-        self._status.update(status, shows_help=self._overlay.help)
+        self._status.update(status, shows_help=self._painter.help)
 
     def reopen(self) -> bool:
         """Return False: a window is closed, never lost."""

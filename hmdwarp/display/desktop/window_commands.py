@@ -8,8 +8,8 @@ from ...poses.desktop import Walker
 from .. import Command
 from .input import WindowInput
 from .keys import Keys
-from .overlay import Overlay
 from .pacing import Pacer
+from .painter import Painter
 from .status_views import NO_PANEL, StatusViews
 from .window import Window
 
@@ -22,12 +22,12 @@ class WindowCommands:
         keys: Keys,
         window: Window,
         walker: Walker,
-        overlay: Overlay,
+        painter: Painter,
         pacer: Pacer,
         views: StatusViews,
         now_ns: Callable[[], int],
     ) -> None:
-        self._window, self._walker, self._overlay, self._pacer = window, walker, overlay, pacer
+        self._window, self._walker, self._painter, self._pacer = window, walker, painter, pacer
         self._views, self._now_ns = views, now_ns
         self.input = WindowInput(window.handle, walker, now_ns, keys)
         self.pending: list[Command] = []  # for the run, oldest first
@@ -86,10 +86,10 @@ class WindowCommands:
         if panel is not None:
             panel.on = not panel.on if value is None else bool(value)
         elif not self.open_panel():
-            self._overlay.say(NO_PANEL)
+            self._painter.say(NO_PANEL)
 
     def _help(self, value: object) -> None:
-        self._overlay.help = not self._overlay.help if value is None else bool(value)
+        self._painter.help = not self._painter.help if value is None else bool(value)
 
     def _quit(self, _: object) -> None:
         self._window.end()

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .diagnosis import APT, LOST, RUNTIME_LABEL, STAGES, diagnose, lacks, manifest, manifest_in_words
+from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
     from .head import OpenXrHead
     from .openxr_display import OpenXrDisplay
 
 __all__ = [
-    "APT",
+    "INSTALL",
     "LOST",
     "RUNTIME_LABEL",
     "STAGES",
     "OpenXrDisplay",
     "OpenXrHead",
     "diagnose",
-    "lacks",
     "manifest",
-    "manifest_in_words",
+    "manifest_text",
+    "missing_extensions",
 ]
 
 

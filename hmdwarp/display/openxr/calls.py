@@ -16,7 +16,7 @@ from xr import raw_functions
 
 from ...errors import HmdwarpError, MachineError
 from .. import Lost
-from .diagnosis import LOST, diagnose, manifest_in_words
+from .diagnosis import LOST, diagnose, manifest_text
 
 # What only a caller who does not keep to the specification gets.
 _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "TimeInvalid", "ValidationFailure")
@@ -78,7 +78,7 @@ class Calls:
                 f"{call}: {name}{f' ({message})' if message else ''}, which no call of ours should get from {self.name}"
             )
         detail = f"{call}{f', {message}' if message else ''}"
-        words, remedy = diagnose(self.stage, name, detail, self.name, manifest_in_words(os.environ))
+        words, remedy = diagnose(self.stage, name, detail, self.name, manifest_text(os.environ))
         lost = self.stage == "running" and name in LOST
         return Lost(words) if lost else MachineError(f"{words}: {remedy}")
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 RUNTIME_LABEL = "the OpenXR runtime"  # what corrects the lens and takes depth, for a plan
-APT = "Debian, Ubuntu: sudo apt-get install"
-A_BINDING = f"{APT} libgl1, and pip install pyopenxr"
+INSTALL = "Debian, Ubuntu: sudo apt-get install"
+A_BINDING = f"{INSTALL} libgl1, and pip install pyopenxr"
 A_RUNTIME = (
     "start the runtime that came with the headset and make it the active one there, "
     "or name its .json file in XR_RUNTIME_JSON"
@@ -68,7 +68,7 @@ def diagnose(
 
     stage: one of STAGES. error: the name of pyopenxr's exception, "died" for a process that never
     came back, or of whatever was raised while the binding loaded. message: what the error said.
-    name: the runtime's, where known. active: which runtime the loader takes (manifest_in_words).
+    name: the runtime's, where known. active: which runtime the loader takes (manifest_text).
     """
     words = _one_line(message)
     if stage == "binding":
@@ -84,7 +84,7 @@ def diagnose(
     return known.format(name=name, error=error, active=active, why=why, step=_STEPS[stage]), remedy
 
 
-def lacks(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
+def missing_extensions(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
     """Return what the runtime lacks for live pictures, or for the head alone, and what to do.
 
     ("", "") if nothing.
@@ -111,7 +111,7 @@ def manifest(environ: Mapping[str, str]) -> Path | None:
     return next((path for path in candidates if path.is_file()), None)
 
 
-def manifest_in_words(environ: Mapping[str, str]) -> str:
+def manifest_text(environ: Mapping[str, str]) -> str:
     """Return which manifest is active and what is wrong with it, in a few words."""
     path = manifest(environ)
     if path is None:

@@ -13,7 +13,7 @@ import xr
 from ...errors import MachineError
 from ...version import __version__
 from .calls import Calls
-from .diagnosis import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, lacks
+from .diagnosis import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, missing_extensions
 
 DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
 FLOOR_EXTENSION = "XR_EXT_local_floor"
@@ -67,7 +67,7 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     Errors: MachineError that says what is missing.
     """
     offered = offered_extensions(calls)
-    words, remedy = lacks(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
+    words, remedy = missing_extensions(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
     if words:
         raise MachineError(f"{words}: {remedy}")
     on = [name for name in wanted if name in offered]

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .. import Closed, Command, Label
+from .. import Closed, Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.keys import Keys, label
 from ..desktop.opening import start
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..present import Presenter
 
 SIZE = (480, 480)
+TITLE_NS = 250_000_000
 PERIOD_NS = 30_000_000  # the headset has the machine; the window is content with every second or third picture
 # What its keys do here. A runtime recentres the head and corrects the lens itself, and has one view
 # alone.
@@ -40,7 +41,7 @@ class Mirror:
         self.gl = self._window.gl
         self._screen = self.gl.detect_framebuffer(0)
         self._commands: list[Command] = []
-        self._drawn_ns = 0
+        self._drawn_ns = self._titled_ns = 0
         self._help = False
         glfw.set_key_callback(self._window.handle, self._key)
 
@@ -73,9 +74,12 @@ class Mirror:
         commands, self._commands = self._commands, []
         return commands
 
-    def title(self, text: str) -> None:
-        """Set the window's title."""
-        self._window.title(text)
+    def tell(self, status: Status) -> None:
+        """Show the status in the window's title, four times a second."""
+        now_ns = time.monotonic_ns()
+        if now_ns - self._titled_ns >= TITLE_NS:
+            self._titled_ns = now_ns
+            self._window.title(status.title())
 
     def show(self, presenter: Presenter, panel: Canvas | None, label: Label) -> None:
         """Show the left eye's picture as large as it fits, with label or help.

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from .mirror import Mirror
 
 LOST = "tracking lost"
-TITLE_NS = 250_000_000
 
 
 @attrs.frozen(eq=False)
@@ -58,6 +57,7 @@ class OpenXrDisplay:
     missing.
     """
 
+    # Thirteen attributes, seven of them members of Display.
     name = "openxr"
     headset = None  # the runtime knows its lens, and corrects it
     distorts = RUNTIME_LABEL
@@ -67,7 +67,6 @@ class OpenXrDisplay:
         self.eyes, self.source = RuntimeEyes(), HeadTracker()
         self._drawing: Drawing | None = None  # None before the first connection and after close()
         self._connection: Connection | None = None  # None while the runtime is away, too
-        self._titled_ns = 0
         try:
             self._open()
         except BaseException:
@@ -199,11 +198,9 @@ class OpenXrDisplay:
         return [*(mirror.commands() if mirror is not None else ()), *by_controllers]
 
     def tell(self, status: Status) -> None:
-        """Show the status in the window's title, four times a second."""
-        now_ns = time.monotonic_ns()
-        if self._mirror is not None and now_ns - self._titled_ns >= TITLE_NS:
-            self._titled_ns = now_ns
-            self._mirror.title(status.title())
+        """Show the status in the mirror's title."""
+        if self._mirror is not None:
+            self._mirror.tell(status)
 
     def reopen(self) -> bool:
         """Release the old session and try again, as Display.reopen.

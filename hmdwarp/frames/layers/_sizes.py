@@ -17,6 +17,5 @@ class EyeSizes:
     rendered: Size
     # The shown picture.
     shown: Size
-    # The shown fields of view, one for each eye: some layers are as large as the field of view asks
-    # for.
+    # The shown fields of view, one for each eye; the size of some layers follows from them.
     fovs: tuple[Fov, ...] = ()

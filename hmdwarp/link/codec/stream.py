@@ -54,7 +54,7 @@ class ColourEncoder:
         context.pix_fmt = "yuv420p"
         rate = max(Fraction(rate_hz).limit_denominator(1001), Fraction(1, 1001))
         context.framerate, context.time_base = rate, 1 / rate
-        context.gop_size = 2**30  # key frames come when asked for
+        context.gop_size = 2**30  # key frames come on request
         context.max_b_frames = 0
         context.thread_count = codec.threads
         context.color_range, context.color_trc = _LIMITED, _SRGB

@@ -9,7 +9,8 @@ from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
-from ..metric import Input, Metric, metrics
+from ..inputs import Input
+from ..metric import Metric, metrics
 
 
 def border_share(

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metric import Input, Metric, metrics
+from ..inputs import Input
+from ..metric import Metric, metrics
 
 
 def hole_share(coverage: NDArray) -> float:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..metric import Metric, metrics
-from ..pictures import check_pair
-
-PSNR_CAP_DB = 100.0  # JSON has no infinity; one grey level in one byte of a 640x400 picture would be 107 dB
+from ..pictures import check_pair, db_of
 
 
 def psnr_db(shown: NDArray, truth: NDArray) -> float:
@@ -27,11 +23,6 @@ def psnr_db(shown: NDArray, truth: NDArray) -> float:
     else:
         mean_square = float(np.mean((shown.astype(np.float64) - truth) ** 2))
     return db_of(mean_square)
-
-
-def db_of(mean_square: float) -> float:
-    """Return a mean squared error, 0..1, in dB, at most 100 dB."""
-    return min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB
 
 
 metrics.register(

@@ -1,7 +1,10 @@
-"""Trace formats: one file each, found by looking at what a file holds."""
+"""Trace formats: one file each, recognised by what a file holds."""
 
 from __future__ import annotations
 
 from ...registry import Registry
+from ._base import TraceFormat, ordered
 
-formats: Registry = Registry("trace format", __name__)
+formats: Registry[TraceFormat] = Registry("trace format", __name__)
+
+__all__ = ["TraceFormat", "formats", "ordered"]

@@ -5,6 +5,8 @@ from .claims import load_claims as load_claims
 from .comparisons import Resampling as Resampling
 from .comparisons import compared as compared
 from .comparisons import families_for as families_for
+from .full_analysis import analyse as analyse
+from .full_analysis import write_analysis as write_analysis
 from .order_models import order_effects as order_effects
 from .ratings import Rating as Rating
 from .ratings import Ratings as Ratings
@@ -12,8 +14,6 @@ from .ratings import ScaleInfo as ScaleInfo
 from .ratings import SessionSummary as SessionSummary
 from .ratings import SurveyAnswer as SurveyAnswer
 from .ratings import Table as Table
-from .results import analyse as analyse
-from .results import write_analysis as write_analysis
 from .shared_rows import copied_rows as copied_rows
 from .sources import claims_for as claims_for
 from .sources import ratings_from as ratings_from

@@ -1,3 +1,4 @@
+from ._base import KINDS as KINDS
 from ._base import Console as Console
 from ._base import ConsoleState as ConsoleState
 from ._base import NoConsole as NoConsole
@@ -16,6 +17,5 @@ from .screen_text import end_of as end_of
 from .screen_text import gauge as gauge
 from .screen_text import plain as plain
 from .screen_text import scale_line as scale_line
-from .terminal_console import KINDS as KINDS
 from .terminal_console import TerminalConsole as TerminalConsole
 from .terminal_console import make_console as make_console

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 import attrs
 
-from ...display import Command
+if TYPE_CHECKING:
+    from ...display import Command
+
+KINDS = (AUTO, TERMINAL, LINES, NONE) = ("auto", "terminal", "lines", "none")
 
 
 @attrs.frozen

@@ -23,13 +23,12 @@ from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
-from ._base import Console, ConsoleState, NoConsole
+from ._base import AUTO, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
 from .console_commands import Subject, is_bound, subject_of
 from .line_console import LineConsole
 from .message_socket import LONGEST_LINE, MessageSocket, PeerGone
 from .output_capture import OutputCapture
 
-KINDS = (AUTO, TERMINAL, LINES, NONE) = ("auto", "terminal", "lines", "none")
 LEAVING_S = 3.0  # for the console to restore the terminal
 # Signals of the session's program alone; the console ends when that program does.
 BLOCKED = {signal.SIGINT, signal.SIGTERM, signal.SIGTTOU}

@@ -1,4 +1,11 @@
 from .as_json import design_as_json as design_as_json
+from .condition_settings import DISPLAY as DISPLAY
+from .condition_settings import FILES as FILES
+from .condition_settings import KINDS as KINDS
+from .condition_settings import SettingFault as SettingFault
+from .condition_settings import check_settings as check_settings
+from .condition_settings import live_options as live_options
+from .condition_settings import resolve_paths as resolve_paths
 from .definitions import BLIND as BLIND
 from .definitions import BOTH as BOTH
 from .definitions import FIXED as FIXED
@@ -32,13 +39,6 @@ from .read import SHIPPED as SHIPPED
 from .read import design_from_text as design_from_text
 from .read import load_design as load_design
 from .read import study_names as study_names
-from .settings import DISPLAY as DISPLAY
-from .settings import FILES as FILES
-from .settings import KINDS as KINDS
-from .settings import SettingFault as SettingFault
-from .settings import at as at
-from .settings import check_settings as check_settings
-from .settings import live_options as live_options
 from .steps import Ask as Ask
 from .steps import Pause as Pause
 from .steps import Read as Read

@@ -10,8 +10,8 @@ from ...errors import InputError
 from ...registry import unknown_name
 from ...scenes import Scene
 from ...tables import KeyFault, Table, quoted
+from .condition_settings import DISPLAY, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part
-from .settings import DISPLAY, SettingFault, at, check_settings, live_options
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "wanted a name of letters, digits, and . _ + - after the first, 64 at most"
@@ -60,7 +60,7 @@ class Checker:
 
     def _placed(self, table: Table, settings: Mapping[str, object], who: str) -> dict[str, object]:
         try:
-            return at(self._folder, settings)
+            return resolve_paths(self._folder, settings)
         except SettingFault as error:
             raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
 

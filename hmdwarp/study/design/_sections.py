@@ -11,8 +11,8 @@ from ...errors import InputError
 from ...tables import Table, quoted, text_of
 from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
+from .condition_settings import PICTURE
 from .definitions import Breaks, Condition, Consent, Sickness
-from .settings import PICTURE
 
 PRACTICE = "practice"
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from ...display.controls import Control, control
+from ...display import Control, control
 
 _KEYPAD = {str(digit): (f"KP {digit}",) for digit in range(10)}
 _DIGITS = tuple(Control("digit", key, "", "action", also=also, value=key) for key, also in _KEYPAD.items())

@@ -21,10 +21,10 @@ from ...version import __version__
 from ..design import Design
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
-from .columns import COLUMNS, Column, columns_for, label_of
+from .export_rows import Row, all_scales
 from .formats import tsv_text
-from .motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
-from .rows import Row, all_scales
+from .head_motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
+from .table_columns import COLUMNS, Column, columns_for, label_of
 
 VERSION = "1.9.0"
 FOLDER = "bids"
@@ -61,7 +61,7 @@ def write_bids(
 ) -> MotionFiles:
     """Write the data set.
 
-    contents: of one origin. rows: all answers (rows.answer_rows and the scores) of all sessions.
+    contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
     """
     tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design))
     tree.head(readme)

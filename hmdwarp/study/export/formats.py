@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from ...version import __version__
 from ..extra import import_extra
-from .columns import FLAG, INTEGER, MISSING, NUMBER, Column
+from .table_columns import FLAG, INTEGER, MISSING, NUMBER, Column
 
 
 def field_text(value: Any) -> str:

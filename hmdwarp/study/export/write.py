@@ -15,9 +15,9 @@ from ..extra import INSTALL
 from ..scales import QUESTIONNAIRE, RATING, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
-from .columns import Column, columns_for
+from .export_rows import Row, all_scales, answer_rows, of_origin, revision_rows, score_rows
 from .formats import csv_text, has_parquet, tsv_text, write_parquet
-from .rows import Row, all_scales, answer_rows, of_origin, revision_rows, score_rows
+from .table_columns import Column, columns_for
 
 EXTRA = ("phase", "kind")
 REMARKS = (

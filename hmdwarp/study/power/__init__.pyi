@@ -1,5 +1,10 @@
 from .planned_effects import planned_model as planned_model
 from .planned_effects import with_effect as with_effect
+from .power_text import COLUMNS as COLUMNS
+from .power_text import name_of as name_of
+from .power_text import power_data as power_data
+from .power_text import power_rows as power_rows
+from .power_text import sentences as sentences
 from .proportions import Proportion as Proportion
 from .proportions import people_for as people_for
 from .proportions import proportion_of as proportion_of
@@ -8,8 +13,3 @@ from .simulation import PowerAt as PowerAt
 from .simulation import differences as differences
 from .simulation import power_of as power_of
 from .simulation import significant as significant
-from .summary import COLUMNS as COLUMNS
-from .summary import name_of as name_of
-from .summary import power_data as power_data
-from .summary import power_rows as power_rows
-from .summary import sentences as sentences

@@ -1,7 +1,7 @@
-from .results import LEAST_PEOPLE as LEAST_PEOPLE
-from .results import MEASURES as MEASURES
-from .results import MeasureResult as MeasureResult
-from .results import Prediction as Prediction
-from .results import predict as predict
-from .summary import prediction_data as prediction_data
-from .summary import sentences as sentences
+from .measure_results import LEAST_PEOPLE as LEAST_PEOPLE
+from .measure_results import MEASURES as MEASURES
+from .measure_results import MeasureResult as MeasureResult
+from .measure_results import Prediction as Prediction
+from .measure_results import predict as predict
+from .prediction_text import prediction_data as prediction_data
+from .prediction_text import sentences as sentences

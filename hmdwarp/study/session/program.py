@@ -187,6 +187,6 @@ class _Program:
 
 @attrs.frozen
 class _NoPipeline:
-    """Stands for the driver's stage where nothing is drawn."""
+    """Stand-in for the driver's pipeline host where nothing is drawn."""
 
     options: LiveOptions

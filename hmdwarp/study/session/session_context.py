@@ -8,8 +8,7 @@ from typing import Any
 
 import attrs
 
-from ...display import Command, Display
-from ...display.status import Status
+from ...display import Command, Display, Status
 from ...geometry import Pose
 from ...poses import Origin, PoseSample
 from ..console import Console, ConsoleState

@@ -8,33 +8,40 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
+from ...options import Declared, one_of, option
 from ...run.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
 from ..console import KINDS as CONSOLES
 from ..store import PERSON, PILOT, SIMULATED
 
 
 @attrs.frozen(kw_only=True)
-class SessionOptions:
-    """Options of `hmdwarp study run`. Errors: InputError for options that contradict each other."""
+class SessionOptions(Declared):
+    """A session. Errors: InputError for options that contradict each other."""
 
-    study: str  # a file, or the name of a shipped study
-    participant: str  # a code, or "new"
-    part: str | None = None  # of the plan; None where it has but one
-    resume: bool = False  # continue an interrupted session
-    new_session: bool = False  # a further session of a known participant
-    pilot: bool = False  # a rehearsal, kept apart from people
-    simulate: str | None = None  # response model that answers in place of a person
-    source: str = AUTO_SOURCE  # as in LiveOptions
-    trace: str = ""  # as in LiveOptions
-    # Folder of the data; None for the study's own.
-    store: Path | None = attrs.field(default=None, converter=attrs.converters.optional(Path))
-    console: str = "auto"  # one of console.KINDS
+    study: str = option(attrs.NOTHING, "Study: a .toml file, or the name of a shipped one.", positional=True)
+    participant: str = option(attrs.NOTHING, "Participant's code, never a name; new draws one.")
+    part: str | None = option(None, "Part of the plan, where it has several.")
+    resume: bool = option(False, "Continue an interrupted session at its first undone step.")
+    new_session: bool = option(False, "Begin a further session of a known participant.")
+    pilot: bool = option(False, "Rehearse: keep the session apart from people.")
+    simulate: str | None = option(None, "Response model (.toml) that answers in place of a person.")
+    source: str = option(
+        AUTO_SOURCE, "openxr, desktop, offscreen (no display), or auto: headset, else window.", valid=one_of(*SOURCES)
+    )
+    trace: str = option("", "Recorded head that leads the window or the offscreen display.")
+    store: Path | None = option(
+        None,
+        "Folder for the data; by default STUDY-data beside the file.",
+        kind=Path,
+        convert=attrs.converters.optional(Path),
+    )
+    console: str = option(
+        "auto",
+        "Experimenter's console: terminal, lines, none; auto: terminal if possible.",
+        valid=one_of(*CONSOLES),
+    )
 
     def __attrs_post_init__(self) -> None:
-        if self.source not in SOURCES:
-            raise InputError(f"--source {self.source}: wanted {', '.join(SOURCES)}")
-        if self.console not in CONSOLES:
-            raise InputError(f"--console {self.console}: wanted {', '.join(CONSOLES)}")
         if self.resume and self.new_session:
             raise InputError("--resume continues a session, --new-session begins another: leave one of the two out")
         if self.resume and self.participant.lower() == "new":

@@ -153,14 +153,14 @@ class TrialRunner:
             with ExitStack() as stack:
                 stack.enter_context(log)
                 recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
-                stage = self._stage(step)
-                stack.callback(stage.close)
+                host = self._pipeline(step)
+                stack.callback(host.close)
                 stack.callback(log.leave)
                 recorder.begin(context.display.about, context.display.rate_hz)
-                log.begin(context.display, stage)
+                log.begin(context.display, host)
                 handler = TrialHandler(context, step, panel_ns, log, self.wait_s)
                 log.status.heading = context.title(step)
-                Driver(context.display, stage, self.ending, context.say).run(handler, log, recorder)
+                Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt
         except BaseException:
             with suppress(Exception):  # the first error is the one to report
@@ -170,7 +170,7 @@ class TrialRunner:
             self.recording = None
         return self._end(showing, log, complete), handler
 
-    def _stage(self, step: Show) -> PipelineHost:
+    def _pipeline(self, step: Show) -> PipelineHost:
         """Build a new pipeline, even for the same settings: it must remember nothing."""
         options = self.options_of(step)
         return PipelineHost(self.context.display, options, self.scenes[options.scene])

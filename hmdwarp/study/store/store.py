@@ -23,11 +23,11 @@ from ..design import Ask, Design, Show
 from . import admission, queries
 from ._json import clean, to_json
 from .clock import Clock, MachineClock
-from .connection import Connection
 from .erasing import erase, known
 from .faults import translated
 from .folders import check_place, sync_trace, trace_name
 from .records import RUNNING, STATUSES, Answer, Contents, Session, Showing
+from .store_connection import Connection
 
 
 class _Undone(Exception):  # noqa: N818 (no error: rolls a transaction back)

@@ -1,4 +1,6 @@
-"""hmdwarp study analyse: what it writes and prints, the same every time, and what it says where it cannot."""
+"""hmdwarp study analyse: what it writes and prints, the same every time, and what it says where it
+cannot.
+"""
 
 from __future__ import annotations
 
@@ -54,9 +56,14 @@ def test_it_prints_what_it_found_in_80_columns(done):
 def test_it_writes_the_page_the_numbers_and_the_tables(done):
     _, out = done
     assert sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()) == [
-        "analysis.json", "report.html", "tables/comparisons.csv", "tables/conditions.csv", "tables/differences.csv", "tables/missing.csv",
+        "analysis.json",
+        "report.html",
+        "tables/comparisons.csv",
+        "tables/conditions.csv",
+        "tables/differences.csv",
+        "tables/missing.csv",
         "tables/ratings.csv",
-    ]  # fmt: skip
+    ]
     data = json.loads((out / "analysis.json").read_text())
     with (out / "tables" / "comparisons.csv").open() as file:
         rows = list(csv.DictReader(file))

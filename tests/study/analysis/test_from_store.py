@@ -1,4 +1,6 @@
-"""From a real store: places, conditions before, reasons for what is missing, who counts with whom; and the same by way of the export."""
+"""From a real store: places, conditions before, reasons for what is missing, who counts with whom;
+and the same by way of the export.
+"""
 
 from __future__ import annotations
 
@@ -78,8 +80,14 @@ def sit(store, design, code, origin=PERSON, until=99, seed=0, status="complete",
                 session, step, None if (seed, condition) == (2, "late") else grade, 1.0, "participant", showing
             )
         elif isinstance(step, Ask):
-            store.answer(session, step, float(step.trial if step.scale.name == "fms" else step.phase == "after"), 1.0, "participant",
-                         showing if step.about else None)  # fmt: skip
+            store.answer(
+                session,
+                step,
+                float(step.trial if step.scale.name == "fms" else step.phase == "after"),
+                1.0,
+                "participant",
+                showing if step.about else None,
+            )
     return store.end(session, status)
 
 
@@ -91,7 +99,9 @@ def design():
 
 @pytest.fixture(scope="module")
 def contents(tmp_path_factory, design):
-    """Nine people: one could not say once, one stopped, one got sick; and a pilot, in another place."""
+    """Nine people: one could not say once, one stopped, one got sick; and a pilot, in another
+    place.
+    """
     with Store(tmp_path_factory.mktemp("study") / "data", create=True) as store:
         for seed in range(7):
             sit(store, design, f"p{seed}", seed=seed, reference=5.5 if seed == 4 else 1.5)
@@ -120,8 +130,12 @@ def test_what_is_missing_says_why(contents, design):
     data = analyse(from_contents(contents, design))
     (scale,) = data["scales"]
     reasons = sorted(one["why"] for one in scale["missing"])
-    assert reasons == ["the participant could not say", "the session was stopped before", "the session was stopped before",
-                       "the stop rule for sickness ended the session before"]  # fmt: skip
+    assert reasons == [
+        "the participant could not say",
+        "the session was stopped before",
+        "the session was stopped before",
+        "the stop rule for sickness ended the session before",
+    ]
     assert data["sittings"]["counts"] == {"complete": 7, "sick": 1, "stopped": 1}
     assert {(one["status"], one["rated"], one["of"]) for one in data["sittings"]["cut"]} == {
         ("stopped", 1, 3),
@@ -146,7 +160,9 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
 
 
 def test_programs_are_taken_only_where_they_are_asked_for(contents, design, tmp_path):
-    """Nobody reads numbers made up by a program for those of people: analysis and export refuse in the same words."""
+    """Nobody reads numbers made up by a program for those of people: analysis and export refuse in
+    the same words.
+    """
     programs = attrs.evolve(contents, sessions=tuple(attrs.evolve(one, origin=SIMULATED) for one in contents.sessions))
     told = "no session of a person to {}: it holds simulated ones: use --simulated"
     with pytest.raises(InputError, match=told.format("analyse")):
@@ -170,7 +186,9 @@ def test_conditions_stand_in_the_order_of_the_plan(contents, design):
 
 
 def test_one_person_is_one_person(contents, design):
-    """In the words of the page too; and of one difference no interval is printed, neither of ratings nor of questionnaires."""
+    """In the words of the page too; and of one difference no interval is printed, neither of
+    ratings nor of questionnaires.
+    """
     sub = next(one.sub for one in contents.sessions if one.code == "p0")
     alone = attrs.evolve(contents, sessions=tuple(one for one in contents.sessions if one.sub == sub))
     data = analyse(from_contents(alone, design))
@@ -198,7 +216,9 @@ def test_who_misses_the_reference_is_named_and_kept(contents, design):
 
 
 def test_scales_of_ones_own_are_told_as_the_shipped_ones_are(tmp_path):
-    """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale of each trial."""
+    """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale
+    of each trial.
+    """
     for name in ("fms", "vrsq"):
         (tmp_path / f"my-{name}.toml").write_text((SCALES / f"{name}.toml").read_text())
     text = (

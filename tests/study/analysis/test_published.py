@@ -1,4 +1,6 @@
-"""The ratings the thesis published: every number of the table that a correct analysis gives, to its digits."""
+"""The ratings the thesis published: every number of the table that a correct analysis gives, to its
+digits.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,10 @@ from .tables import PUBLISHED
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
 
 SHARED = Path(__file__).resolve().parents[4] / "shared" / "study" / "thesis_ratings.csv"
-# Intervals are of all resamples; those published were of drawn ones, and had +2.02 at 800 ms in run 1.
-# part, ms, pairs, (+, 0, -), mean, what the thesis says, exact p, Holm over 3 and over 6, r, BCa 95 %, W+, W-
+# Intervals are of all resamples; those published were of drawn ones, and had +2.02 at 800 ms in run
+# 1.
+# part, ms, pairs, (+, 0, -), mean, what the thesis says, exact p, Holm over 3 and over 6, r, BCa 95
+# %, W+, W-
 TABLE = """
 run 1 | 200 | 12 | 6/1/5  | +0.300 | 0.4   | .226   | .226  | .677 | +0.42 | -0.16 .. +0.75 | 47/19
 run 1 | 400 | 11 | 9/0/2  | +1.295 | 1.35  | .0049  | .0098 | .024 | +0.91 | +0.70 .. +1.86 | 63/3

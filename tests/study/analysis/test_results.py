@@ -1,4 +1,6 @@
-"""What is said of made-up ratings whose truth is known: comparisons, order, doubles, claims, the reference, and the words for them."""
+"""What is said of made-up ratings whose truth is known: comparisons, order, doubles, claims, the
+reference, and the words for them.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,6 @@ from hmdwarp.study.design import Comparison, Family
 from .tables import GRADE, in_order, ratings_of
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
-pytestmark = pytest.mark.usefixtures("quick_corrections")
 
 ACR = ScaleInfo("acr", "Quality", low_is_good=False, least=1, most=5)
 PAIR = (Family("one", (Comparison("", "late", "warped"),)),)
@@ -46,7 +47,9 @@ def test_a_shown_difference_is_said_plainly():
 
 @pytest.mark.parametrize(("late", "warped", "way"), [(5, 4, "better"), (4, 5, "worse")])
 def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way):
-    """Seven pairs one way, nineteen alike: p = 2/2^7, though the shift, which counts the nineteen, is 0."""
+    """Seven pairs one way, nineteen alike: p = 2/2^7, though the shift, which counts the nineteen,
+    is 0.
+    """
     row = first(ratings_of({"late": [late] * 7 + [4] * 19, "warped": [warped] * 7 + [4] * 19}))
     assert row["shift"] == 0 and row["p"] == 2 / 2**7
     assert row["sentence"].endswith(f"'warped' was rated {way}.")
@@ -127,12 +130,14 @@ def test_whatever_people_answer_it_is_json_without_nan(a, b, c):
     json.dumps(analyse(ratings), allow_nan=False)
 
 
-# --- order ----------------------------------------------------------------------------------------------------------------
+# --- order ----------------------------------------------------------------------------------------
+# ------------------------
 
 
 def test_a_drift_is_found_with_its_size():
     found = order_effects(in_order(effect=0.2))
-    # 96 ratings, noise 0.3, places of variance 1.25: the slope's standard error is about 0.3 / sqrt(96 * 1.25) = 0.03.
+    # 96 ratings, noise 0.3, places of variance 1.25: the slope's standard error is about 0.3 /
+    # sqrt(96 * 1.25) = 0.03.
     assert found["place"]["p"] < 0.001 and found["place"]["slope"] == pytest.approx(0.2, abs=0.12)
     assert found["place"]["low"] <= 0.2 <= found["place"]["high"]
 
@@ -164,12 +169,15 @@ def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
     table = anova_lm(ols("y ~ C(who) + C(what) + place + C(before)", frame).fit(), typ=2)
     found = order_effects(rows)
     assert found["place"]["f"] == pytest.approx(table.loc["place", "F"], rel=1e-9)
-    # What came before the first trial is nothing, which the place tells too: of five levels the table counts four, as here.
+    # What came before the first trial is nothing, which the place tells too: of five levels the
+    # table counts four, as here.
     assert found["previous"]["f"] == pytest.approx(table.loc["C(before)", "F"], rel=1e-9)
 
 
 def test_what_came_before_is_no_slope_per_trial():
-    """One condition shown four times: before it was nothing, or itself. One column, but not of numbers."""
+    """One condition shown four times: before it was nothing, or itself. One column, but not of
+    numbers.
+    """
     rows = [row for k in range(6) for row in repeated(k)]
     found = order_effects(rows)
     assert "slope" in found["place"] and found["previous"]["df"] == 1 and "slope" not in found["previous"]
@@ -207,7 +215,8 @@ def test_one_order_for_all_cannot_be_told_from_the_conditions():
     assert "all participants saw them in the same order" in found["previous"]["why_not"]
 
 
-# --- doubles --------------------------------------------------------------------------------------------------------------
+# --- doubles --------------------------------------------------------------------------------------
+# ------------------------
 
 
 def two_parts(second: list[list[float]]) -> Ratings:
@@ -236,7 +245,8 @@ def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
     assert "no sign of copying" in of_copied(found) and "most likely" not in of_copied(found)
 
 
-# --- claims ---------------------------------------------------------------------------------------------------------------
+# --- claims ---------------------------------------------------------------------------------------
+# ------------------------
 
 
 def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):

@@ -105,7 +105,9 @@ def test_the_shipped_ones_are_sound(name):
 
 
 def test_the_thesis_is_the_thesis():
-    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades; a family of three comparisons for each run."""
+    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades; a family
+    of three comparisons for each run.
+    """
     design = load_design("thesis")
     assert [scale.name for scale in design.scales] == ["grade"]
     assert [part.name for part in design.parts] == ["run-1", "run-2"]
@@ -124,7 +126,8 @@ def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
     folder = tmp_path / "studies"
     folder.mkdir()
     (folder / "consent.txt").write_text("Read me.\n", encoding="utf-8")
-    scale = 'title = "Mine"\nkind = "rating"\nsource = "mine"\n[answer]\nleast = 0\nmost = 1\nstep = 1\nlow_is_good = true\n'
+    scale = 'title = "Mine"\nkind = "rating"\nsource = "mine"\n'
+    scale += "[answer]\nleast = 0\nmost = 1\nstep = 1\nlow_is_good = true\n"
     scale += '[answer.anchors]\n0 = "a"\n1 = "b"\n[[item]]\nkey = "mine"\ntext = "Well?"\n'
     (folder / "mine.toml").write_text(scale, encoding="utf-8")
     (folder / "delays.csv").write_text("delay_ms\n20\n30\n", encoding="utf-8")
@@ -146,12 +149,18 @@ def test_what_windows_writes_is_read(tmp_path):
     assert load_design(str(path)).text == WHOLE
 
 
-# --- what is wrong -----------------------------------------------------------------------------------------------------
+# --- what is wrong --------------------------------------------------------------------------------
+# ---------------------
 
 BROKEN = [
     # found, put, what is said, the line: of `put`, or of the text given
     ("schema = 1", "schema = 2", "schema is 2: wanted 1", None),
-    ("schema = 1\n", "", "the key schema is missing; thesis.toml ('hmdwarp study plan thesis' prints its path) has them all", 1),
+    (
+        "schema = 1\n",
+        "",
+        "the key schema is missing; thesis.toml ('hmdwarp study plan thesis' prints its path) has them all",
+        1,
+    ),
     ('name = "whole"', 'name = "a whole"', "name is 'a whole': wanted a name of letters, digits", None),
     ('name = "whole"', 'name = "../whole"', "name is '../whole': wanted a name", None),
     ("title = ", "titel = ", "the key title is missing: is titel meant to be title?", None),
@@ -165,16 +174,36 @@ BROKEN = [
     ("repeats = 2", "repeats = 0", "trial.repeats is 0: wanted a whole number", None),
     ("repeats = 2", "repeats = 400", "trial.repeats makes 3 x 400 trials: wanted 1000 at most", None),
     ('order = "williams"', 'order = "latin"', "trial.order is 'latin': wanted williams, random or fixed", None),
-    ('scales = ["grade", "acr"]', 'scales = ["grade", "grades"]', "unknown scale 'grades': did you mean 'grade'?", None),
+    (
+        'scales = ["grade", "acr"]',
+        'scales = ["grade", "grades"]',
+        "unknown scale 'grades': did you mean 'grade'?",
+        None,
+    ),
     ('scales = ["grade", "acr"]', 'scales = ["grade", "grade"]', "trial.scales has 'grade' twice", None),
     ('scales = ["grade", "acr"]', "scales = []", "trial.scales is empty: wanted one scale at least", None),
     ('scales = ["grade", "acr"]', 'scales = ["ssq"]', "trial.scales has 'ssq', a questionnaire of 16 items", None),
-    ('scales = ["grade", "acr"]', 'scales = ["grade", "fms"]', "trial.scales has 'fms', which is also that of [sickness]", None),
-    ('scales = ["grade", "acr"]', 'scales = ["misc"]', "trial.scales has no rating (misc): wanted one scale of kind rating", None),
+    (
+        'scales = ["grade", "acr"]',
+        'scales = ["grade", "fms"]',
+        "trial.scales has 'fms', which is also that of [sickness]",
+        None,
+    ),
+    (
+        'scales = ["grade", "acr"]',
+        'scales = ["misc"]',
+        "trial.scales has no rating (misc): wanted one scale of kind rating",
+        None,
+    ),
     ('scales = ["grade", "acr"]', 'scales = ["none.toml"]', "none.toml: No such file or directory", None),
     ("every = 6", "every = -1", "breaks.every is -1: wanted a whole number of at least 0", None),
     ("seconds = 30", "seconds = -30", "breaks.seconds is -30: wanted a number of at least 0", None),
-    ("seconds = 60\nlatency = 10", "seconds = 60\nlatency = -10", "practice: latency -10 ms: wanted a number", "latency = -10"),
+    (
+        "seconds = 60\nlatency = 10",
+        "seconds = 60\nlatency = -10",
+        "practice: latency -10 ms: wanted a number",
+        "latency = -10",
+    ),
     ("stop_at = 15", "stop_at = 21", "sickness.stop_at is 21: wanted a number of at least 0 and at most 20", None),
     ("stop_at = 15", "stop_at = 0", "sickness.stop_at is 0, the best answer of 'fms'", None),
     ("rise = 8", "rise = 0", "sickness.rise is 0: wanted a number above 0", None),
@@ -182,27 +211,57 @@ BROKEN = [
     ('scale = "fms"', 'scale = "slider"', "sickness.scale has 'slider', a rating", None),
     ("every = 1", "every = 0", "sickness.every is 0: wanted a whole number of at least 1", None),
     ('before = ["ssq"]', 'before = "ssq"', "questionnaires.before is 'ssq': wanted a list of texts", None),
-    ('before = ["ssq"]', 'before = ["sqs"]', "questionnaires.before has 'sqs': unknown scale 'sqs': did you mean 'ssq'?", None),
+    (
+        'before = ["ssq"]',
+        'before = ["sqs"]',
+        "questionnaires.before has 'sqs': unknown scale 'sqs': did you mean 'ssq'?",
+        None,
+    ),
     ('version = "1"', "version = 1", "consent.version is 1: wanted a text", None),
     ('text = "You may stop at any moment."', 'file = "absent.txt"', "absent.txt: No such file", None),
     ('text = "You may stop at any moment."', "", "consent wanted either text, or file", "[consent]"),
     ('name = "run-2"', 'name = "Run-1"', "part.name is 'Run-1' a second time", None),
     ('name = "run-2"', 'nmae = "run-2"', "the key part.name is missing: is nmae meant to be name?", None),
-    ('name = "warped-200"', 'name = "late-200"', "name is 'late-200' a second time", 'name = "late-200"\nlatency = 200\nwarp = "mesh"'),
-    ("latency = 200\nwarp", "latncy = 200\nwarp", "condition 'late-200': unknown setting 'latncy': did you mean latency?", "latncy"),
-    ("latency = 200\nwarp", 'latency = "200"\nwarp', "condition 'late-200': latency is '200': wanted a number", 'latency = "200"'),
+    (
+        'name = "warped-200"',
+        'name = "late-200"',
+        "name is 'late-200' a second time",
+        'name = "late-200"\nlatency = 200\nwarp = "mesh"',
+    ),
+    (
+        "latency = 200\nwarp",
+        "latncy = 200\nwarp",
+        "condition 'late-200': unknown setting 'latncy': did you mean latency?",
+        "latncy",
+    ),
+    (
+        "latency = 200\nwarp",
+        'latency = "200"\nwarp',
+        "condition 'late-200': latency is '200': wanted a number",
+        'latency = "200"',
+    ),
     ('warp = "mesh"', 'warp = "msh"', "condition 'warped-200': unknown warp 'msh': did you mean 'mesh'?", None),
     ('warp = "mesh"', 'warp = "mesh:cut=maybe"', "condition 'warped-200': warp 'mesh:cut=maybe': cut is 'maybe'", None),
     ('warp = "mesh"', 'effects = "foo"', "condition 'warped-200': unknown effect 'foo'", None),
     ('warp = "mesh"', 'warp = "auto"', "condition 'warped-200': warp 'auto' chooses what fits into a budget", None),
     ('warp = "mesh"', "fused = 1", "condition 'warped-200': fused is 1: wanted true or false", None),
     ('warp = "mesh"', 'size = "96x96"', "part.condition.size is the same for all conditions", None),
-    ('warp = "mesh"', 'full-screen = true', "part.condition.full-screen is the same for all conditions", None),
-    ('warp = "mesh"', "seconds = 3", "condition 'warped-200': seconds is no setting of a condition: how long", "seconds = 3\nguard"),
-    ('warp = "mesh"', 'link-seed = 1\nlink_seed = 1', "link_seed is given twice, with - and with _", "link_seed"),
+    ('warp = "mesh"', "full-screen = true", "part.condition.full-screen is the same for all conditions", None),
+    (
+        'warp = "mesh"',
+        "seconds = 3",
+        "condition 'warped-200': seconds is no setting of a condition: how long",
+        "seconds = 3\nguard",
+    ),
+    ('warp = "mesh"', "link-seed = 1\nlink_seed = 1", "link_seed comes twice, with - and with _", "link_seed"),
     ("guard = 1.2", "guard = 1000", "condition 'warped-200': guard 1000", None),
     ("guard = 1.2", 'guard = "auto"', "condition 'warped-200': guard auto looks at the whole trace first", None),
-    ("guard = 1.2", "guard = 1.2\nreference = true", "reference is true a second time in this part", "reference = true\n\n[[part]]"),
+    (
+        "guard = 1.2",
+        "guard = 1.2\nreference = true",
+        "reference is true a second time in this part",
+        "reference = true\n\n[[part]]",
+    ),
     ("loss = 0.02", "loss = 2", "condition 'a': loss '2': wanted a share of the frames", None),
     ("jitter = 'uniform:20'", "jitter = 'gauss:20'", "condition 'b': unknown delay model 'gauss", None),
     ("jitter = 'uniform:20'", "jitter = 'uniform:2000'", "condition 'b': ", None),
@@ -217,14 +276,24 @@ BROKEN = [
     ("[common]", "[common]\nlate = 1", "common: unknown setting 'late'", "late = 1"),
     ('part = "run-1"\npairs', 'part = "run-3"\npairs', "family.part is 'run-3': wanted run-1 or run-2", "run-3"),
     ('part = "run-1"\npairs', "pairs", "the key family.part is missing", "[[family]]"),
-    ('["late-200", "warped-200"],', '["late-200", "warped-20"],', "family.pairs has an unknown condition 'warped-20': did you mean", None),
+    (
+        '["late-200", "warped-200"],',
+        '["late-200", "warped-20"],',
+        "family.pairs has an unknown condition 'warped-20': did you mean",
+        None,
+    ),
     ('["late-200", "warped-200"],', '["late-200"],', "family.pairs has ['late-200']: wanted pairs of names", None),
     ('["late-200", "reference"],', '["late-200", "late-200"],', "a condition beside itself", None),
     ('["late-200", "reference"],', '["warped-200", "late-200"],', "the same pair a second time", None),
-    ('[[part.condition]]\nname = "late', '[part.condition]\nname = "late', "this is no TOML", '[[part.condition]]\nname = "warped'),
+    (
+        '[[part.condition]]\nname = "late',
+        '[part.condition]\nname = "late',
+        "this is no TOML",
+        '[[part.condition]]\nname = "warped',
+    ),
     ("[[family]]", "[[condition]]\nname = 'x'\n[[family]]", "condition beside [[part]]: wanted it within one", None),
     ("seed = 7", "seed = ", "this is no TOML: Invalid value (column 8)", None),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("found", "put", "says", "where"), BROKEN, ids=lambda value: str(value)[:40])
@@ -272,7 +341,8 @@ def test_files_that_are_none(tmp_path):
         load_design("a\0b.toml")
 
 
-# --- whatever there is -------------------------------------------------------------------------------------------------
+# --- whatever there is
+# -------------------------------------------------------------------------------------------------
 
 
 def is_read_or_refused(text: str) -> None:

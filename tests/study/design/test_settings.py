@@ -12,15 +12,15 @@ import pytest
 from hmdwarp.cli import live as live_command
 from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions
-from hmdwarp.study.design.settings import (
+from hmdwarp.study.design.condition_settings import (
     _NOT_SETTINGS,
     DISPLAY,
     KINDS,
     PICTURE,
     SettingFault,
-    at,
     check_settings,
     live_options,
+    resolve_paths,
 )
 
 
@@ -103,7 +103,7 @@ def test_what_the_run_says_comes_beside(tmp_path):
         ({"vsync": 1}, "vsync", "vsync is 1: wanted true or false"),
         ({"warp": 3}, "warp", "warp is 3: wanted a text"),
         ({"guard": True}, "guard", "guard is True: wanted a number or a text"),
-        ({"link-seed": 1, "link_seed": 1}, "link_seed", "link_seed is given twice"),
+        ({"link-seed": 1, "link_seed": 1}, "link_seed", "link_seed comes twice"),
     ],
 )
 def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
@@ -146,14 +146,14 @@ def test_a_scene_is_loaded_once():
 def test_files_are_found_from_the_study_file(tmp_path):
     settings = {"scene": "mine.glb", "headset": "mine.toml", "delay-trace": "d.csv", "bench": "/b.json", "warp": "mesh"}
     folder = tmp_path / "studies"
-    assert at(folder, settings) == {
+    assert resolve_paths(folder, settings) == {
         "scene": str(folder / "mine.glb"),
         "headset": str(folder / "mine.toml"),
         "delay_trace": str(folder / "d.csv"),
         "bench": "/b.json",
         "warp": "mesh",
     }
-    assert at(Path("beside"), {"scene": "mine.glb"}) == {
+    assert resolve_paths(Path("beside"), {"scene": "mine.glb"}) == {
         "scene": str(Path.cwd() / "beside" / "mine.glb")
     }  # wherever one works later
-    assert at(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}
+    assert resolve_paths(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}

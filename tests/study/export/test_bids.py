@@ -1,4 +1,6 @@
-"""The BIDS tree: names and contents by the rules of the specification, poses as they were recorded, no date anywhere."""
+"""The BIDS tree: names and contents by the rules of the specification, poses as they were recorded,
+no date anywhere.
+"""
 
 import csv
 import json
@@ -123,7 +125,8 @@ def test_rates_tell_how_uneven_samples_are(tmp_path):
     assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps)) and rates.effective_hz == pytest.approx(
         399e9 / steps.sum()
     )
-    # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from its middle, half of it on either side.
+    # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from
+    # its middle, half of it on either side.
     assert 0.02 < rates.uneven < 0.15
     even = track.evolve(time_ns=np.arange(400) * 11_111_111, max_gap_ns=10**9)
     assert Rates.of(even).uneven == 0 and "0.0%" in Rates.of(even).describe()

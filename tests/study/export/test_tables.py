@@ -1,4 +1,6 @@
-"""The tables: what they hold, that they read back as they were, and that no nasty value breaks them."""
+"""The tables: what they hold, that they read back as they were, and that no nasty value breaks
+them.
+"""
 
 import csv
 import io
@@ -168,7 +170,8 @@ def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store
             if session.status == "stopped" and phase == "after":
                 assert set(values.values()) | set(scores.values()) == {"n/a"}
                 continue
-            # VRSQ by its paper: items 1 to 4 are oculomotor (of 12), 5 to 9 disorientation (of 15), both in percent; total: their mean.
+            # VRSQ by its paper: items 1 to 4 are oculomotor (of 12), 5 to 9 disorientation (of 15),
+            # both in percent; total: their mean.
             given = [float(value) for value in values.values()]
             wanted = 100 * sum(given[:4]) / 12, 100 * sum(given[4:]) / 15
             assert [float(scores[one.name]) for one in vrsq.scores] == pytest.approx([*wanted, sum(wanted) / 2])

@@ -39,8 +39,17 @@ def test_what_is_left_is_as_without_them(store, design, tmp_path):
     after = bytes_of(export(store.contents(), design, tmp_path / "after").folder)
     assert set(after) == {name for name in before if gone.sub not in name}
     changed = {name for name in after if after[name] != before[name]}
-    assert changed <= {"README", "bids/README", "bids/participants.json", "bids/participants.tsv", "ratings.csv", "ratings.tsv",
-                       "ratings.parquet", "sickness.tsv", "questionnaires.tsv"}  # fmt: skip
+    assert changed <= {
+        "README",
+        "bids/README",
+        "bids/participants.json",
+        "bids/participants.tsv",
+        "ratings.csv",
+        "ratings.tsv",
+        "ratings.parquet",
+        "sickness.tsv",
+        "questionnaires.tsv",
+    }
     for name in ("ratings.csv", "ratings.tsv", "sickness.tsv", "questionnaires.tsv", "bids/participants.tsv"):
         assert after[name].splitlines() == [line for line in before[name].splitlines() if gone.sub.encode() not in line]
 

@@ -101,13 +101,13 @@ def test_a_session_answered_at_the_console_line_by_line(tmp_path):
 @pytest.mark.parametrize(
     ("words", "status", "told"),
     [
-        (("--source", "nowhere"), 2, "--source nowhere: wanted auto, openxr, desktop, offscreen"),
+        (("--source", "nowhere"), 2, "source 'nowhere': wanted auto or openxr or desktop or offscreen"),
         (("--source", "offscreen"), 2, "name a recorded one by --trace"),
         (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
         (("--source", "offscreen", "--trace", "walk", "--simulate", "quick"), 2, "no mean for plainly-late"),
         (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),
         (("--resume", "--new-session"), 2, "leave one of the two out"),
-        (("--console", "chair", "--pilot"), 2, "--console"),
+        (("--console", "chair", "--pilot"), 2, "console 'chair'"),
         (("--resume",), 2, "holds no data of a study"),
         (("--source", "openxr"), 3, "or take a window: --source desktop"),
     ],

@@ -234,7 +234,7 @@ def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatc
     own.write_text(was.replace("step = 0.25", "step = 1"), encoding="utf-8")
     ran = run(monkeypatch, gpu, path, resume=True)
     assert isinstance(ran.error, InputError)
-    assert "(scales): put it back" in str(ran.error)
+    assert "(scales): undo that" in str(ran.error)
     own.write_text(was, encoding="utf-8")
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
@@ -244,7 +244,7 @@ def test_what_is_refused_is_refused_before_a_display_is_opened(monkeypatch, gpu,
     assert run(monkeypatch, gpu, path).session.status == COMPLETE
     for options, told in [
         ({}, "--new-session begins another"),
-        ({"resume": True}, "no interrupted session to go on with"),
+        ({"resume": True}, "no interrupted session to resume"),
         ({"participant": "nobody", "resume": True}, "not known"),
         ({"participant": "Anna Meier"}, "must not be a name"),
         ({"part": "two"}, "--part two is not in"),

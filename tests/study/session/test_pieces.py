@@ -111,7 +111,7 @@ def test_what_nobody_measured_is_nothing_and_no_nan():
         ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
         ({"source": "offscreen", "pilot": True}, "--trace"),
         ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
-        ({"console": "chair"}, "wanted auto, terminal, lines, none"),
+        ({"console": "chair"}, "wanted auto or terminal or lines or none"),
     ],
 )
 def test_options_that_cannot_be_meant(options, told):

@@ -50,7 +50,8 @@ def test_ratings_in_steps_have_the_interval_of_all_resamples(differences):
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_drawn_resamples_come_within_two_steps_of_it(seed):
-    # 20,000 resamples place a 2.5 % quantile to within 0.0011 of its share (one standard error), less
+    # 20,000 resamples place a 2.5 % quantile to within 0.0011 of its share (one standard error),
+    # less
     # than the share of most steps of the mean: the end is the right one or one of two neighbours.
     unit = np.sqrt(2)  # on no grid
     found = bca(RATED * unit, seed)
@@ -63,7 +64,8 @@ def test_it_is_scipys_on_numbers_without_ties():
     expected = stats.bootstrap(
         (differences,), np.mean, n_resamples=20_000, method="BCa", rng=np.random.default_rng(5)
     ).confidence_interval
-    # The standard error of a 2.5 % quantile of 20,000 draws of a mean with deviation s is about 0.02 s; 5 of both together.
+    # The standard error of a 2.5 % quantile of 20,000 draws of a mean with deviation s is about
+    # 0.02 s; 5 of both together.
     error = differences.std() / np.sqrt(30) * 0.02 * np.sqrt(2) * 5
     assert bca(differences) == pytest.approx(tuple(expected), abs=error)
 

@@ -1,4 +1,6 @@
-"""The Hodges-Lehmann shift: the interval holds exactly the shifts that the exact test does not reject."""
+"""The Hodges-Lehmann shift: the interval holds exactly the shifts that the exact test does not
+reject.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ def test_the_interval_is_the_test_turned_round(n, level):
 
 
 def test_the_level_is_the_one_that_is_attained():
-    # Of six, the interval from the least to the largest difference misses where all signs agree: 2 of 64.
+    # Of six, the interval from the least to the largest difference misses where all signs agree: 2
+    # of 64.
     assert attained_level(6) == 1 - 2 / 64
     assert attained_level(5) == 1 - 2 / 32  # less than asked for: five cannot give 95 %
     assert all(0.95 <= attained_level(n) < 0.97 for n in range(6, 60) if n > 6) and attained_level(1) == 0.0
@@ -46,7 +49,9 @@ def test_it_moves_and_mirrors_with_the_data(differences, move):
 
 
 def test_it_covers_under_ties_at_least_as_often_as_it_says():
-    """Symmetric grades in quarter steps around 0.5; 2000 studies: three standard errors of 95 % are 1.5 %."""
+    """Symmetric grades in quarter steps around 0.5; 2000 studies: three standard errors of 95 % are
+    1.5 %.
+    """
     random = np.random.default_rng(4)
     steps = np.arange(-6, 7) / 4
     chance = np.exp(-(steps**2))

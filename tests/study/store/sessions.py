@@ -81,7 +81,10 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
 
 
 def go_through(store: Store, session: Session, value: float = 2.25, trace: str = "") -> None:
-    """Every step of it that is not done. trace: what is written as each head's recording, "" for none."""
+    """Every step of it that is not done.
+
+    trace: what is written as each head's recording, "" for none.
+    """
     showing: Showing | None = None
     for step in steps(session):
         if step.key in store.done(session):
@@ -120,7 +123,10 @@ class SetClock:
 
 
 def child(code: str, *words: object, before: tuple[str, ...] = (), **more) -> subprocess.Popen:
-    """Another program that runs `code`, with the names of this module, in the project's folder. before: what it is started by."""
+    """Another program that runs `code`, with the names of this module, in the project's folder.
+
+    before: what it is started by.
+    """
     head = "import sys, os, json\nfrom pathlib import Path\nfrom tests.study.store.sessions import *\n"
     command = [*before, sys.executable, "-c", head + code, *map(str, words)]
     return subprocess.Popen(command, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)

@@ -1,4 +1,6 @@
-"""Whatever is done to a store, in whatever order, it holds what a dictionary would: checked by hypothesis, reopened at any time."""
+"""Whatever is done to a store, in whatever order, it holds what a dictionary would: checked by
+hypothesis, reopened at any time.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,9 @@ class Told:
 
 
 class StoreByModel(RuleBasedStateMachine):
-    """Sessions of six people and pilots; the store is closed and opened, or its program dies, in between."""
+    """Sessions of six people and pilots; the store is closed and opened, or its program dies, in
+    between.
+    """
 
     running = Bundle("running")
 
@@ -135,7 +139,10 @@ class StoreByModel(RuleBasedStateMachine):
 
     @rule()
     def reopen(self):
-        """As a program that died: nothing was ended. The next that writes finds what still runs interrupted."""
+        """As a program that died: nothing was ended.
+
+        The next that writes finds what still runs interrupted.
+        """
         self.store.close()
         self.store = Store(self.folder / "data", create=True)
         if self.store.name:

@@ -1,4 +1,6 @@
-"""Full disks, folders that may not be written, damaged files, two at once, clocks set back: for real, and nothing confirmed is lost."""
+"""Full disks, folders that may not be written, damaged files, two at once, clocks set back: for
+real, and nothing confirmed is lost.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ from .sessions import SetClock, answered, asks, begun, child, whole
 
 @functools.cache
 def own_mounts() -> tuple[str, ...]:
-    """What a program with mounts of its own is started by: nothing of them is seen outside, and they go with it."""
+    """What a program with mounts of its own is started by: nothing of them is seen outside, and
+    they go with it.
+    """
     way = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-rm")
     trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
     if shutil.which("unshare") and not subprocess.run(trial, capture_output=True, check=False).returncode:
@@ -33,7 +37,9 @@ def own_mounts() -> tuple[str, ...]:
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
-    """A disk of 600 kB, filled by somebody else's file in the middle of a session; then that one goes away again."""
+    """A disk of 600 kB, filled by somebody else's file in the middle of a session; then that one
+    goes away again.
+    """
     code = """
 import subprocess, errno
 folder = Path(sys.argv[1])
@@ -96,7 +102,10 @@ subprocess.run(["mount", "--bind", folder, folder], check=True)
 subprocess.run(["mount", "-o", "remount,bind,ro", folder], check=True)
 out = []
 for act in (
-    lambda s: len(s.contents().answers), lambda s: begun(s, "P02").code, lambda s: s.resume("P01").code, lambda s: s.withdraw("P01")
+    lambda s: len(s.contents().answers),
+    lambda s: begun(s, "P02").code,
+    lambda s: s.resume("P01").code,
+    lambda s: s.withdraw("P01"),
 ):
     try:
         with Store(Path(folder) / "data", create=True) as store: out.append(act(store))
@@ -122,7 +131,9 @@ def test_a_place_for_nothing(tmp_path):
 
 
 def test_a_cut_off_session_on_a_read_only_disk_is_not_read_by_halves(tmp_path):
-    """What is in the log beside the file would be missed: a copy is asked for, and the copy has it all."""
+    """What is in the log beside the file would be missed: a copy is asked for, and the copy has it
+    all.
+    """
     code = """
 with Store(Path(sys.argv[1]) / "data", create=True) as store:
     session = begun(store)
@@ -138,7 +149,8 @@ with Store(Path(sys.argv[1]) / "data", create=True) as store:
         assert len(copy.contents().answers) == len(asks(copy.contents().sessions[0]))
 
 
-# --- files that are something else -----------------------------------------------------------------------------------------
+# --- files that are something else
+# -----------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -235,7 +247,8 @@ def test_a_program_that_died_while_it_made_the_store(tmp_path):
         begun(store)
 
 
-# --- two at once -----------------------------------------------------------------------------------------------------------
+# --- two at once ----------------------------------------------------------------------------------
+# -------------------------
 
 
 def test_two_programs_at_once(tmp_path):
@@ -243,7 +256,8 @@ def test_two_programs_at_once(tmp_path):
     code = """
 store = Store(Path(sys.argv[1]), create=True)
 begun(store)
-helper = subprocess.Popen(["sleep", "120"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+null = subprocess.DEVNULL
+helper = subprocess.Popen(["sleep", "120"], stdin=null, stdout=null, stderr=null)
 print(helper.pid, flush=True)
 sys.stdin.read()
 """
@@ -258,7 +272,8 @@ sys.stdin.read()
         ):
             with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError) as error:
                 act(store)
-            wanted = rf"a session of this study is running already \(since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+\)"
+            since = rf"since \d\d:\d\d on \d{{4}}-\d\d-\d\d, process {process.pid} on .+"
+            wanted = rf"a session of this study is running already \({since}\)"
             assert re.search(wanted, str(error.value))
         with Store(tmp_path / "data") as store:
             assert store.contents().sessions[0].status == "running"
@@ -303,7 +318,7 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
 
 
 def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.05)
+    monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.05)
     with Store(tmp_path / "data", create=True) as store:
         session = begun(store)
         other = sqlite3.connect(tmp_path / "data" / DATABASE, isolation_level=None)
@@ -314,7 +329,8 @@ def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, mon
         assert store.answer(session, asks(session)[0], 2, 1.0, "participant").revision == 1
 
 
-# --- time ------------------------------------------------------------------------------------------------------------------
+# --- time -----------------------------------------------------------------------------------------
+# -------------------------
 
 
 def test_a_clock_set_back_is_told_once_and_changes_no_order(tmp_path):
@@ -347,12 +363,15 @@ def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):
     assert not said
 
 
-# --- the disk itself -------------------------------------------------------------------------------------------------------
+# --- the disk itself ------------------------------------------------------------------------------
+# -------------------------
 
 
 @needs.programs("strace")
 def test_an_answer_is_synced_before_the_call_returns(tmp_path):
-    """Seen by what the program asks the system for: between any two lines it prints there is a sync of the log."""
+    """Seen by what the program asks the system for: between any two lines it prints there is a sync
+    of the log.
+    """
     trace = tmp_path / "calls"
     code = """
 store = Store(Path(sys.argv[1]), create=True)

@@ -27,7 +27,10 @@ def job(folder):
 
 
 def test_no_confirmed_answer_is_missing_or_doubled(tmp_path):
-    """Every third store is new: the making of one is killed as well. The log is taken over into the file (at 1000 pages) several times."""
+    """Every third store is new: the making of one is killed as well.
+
+    The log is taken over into the file (at 1000 pages) several times.
+    """
     chance = random.Random(3)
     confirmed: dict[int, list[tuple]] = {}
     with Killing(ANSWERS) as killing:

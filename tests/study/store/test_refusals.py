@@ -1,4 +1,7 @@
-"""What a store does not take: names, doubled codes, another study, a plan that became another. Each in words that say what to do."""
+"""What a store does not take: names, doubled codes, another study, a plan that became another.
+
+Each in words that say what to do.
+"""
 
 from __future__ import annotations
 

@@ -111,8 +111,10 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
     store.answer(session, asks(session)[0], 3, 2.0, "participant")
     with pytest.raises(sqlite3.IntegrityError, match="UNIQUE"):
         store._connection.db.execute(
-            """INSERT INTO answer (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc)
-              SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc FROM answer"""
+            """INSERT INTO answer
+              (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc)
+              SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc
+              FROM answer"""
         )
 
 
@@ -162,7 +164,8 @@ def test_what_a_terminal_broke_does_not_break_a_session(store):
     assert store.end(session, STOPPED, "\udce9").why == "?"
 
 
-# --- who gets which order --------------------------------------------------------------------------------------------------
+# --- who gets which order
+# --------------------------------------------------------------------------------------------------
 
 
 def test_orders_are_filled_evenly_and_gaps_first(store):
@@ -178,7 +181,9 @@ def test_orders_are_filled_evenly_and_gaps_first(store):
 
 @pytest.mark.parametrize(("status", "holds"), [(COMPLETE, True), (INTERRUPTED, True), (STOPPED, False), (SICK, False)])
 def test_who_holds_an_order(store, status, holds):
-    """The draw follows from what is filled: where the order is free again, the next one gets the same."""
+    """The draw follows from what is filled: where the order is free again, the next one gets the
+    same.
+    """
     row = store.end(begun(store, "P1"), status).row
     assert (begun(store, "P2").row != row) == holds
 
@@ -199,7 +204,9 @@ def test_pilots_and_parts_are_counted_apart(store):
 
 
 def test_the_plan_alone_decides_the_orders(tmp_path):
-    """No code, no clock and no chance: the same codes in another order of coming get the same rows by place."""
+    """No code, no clock and no chance: the same codes in another order of coming get the same rows
+    by place.
+    """
     found = []
     for names in (["P1", "P2", "P3", "P4", "P5"], ["Z9", "x", "P1", "M-3", "q_4"]):
         with Store(tmp_path / names[0], create=True, clock=SetClock()) as store:
@@ -233,7 +240,8 @@ def test_simulated_ones_are_kept_from_people(store, tmp_path):
         begun(other, "T01", origin=PILOT)
 
 
-# --- measuring, reading ----------------------------------------------------------------------------------------------------
+# --- measuring, reading ---------------------------------------------------------------------------
+# -------------------------
 
 
 def test_what_was_measured_is_added_and_lets_go_of_the_lock(tmp_path):
@@ -279,7 +287,8 @@ def test_another_program_may_read_while_a_session_runs(store, tmp_path):
     assert out.strip() == "1"
 
 
-# --- where -----------------------------------------------------------------------------------------------------------------
+# --- where ----------------------------------------------------------------------------------------
+# -------------------------
 
 
 def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):

@@ -1,4 +1,6 @@
-"""Who withdraws is gone: from what is read, from the bytes of every file, and after a kill in the middle; the code alone stays."""
+"""Who withdraws is gone: from what is read, from the bytes of every file, and after a kill in the
+middle; the code alone stays.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +25,17 @@ POSE = "0.7342918{}"
 
 
 def told_of(number: int) -> list[bytes]:
-    """What only participant P<number> left: the remark (in the row, in the event and as JSON), the rating as SQLite has it, the pose."""
+    """What only participant P<number> left: the remark (in the row, in the event and as JSON), the
+    rating as SQLite has it, the pose.
+    """
     return [REMARK.format(number).encode(), struct.pack(">d", RATING + number), POSE.format(number).encode()]
 
 
 def filled(store: Store, numbers: range) -> list[str]:
-    """Whole sessions with all that; the subs. A question is asked again, a session is interrupted and gone on with."""
+    """Whole sessions with all that; the subs.
+
+    A question is asked again, a session is interrupted and gone on with.
+    """
     subs = []
     for number in numbers:
         session = begun(store, f"P{number}", facts={"headset": f"of {REMARK.format(number)}"})
@@ -136,7 +143,7 @@ def test_traces_are_overwritten_before_they_go(tmp_path):
 
 
 def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.study.store.schema.BUSY_S", 0.1)
+    monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.1)
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         with Store(tmp_path / "data") as reader:
@@ -161,7 +168,8 @@ def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
             withdraw(store, "P0")
 
 
-# --- killed in the middle --------------------------------------------------------------------------------------------------
+# --- killed in the middle
+# --------------------------------------------------------------------------------------------------
 
 KILLED = """
 import importlib
@@ -180,7 +188,9 @@ with Store(Path(sys.argv[1])) as store: withdraw(store, "P1")
 
 
 def check_finished(folder, subs) -> None:
-    """The next one who writes finishes it; a reader before that sees nothing of it, or all where nothing had been begun."""
+    """The next one who writes finishes it; a reader before that sees nothing of it, or all where
+    nothing had been begun.
+    """
     with Store(folder) as store:
         seen = {one.code for one in store.contents().sessions}
         assert {"P0", "P2"} <= seen
@@ -195,9 +205,17 @@ def check_finished(folder, subs) -> None:
 
 @pytest.mark.parametrize(
     ("step", "count"),
-    [("_erase_traces", 0), ("_overwrite", 0), ("_overwrite", 2), ("_erase_rows", 0), ("_clean", 0), ("_empty_log", 0), ("_empty_log", 1),
-     ("_check_bytes", 0)],
-)  # fmt: skip
+    [
+        ("_erase_traces", 0),
+        ("_overwrite", 0),
+        ("_overwrite", 2),
+        ("_erase_rows", 0),
+        ("_clean", 0),
+        ("_empty_log", 0),
+        ("_empty_log", 1),
+        ("_check_bytes", 0),
+    ],
+)
 def test_killed_before_each_step(tmp_path, step, count):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(3))
@@ -220,7 +238,9 @@ def job(folder):
 
 
 def test_killed_at_any_moment(tmp_path):
-    """Within the time that an unhindered one takes, most often early in it, where most is done; the steps themselves are hit above."""
+    """Within the time that an unhindered one takes, most often early in it, where most is done; the
+    steps themselves are hit above.
+    """
     chance = random.Random(11)
     with Killing(WITHDRAWS) as killing:
         for round_ in range(7):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import attrs
 import moderngl
 from imgui_bundle import imgui, implot
 
@@ -30,6 +31,16 @@ WINDOW = (
 )
 
 
+@attrs.define
+class _Layout:
+    """Where the panel lies in the framebuffer, as it was last drawn."""
+
+    size: tuple[int, int] = (0, 0)  # (w, h) of the framebuffer in pixels
+    column: int = 0  # width at the right edge
+    height: int = 0  # used rows from the top
+    scale: float = 0.0  # content scale
+
+
 class ControlPanel:
     """Controls and plots, over the right edge of a framebuffer.
 
@@ -46,11 +57,10 @@ class ControlPanel:
         controls: tuple[Control, ...] = CONTROLS,
     ) -> None:
         self._into, self._input, self._clock = into, panel_input, clock
-        self._context = imgui.create_context()
-        self._plots = implot.create_context()
+        self._contexts = imgui.create_context(), implot.create_context()
         self._renderer = PanelRenderer(gl)
         self._widgets, self._stages = Widgets(panel_input.label, controls), Stages()
-        self._size, self._column, self._height, self._scale = (0, 0), 0, 0, 0.0
+        self._layout = _Layout()
         self._painted_s, self._lively_until_s = -1.0, 0.0
         self._on, self._closed = True, False
         self._prepare(gl)
@@ -67,8 +77,8 @@ class ControlPanel:
         style.add_font()
 
     def _enter(self) -> None:
-        imgui.set_current_context(self._context)
-        implot.set_current_context(self._plots)
+        imgui.set_current_context(self._contexts[0])
+        implot.set_current_context(self._contexts[1])
 
     # --- for the window ---
 
@@ -103,7 +113,11 @@ class ControlPanel:
 
     def _over(self) -> bool:
         place = self._input.cursor
-        return place is not None and place[0] >= self._size[0] - self._column and 0 <= place[1] < self._height
+        return (
+            place is not None
+            and place[0] >= self._layout.size[0] - self._layout.column
+            and 0 <= place[1] < self._layout.height
+        )
 
     # --- a refresh ---
 
@@ -119,11 +133,17 @@ class ControlPanel:
         begins = self._painted_s < 0  # or begins again
         if begins or events and (self._over() or self.wants_mouse or self.wants_keys or now_s < self._lively_until_s):
             self._lively_until_s = now_s + LIVELY_S
-        due = now_s - self._painted_s >= 1 / CALM_HZ or now_s < self._lively_until_s or framebuffer_size != self._size
+        due = (
+            now_s - self._painted_s >= 1 / CALM_HZ
+            or now_s < self._lively_until_s
+            or framebuffer_size != self._layout.size
+        )
         self._feed(events, framebuffer_size)
         commands = self._paint(status, framebuffer_size, now_s) if due else []
-        x = self._size[0] - self._column
-        self._renderer.put(self._into, (x, self._size[1] - self._height), (self._column, self._height))
+        x = self._layout.size[0] - self._layout.column
+        self._renderer.put(
+            self._into, (x, self._layout.size[1] - self._layout.height), (self._layout.column, self._layout.height)
+        )
         return commands
 
     def _feed(self, events: list, size: tuple[int, int]) -> None:
@@ -136,12 +156,12 @@ class ControlPanel:
     def _settle(self, size: tuple[int, int]) -> None:
         """Update sizes for the window as it is now."""
         scale = self._input.scale
-        if scale != self._scale:
-            self._scale = scale
+        if scale != self._layout.scale:
+            self._layout.scale = scale
             style.apply(scale)
-        self._size, self._column = size, min(self.column, size[0])
-        self._input.left = size[0] - self._column
-        imgui.get_io().display_size = imgui.ImVec2(self._column, size[1])
+        self._layout.size, self._layout.column = size, min(self.column, size[0])
+        self._input.left = size[0] - self._layout.column
+        imgui.get_io().display_size = imgui.ImVec2(self._layout.column, size[1])
 
     def _paint(self, status: Status, size: tuple[int, int], now_s: float) -> list[Command]:
         imgui.get_io().delta_time = min(max(now_s - self._painted_s, 1e-4), LONGEST_S)
@@ -150,20 +170,20 @@ class ControlPanel:
         commands = self._lay_out(status, now_s)
         imgui.render()
         self._input.typing = imgui.get_io().want_text_input
-        self._height = self._renderer.paint(imgui.get_draw_data(), (self._column, size[1]))
+        self._layout.height = self._renderer.paint(imgui.get_draw_data(), (self._layout.column, size[1]))
         return commands
 
     def _lay_out(self, status: Status, now_s: float) -> list[Command]:
         imgui.set_next_window_pos((0, 0))
-        imgui.set_next_window_size_constraints((self._column, 0), (self._column, self._size[1]))
+        imgui.set_next_window_size_constraints((self._layout.column, 0), (self._layout.column, self._layout.size[1]))
         imgui.begin("hmdwarp", None, WINDOW)
-        _header(status, self._scale)
-        commands = self._widgets.draw(status, self._scale, now_s)
+        _header(status, self._layout.scale)
+        commands = self._widgets.draw(status, self._layout.scale, now_s)
         imgui.separator()
-        draw_plots(status, self._scale)
+        draw_plots(status, self._layout.scale)
         imgui.separator()
         imgui.text_disabled("stages, in ms")
-        self._stages.draw(status, self._scale)
+        self._stages.draw(status, self._layout.scale)
         imgui.separator()
         commands += self._widgets.actions(status.values)
         imgui.end()
@@ -177,8 +197,8 @@ class ControlPanel:
         self._input.close()
         self._enter()
         self._renderer.close()
-        implot.destroy_context(self._plots)
-        imgui.destroy_context(self._context)
+        implot.destroy_context(self._contexts[1])
+        imgui.destroy_context(self._contexts[0])
 
 
 def _header(status: Status, scale: float) -> None:

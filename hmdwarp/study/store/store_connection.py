@@ -10,7 +10,7 @@ from typing import Any
 
 from ...errors import HmdwarpError, InputError
 from ...version import __version__
-from . import queries, schema
+from . import database, queries
 from ._json import to_json
 from .clock import Clock, seconds_back, text_of
 from .erasing import finish_erasing
@@ -36,7 +36,7 @@ class Connection:
         self._create, self._study = create, study
         self._lock: Lock | None = None
         self.finished: list[str] = []
-        self._db = schema.open_to_read(folder)
+        self._db = database.open_to_read(folder)
         if self._db is None and not create:
             raise InputError(
                 f"{folder}: {NOTHING} (no {DATABASE}): run a session first, or name the folder with --store"
@@ -82,7 +82,7 @@ class Connection:
             raise InputError(f"{self.folder}: {NOTHING} yet: run a session first")
         lock = Lock(self.folder, self.clock.utc())
         try:
-            db = schema.open_to_write(self.folder, study or "", __version__)
+            db = database.open_to_write(self.folder, study or "", __version__)
         except BaseException:
             lock.close()
             raise
@@ -95,7 +95,7 @@ class Connection:
     def unlock(self) -> None:
         """Free the lock and go on reading."""
         self.close()
-        self._db = schema.open_to_read(self.folder)
+        self._db = database.open_to_read(self.folder)
 
     def _tidy(self) -> None:
         """Mark sessions of dead programs as interrupted, and finish interrupted withdrawals.

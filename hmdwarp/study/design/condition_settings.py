@@ -24,25 +24,25 @@ from ...scenes import Scene
 from ...server.draw import MIRRORS
 from ...tables import quoted
 
-# What a value of the file has to be. A number may stand where the command line takes a text that is one.
+# Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
 _TEXT_OR_NUMBER = "a number or a text"
 _KIND_OF = {float: _NUMBER, int: _WHOLE, bool: _FLAG}
 _OPTIONS = options_of(LiveOptions)
 _SETTINGS = [option for option in _OPTIONS if option.in_study]
 KINDS = {option.name: _TEXT_OR_NUMBER if option.numeric else _KIND_OF.get(option.kind, _TEXT) for option in _SETTINGS}
-# The display is opened once for a session: these are the same for all conditions.
+# The display is opened once for a session: equal for all conditions.
 DISPLAY = tuple(option.name for option in _SETTINGS if option.study == declared.DISPLAY)
-# Of the picture, not of how it travels or is warped: what the practice takes over from [common].
+# Of the picture, not of link or warp: the practice takes them over from [common].
 PICTURE = (*(option.name for option in _SETTINGS if option.study == declared.PICTURE), *DISPLAY)
 _MOST_PIXELS = 16384
 FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
 _NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
-_NOT_SETTINGS["quiet"] = "what is told is said to 'hmdwarp study run'"
+_NOT_SETTINGS["quiet"] = "it is an option of 'hmdwarp study run'"
 
 
 class SettingFault(InputError):
-    """key: the setting that is wrong, as the file has it."""
+    """A wrong setting; key: its name, as in the file."""
 
     def __init__(self, key: str, text: str) -> None:
         super().__init__(text)
@@ -50,17 +50,21 @@ class SettingFault(InputError):
 
 
 def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
-    """The options of a live run with these settings, without the panel. settings: see KINDS; names with - or _, values as TOML has them.
-    more: fields of LiveOptions: source, trace, record, ..
-    Errors: SettingFault for a name that is none, or a value of another kind; InputError for one that cannot be meant.
+    """Return the options of a live run with these settings, without the panel.
+
+    settings: see KINDS; names with - or _, values as in TOML. more: fields of LiveOptions, such as
+    source, trace, record.
+    Errors: SettingFault for an unknown name or a value of another kind; InputError for an invalid
+    value.
     """
-    given = {name: _value(key, name, value) for key, name, value in _named(settings)}
-    return LiveOptions.of(given, panel=False, **more)
+    values = {name: _value(key, name, value) for key, name, value in _named(settings)}
+    return LiveOptions.of(values, panel=False, **more)
 
 
 def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> LiveOptions:
-    """The options, after everything about them was tried that needs no display. scenes: those loaded so far, and this one then.
+    """Return the options after trying everything that needs no display.
 
+    scenes: those loaded so far; this one is added.
     Errors: InputError and its kin, now and not in the middle of a session.
     """
     options = live_options(settings)
@@ -83,7 +87,7 @@ def _check_guard(options: LiveOptions, headset: Headset) -> None:
 
 
 def _lens(options: LiveOptions, headset: Headset) -> str:
-    """As a window for this headset has it."""
+    """Return the lens of a window for this headset."""
     if options.lens != AUTO:
         return options.lens
     return "radial" if headset.lens is not None else "none"
@@ -97,14 +101,12 @@ def _levels(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
     return levels_from_file(options.bench, sized, None).levels
 
 
-def at(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
-    """The same settings, names with _, and files by their whole path, so that they are found from any working folder. folder: that the
-    file's own names of files count from.
-    """
-    return {name: _placed(folder, name, value) for _, name, value in _named(settings)}
+def resolve_paths(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
+    """Return the settings with absolute paths, and names with _. folder: of the study file."""
+    return {name: _resolved(folder, name, value) for _, name, value in _named(settings)}
 
 
-def _placed(folder: Path, name: str, value: object) -> object:
+def _resolved(folder: Path, name: str, value: object) -> object:
     is_file = name in FILES or (
         isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value))
     )
@@ -116,7 +118,7 @@ def _is_scene_file(name: str, value: str) -> bool:
 
 
 def _named(settings: Mapping[str, object]) -> list[tuple[str, str, object]]:
-    """(key of the file, name with _, value). Errors: SettingFault."""
+    """Return (key of the file, name with _, value) of each. Errors: SettingFault."""
     out: list[tuple[str, str, object]] = []
     for key, value in settings.items():
         name = key.replace("-", "_")
@@ -127,13 +129,13 @@ def _named(settings: Mapping[str, object]) -> list[tuple[str, str, object]]:
             hint = f"did you mean {near[0]}? " if near else ""
             raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(KINDS)}")
         if name in [other for _, other, _ in out]:
-            raise SettingFault(key, f"{key} is given twice, with - and with _: leave one of them out")
+            raise SettingFault(key, f"{key} comes twice, with - and with _: leave one of them out")
         out.append((key, name, value))
     return out
 
 
 def _value(key: str, name: str, value: object) -> object:
-    """As the command line would hand it over. Errors: SettingFault."""
+    """Convert a value to what the command line passes. Errors: SettingFault."""
     kind = KINDS[name]
     if isinstance(value, bool) or kind == _FLAG:
         if isinstance(value, bool) and kind == _FLAG:

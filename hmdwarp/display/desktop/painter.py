@@ -16,7 +16,7 @@ from .views import WindowView
 REMARK_NS = 4_000_000_000  # how long a remark stays
 
 
-class Overlay:
+class Painter:
     """Pictures and text of one window.
 
     help_text: explains the keys of the controls.

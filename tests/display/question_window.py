@@ -1,5 +1,6 @@
-"""A window that shows nothing and asks one question, on a virtual screen: python -m
-display.asked_window.
+"""A window that shows nothing and asks one question, on a virtual screen.
+
+Python -m display.question_window.
 
 Reads "ask" (a new question), "show" (none), "wait" (as it is) and "end" from stdin, a line each.
 Prints a line of JSON for each command that came by hand, with what the question made of it, two
@@ -21,9 +22,10 @@ from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.scales import load_scale
 
 
-class AskedWindow:
-    """display, and what is asked in it just now. A panel is allowed, and is not there: no control
-    of a study opens one.
+class QuestionWindow:
+    """display, and what is asked in it just now.
+
+    A panel is allowed, and is not there: no control of a study opens one.
     """
 
     def __init__(self) -> None:
@@ -92,7 +94,7 @@ class AskedWindow:
 
 
 if __name__ == "__main__":
-    window = AskedWindow()
+    window = QuestionWindow()
     window.run()
     sys.stdout.flush()
     os._exit(0)  # the thread is left waiting for a line that does not come

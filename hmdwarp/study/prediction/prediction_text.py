@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from ...report import counted, listed
-from .results import Prediction, predict
+from .measure_results import Prediction, predict
 
 _CHARTS = 4  # measures that get a chart
 

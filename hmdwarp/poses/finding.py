@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ...errors import TraceError
-from ..options import TraceOptions
-from ..reading.head import Head
-from . import formats
-from ._base import TraceFormat, ordered
+from ..errors import TraceError
+from .formats import TraceFormat, formats, ordered
+from .options import TraceOptions
+from .reading.head import Head
 
 
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:

@@ -129,8 +129,8 @@ def _actual(name: str) -> Column:
 
 ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *TEXTS))
 MEASURED_COLUMNS = (
-    *(Column(f"measured_{metric.name}", NUMBER, f"Afterwards, mean of the measured pictures: {metric.description}", metric.unit)
-      for metric in metrics_in_order()),
+    *(Column(f"measured_{m.name}", NUMBER, f"Afterwards, mean of the measured pictures: {m.description}", m.unit)
+      for m in metrics_in_order()),
     Column("measured_refreshes", INTEGER, "How many refreshes were measured afterwards, both eyes of each"),
     Column("measured_every", INTEGER, "Every n-th refresh was measured; do not compare figures of different n"),
     Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; do not compare different sizes"),

@@ -1,4 +1,7 @@
-"""A question in a window: keys, digits, mouse and wheel answer it; while nothing is asked, and only then, the mouse leads the head."""
+"""A question in a window: keys, digits, mouse and wheel answer it.
+
+While nothing is asked, and only then, the mouse leads the head.
+"""
 
 from __future__ import annotations
 
@@ -28,8 +31,9 @@ class Asking:
         self._out = folder / "told.jsonl"
         with self._out.open("w") as out:
             self._process = subprocess.Popen(
-                [sys.executable, "-W", "error", "-m", "display.asked_window"],
-                stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, text=True, env={**screen.environment, "PYTHONPATH": paths},
+                [sys.executable, "-W", "error", "-m", "display.question_window"],
+                stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, text=True,
+                env={**screen.environment, "PYTHONPATH": paths},
             )  # fmt: skip
 
     def __enter__(self) -> Asking:
@@ -73,7 +77,10 @@ class Asking:
         return tuple(int(lines[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
 
     def to(self, across: float, up: float) -> tuple[int, int]:
-        """The mouse to a place of the left eye's half, as shares of it from bottom left; where that is on the screen."""
+        """The mouse to a place of the left eye's half, as shares of it from bottom left.
+
+        Where that is on the screen.
+        """
         x, y, w, h = self.geometry()
         at = round(x + across * w / 2), round(y + (1 - up) * h)
         self.screen.do("mousemove", *at)
@@ -138,7 +145,9 @@ def halves(asking) -> list[int]:
 
 
 def test_nothing_is_written_over_pictures(asking):
-    """The help is there beside a question, over the left eye, goes with it, and cannot be called over what is shown."""
+    """The help is there beside a question, over the left eye, goes with it, and cannot be called
+    over what is shown.
+    """
     asking.say("show")
     asking.screen.do("key", "h", "r")
     time.sleep(0.5)  # as long as a help would take to be drawn, and more
@@ -155,7 +164,10 @@ def test_nothing_is_written_over_pictures(asking):
 
 
 def marker(pictures: list[np.ndarray]) -> list[float]:
-    """Where in each of two pictures of the left half something bright is that is not in the other: its middle, in pixels from the left."""
+    """Where in each of two pictures of the left half something bright is that is not in the other.
+
+    Its middle, in pixels from the left.
+    """
     first, second = (picture.astype(int).sum(axis=2) for picture in pictures)
     upper = int(np.flatnonzero((first != second).any(axis=1))[0])
     rows = slice(upper, upper + 25)  # number and pointer; the line and its words are below
@@ -182,7 +194,8 @@ def test_the_mouse_answers(asking, full_screen):
     assert values[0] < values[1] and all(value * 4 % 4 for value in values), (
         "between two words, so that only the marker is another"
     )
-    # 20 steps over 0.84 of a plate that is 0.94 of the half: the marker is within half a step of the mouse.
+    # 20 steps over 0.84 of a text panel that is 0.94 of the half: the marker is within half a step
+    # of the mouse.
     step = 0.84 * 0.94 * asking.geometry()[2] / 2 / 20
     assert np.allclose(marker(pictures), places, atol=step / 2 + 2)
     asking.to(1.62, 0.525)  # the same place before the right eye
@@ -200,7 +213,7 @@ def test_the_mouse_answers(asking, full_screen):
     assert not asking.now("captured")
 
 
-def test_beside_the_plate_the_mouse_does_nothing(asking):
+def test_beside_the_text_panel_the_mouse_does_nothing(asking):
     asking.say("ask")
     asking.to(0.5, 0.9)
     asking.screen.do("click", "1")

@@ -12,7 +12,7 @@ from ...errors import InputError
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
 from ..scales import RATING, Scale, scored
 from ..store import COMPLETE, PERSON, Answer, Contents, Session, Showing
-from .columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
+from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
 
 Row = dict[str, Any]
 
@@ -74,7 +74,7 @@ def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
 
 
 def long_rows(contents: Contents, design: Design) -> list[Row]:
-    """Return one row per rating after a trial, by columns.LONG_COLUMNS; None for a missing value.
+    """Return one row per rating after a trial, by LONG_COLUMNS; None for a missing value.
 
     A planned rating that is missing has a row with the reason. Of revised answers only the last
     one counts. Errors: as sessions_of.
