@@ -119,8 +119,8 @@ class LinkOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about.
 
-        said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15. delay_trace:
-        a file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
+        said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15.
+        delay_trace: a file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
         `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
         Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
         Errors: InputError.

@@ -93,9 +93,9 @@ def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard,
             made.server.pool(SIZE).release(truth.colour)
             if warp != "none":
                 # No latency: every warp gives the rendered picture back. A guard band of an odd
-                # number of pixels shifts the 2x2 quads over which the level of detail of textures is
-                # taken: a few levels of 255 where they are seen aslant, never another surface (50
-                # and more).
+                # number of pixels shifts the 2x2 quads over which the level of detail of textures
+                # is taken: a few levels of 255 where they are seen aslant, never another surface
+                # (50 and more).
                 off = np.abs(found - wanted).max(axis=2)
                 assert off.max() <= 25
                 assert (off > 4).mean() < 0.03
