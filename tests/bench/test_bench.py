@@ -1,4 +1,7 @@
-"""Whole benches, small and real: what they write, that their figures are a replay's, that nothing but times changes."""
+"""Whole benches, small and real.
+
+What they write, that their figures are a replay's, that nothing but times changes.
+"""
 
 from __future__ import annotations
 
@@ -121,16 +124,27 @@ def test_csv_says_the_same(full):
 
 def test_progress_counts_to_the_end(full):
     steps = full[2]
-    total = 2 * 2 + 37 + 2  # two latencies, two instants; the grid; the fused pairs at as many instants
+    # Two latencies, two instants; the grid; the fused pairs at as many instants.
+    total = 2 * 2 + 37 + 2
     assert steps == [(done, total) for done in range(total + 1)]
 
 
 @pytest.mark.parametrize(("warp", "fill"), [("forward", "interpolate"), ("backward", "none")])
 def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
-    """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its frames."""
+    """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its
+    frames.
+    """
     replayed = run(
-        tmp_path, warp=warp, fill=fill, headset=SMALL.headset, guard=SMALL.guard, latency_ms=200.0, seconds=0.5, metrics_every=1, workers=0
-    )  # fmt: skip
+        tmp_path,
+        warp=warp,
+        fill=fill,
+        headset=SMALL.headset,
+        guard=SMALL.guard,
+        latency_ms=200.0,
+        seconds=0.5,
+        metrics_every=1,
+        workers=0,
+    )
     wanted = [row for row in replayed.rows if (row["frame"], row["eye"]) in ((7, 0), (22, 1))]
     row = next(r for r in full[1].data["rows"] if (r["latency_ms"], r["warp"], r["fill"]) == (200.0, warp, fill))
     for name in QUALITY:
@@ -161,7 +175,8 @@ def test_the_grid_knows_no_error_at_rest(full):
     for row in grid:
         assert set(row) == {"warp", "axis", "offset", "psnr_db", "flip", "hole_share"}
         if row["offset"] == 0:
-            # A guarded frame is drawn with another raster than the truth: a last bit of a byte here and there (48 dB if everywhere).
+            # A guarded frame is drawn with another raster than the truth: a last bit of a byte here
+            # and there (48 dB if everywhere).
             assert row["psnr_db"] > 48 and row["flip"] < 0.02 and row["hole_share"] == 0
         else:
             assert row["flip"] > 0
@@ -267,15 +282,23 @@ def test_passes_are_held_against_what_they_must_move():
     assert (lens["name"], lens["bytes"]) == ("lens", 1600)
     plan = build_plan((), "backward", "none", "none", client_geometry=True)
     drawn, _ = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
-    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)  # r32f, written once
+    # R32f, written once.
+    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)
 
 
 def test_the_answer_tells_what_to_run_and_what_more_would_give():
     choice = {
-        "budget_ms": 20.0, "warp": "iterative:steps=3", "fill": "interpolate", "settings": {"steps": "3"}, "total_ms": 16.7, "flip": 0.08,
-        "psnr_db": 31.0, "sizes": [(1280, 800)], "cases": 2,
+        "budget_ms": 20.0,
+        "warp": "iterative:steps=3",
+        "fill": "interpolate",
+        "settings": {"steps": "3"},
+        "total_ms": 16.7,
+        "flip": 0.08,
+        "psnr_db": 31.0,
+        "sizes": [(1280, 800)],
+        "cases": 2,
         "next": {"warp": "multi", "fill": "none", "total_ms": 27.3, "flip": 0.06, "psnr_db": 30.5},
-    }  # fmt: skip
+    }
     first, use, following = answer(choice)
     assert (
         "Within 20 ms" in first
@@ -291,7 +314,10 @@ def test_the_answer_tells_what_to_run_and_what_more_would_give():
 
 
 def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
-    """The warp `none` leaves no holes: both fills show one picture, and both rows have its figures."""
+    """The warp `none` leaves no holes.
+
+    Both fills show one picture, and both rows have its figures.
+    """
     from hmdwarp.metrics import QualityPool
 
     submitted, submit = [], QualityPool.submit

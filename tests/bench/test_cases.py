@@ -120,7 +120,8 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
     combinations = some(*[Needs()] * count)
     found = batches(combinations, (8, 8), (8, 8), most)
     assert [c for batch in found for c in batch] == combinations
-    assert all(len({c.warp for c in batch}) == len(batch) / 2 for batch in found)  # both fills of a warp together
+    # Both fills of a warp together.
+    assert all(len({c.warp for c in batch}) == len(batch) / 2 for batch in found)
     pair = 32 * 64 * 2 + 16 * 64 * 3
     assert all(len(batch) == 2 or len(batch) / 2 * pair <= most for batch in found)
 
@@ -128,7 +129,9 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
 @pytest.mark.parametrize("needs", [Needs(), Needs(others=Others(1, 40_000_000)), Needs(others=Others(3, 100_000_000))])
 @pytest.mark.parametrize("latency_ms", [0.0, 60.0, 200.0])
 def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms):
-    """The frames, the older frames and the heads are those of the run in which every frame was drawn."""
+    """The frames, the older frames and the heads are those of the run in which every frame was
+    drawn.
+    """
     looked_at = {0, 7, 8, 23, 29}
 
     def seen(refresh, setup):

@@ -1,4 +1,6 @@
-"""The bench's charts: every point and line has its name, the look of a warp never changes, and any data can be drawn."""
+"""The bench's charts: every point and line has its name, the look of a warp never changes, and any
+data can be drawn.
+"""
 
 import io
 import re

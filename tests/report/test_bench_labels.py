@@ -1,4 +1,7 @@
-"""Labels: none covers another, a point, or a leader; and names beside lines keep their order and distance."""
+"""Labels: none covers another, a point, or a leader.
+
+And names beside lines keep their order and distance.
+"""
 
 import numpy as np
 import pytest
@@ -19,7 +22,10 @@ def placed(points, sizes):
     "count, spread_of_points", [(0, 0.1), (1, 0.1), (15, 0.05), (30, 0.1), (15, 0.2), (30, 0.2), (45, 0.2)]
 )
 def test_labels_cover_nothing(count, spread_of_points):
-    """As many as the bench has, from crowded to loose: 45 names of these sizes fill a quarter of the area."""
+    """As many as the bench has, from crowded to loose.
+
+    45 names of these sizes fill a quarter of the area.
+    """
     rng = np.random.default_rng(count)
     points = np.clip(0.5 + spread_of_points * rng.standard_normal((count, 2)), 0.02, 0.98) * AREA
     sizes = np.stack([rng.uniform(25, 80, count), np.full(count, 11.0)], axis=1)
@@ -29,7 +35,8 @@ def test_labels_cover_nothing(count, spread_of_points):
     assert (boxes[:, :2] >= 0).all() and (boxes[:, 2:] <= AREA).all()
     if (
         spread_of_points < 0.2
-    ):  # dozens of markers, 8 wide, within a tenth of the area: their leaders may have to pass a label
+        # Dozens of markers, 8 wide, within a tenth of the area: leaders may have to pass a label.
+    ):
         return
     assert not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any()
     tips = np.concatenate([np.zeros((0, 2)), *(leaders(points[[i]], boxes[[i]])[1] for i in range(count))])
@@ -84,7 +91,10 @@ COORDINATES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
 
 @given(COORDINATES, COORDINATES)
 def test_segments_through_a_box(start, end):
-    """Against many points along the segment; the box has half-integer sides, so that none of them is a matter of rounding."""
+    """Against many points along the segment.
+
+    The box has half-integer sides, so that none of them is a matter of rounding.
+    """
     start, end, box = np.array([start], float), np.array([end], float), np.array([[-1.5, -0.5, 2.5, 1.5]])
     along = (
         start + (end - start) * np.linspace(0, 1, 1681)[:, None]
@@ -92,7 +102,8 @@ def test_segments_through_a_box(start, end):
     within = ((along > box[0, :2]) & (along < box[0, 2:])).all(axis=1).any()
     hit = segments_hit(start, end, box)[0, 0]
     assert hit or not within
-    if hit and not within:  # it cuts a corner between two samples: then it comes as near as a sample's step to the box
+    # It cuts a corner between two samples: then it comes as near as a sample's step to the box.
+    if hit and not within:
         step = np.linalg.norm(end - start) / 1680
         assert np.linalg.norm(along - np.clip(along, box[0, :2], box[0, 2:]), axis=1).min() <= step
 
