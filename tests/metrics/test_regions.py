@@ -18,7 +18,7 @@ FULL = np.ones((48, 64))
 
 
 def plane(normal, distance_m: float, size=SIZE, view: View | None = None) -> np.ndarray:
-    """(h, w) inverse depth of the plane normal * p = -distance; 0 where it is not before the eye."""
+    """(h, w) inverse depth of the plane normal * p = -distance; 0 where it is not in view."""
     rays = (view or View(Pose(), Fov.symmetric(math.radians(6.4), math.radians(4.8)))).rays(size)
     return np.maximum(-(rays @ np.asarray(normal, float)) / distance_m, 0).astype(np.float32)
 
