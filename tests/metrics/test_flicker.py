@@ -45,8 +45,7 @@ def test_the_same_error_at_the_same_view_is_exactly_zero():
 @settings(max_examples=25)
 @given(angle, angle, angle)
 def test_error_fixed_in_the_world_does_not_flicker(yaw, pitch, roll):
-    """Bilinear sampling is off by at most (fxx + fyy) step^2 / 8 for second derivatives f per pixel
-    step.
+    """Bilinear sampling is off by at most (fxx + fyy) step^2 / 8, f being second derivatives.
 
     A pixel is at most 1.46/80 of a tangent, so of a radian, wide; the pattern's phase moves by at
     most 1.5 * 4 per radian, so |f''| <= 0.5 * 6^2 and its curvature over the tangent plane adds at

@@ -74,9 +74,11 @@ def test_turned_right_the_border_is_on_the_right():
     step = math.radians(10)
     left, right = FOV.left, FOV.right
     x = np.tan(left) + (np.arange(41) + 0.5) * (np.tan(right) - np.tan(left)) / 41
-    beyond = np.arctan(x) + step > right  # at eye level; the middle row of this field of view is within 2 degrees of it
+    # At eye level; the middle row of this field of view is within 2 degrees of it.
+    beyond = np.arctan(x) + step > right
     middle = np.ones_like(EMPTY)
-    row = 33 - 1 - int(33 * 0.5463 / (0.5463 + 0.6131))  # the row that holds tangent 0, counted from the top
+    # The row that holds tangent 0, counted from the top.
+    row = 33 - 1 - int(33 * 0.5463 / (0.5463 + 0.6131))
     middle[row] = 0
     share = border_share(middle, EMPTY, turned(-step), turned(0), SIZE)
     assert share * middle.size == pytest.approx(beyond.sum(), abs=0.5)

@@ -1,6 +1,5 @@
-"""PSNR, SSIM and FLIP.
-
-Known answers, and the mistakes that are easy to make with flip-evaluator's input.
+"""PSNR, SSIM and FLIP: known answers, and the mistakes that are easy to make with flip-evaluator's
+input.
 """
 
 import math
@@ -24,9 +23,8 @@ def flat(colour, size=(8, 6)) -> np.ndarray:
 
 
 def flip_of_flat_colours(reference, test) -> float:
-    """FLIP of two pictures of one colour each, from the paper.
+    """FLIP of two pictures of one colour each, from the paper: no filter changes them.
 
-    Its filters change nothing there and no edge is found.
     Source: Andersson et al. 2020, sections 4.1-4.3 (qc = 0.7, pc = 0.4, pt = 0.95) with the D65
     white of linear RGB (1, 1, 1).
     """
@@ -62,8 +60,7 @@ def flip_of_flat_colours(reference, test) -> float:
 @settings(max_examples=50)
 @given(colours, colours)
 def test_flip_of_flat_colours_is_that_of_the_paper(reference, test):
-    """A swapped channel order, or linear values taken for sRGB ones, gives another answer for
-    almost every pair.
+    """Swapped channels, or linear values taken for sRGB, change the answer of almost every pair.
 
     At 5 pixels per degree flip-evaluator's kernels are a few pixels and sum to 1 within float32 (at
     22 only within 1e-4); the colours then carry 1e-7, which a lightness of 116 and 500 x
@@ -161,9 +158,9 @@ def test_holes_at_the_border_count_for_every_figure():
 
 
 def test_ssim_is_the_formula_of_the_paper():
-    """Every window by hand: eq.
+    """Every window by hand.
 
-    13 with a Gaussian of sigma 1.5 cut at 11x11, the border mirrored, the mean over all pixels.
+    Eq. 13 with a Gaussian of sigma 1.5 cut at 11x11, the border mirrored, the mean over all pixels.
     """
     shown, truth = noise(5, (14, 13)), noise(6, (14, 13))
     k = np.exp(-((np.arange(11) - 5) ** 2) / (2 * 1.5**2))

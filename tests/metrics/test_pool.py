@@ -1,7 +1,4 @@
-"""The pool.
-
-Same bits with any number of workers, bounded, and nothing left behind however it ends.
-"""
+"""The pool: same bits with any number of workers, bounded, and nothing left behind at its end."""
 
 import gc
 import os

@@ -18,10 +18,7 @@ FULL = np.ones((48, 64))
 
 
 def plane(normal, distance_m: float, size=SIZE, view: View | None = None) -> np.ndarray:
-    """(h, w) inverse depth of the plane normal .
-
-    p = -distance; 0 where it is not before the eye.
-    """
+    """(h, w) inverse depth of the plane normal * p = -distance; 0 where it is not in view."""
     rays = (view or View(Pose(), Fov.symmetric(math.radians(6.4), math.radians(4.8)))).rays(size)
     return np.maximum(-(rays @ np.asarray(normal, float)) / distance_m, 0).astype(np.float32)
 
@@ -32,7 +29,7 @@ slopes = st.floats(-math.tan(math.radians(80)), math.tan(math.radians(80)))
 @settings(max_examples=40)
 @given(slopes, slopes, st.floats(0.1, 100))
 def test_a_plane_has_no_edge_however_slanted(across, up, distance_m):
-    """At 10 pixels a degree, up to 80 degrees on each axis, where it lies before the eye."""
+    """At 10 pixels per degree, up to 80 degrees on each axis, wherever it is before the eye."""
     depth = plane((across, up, 1), distance_m)
     if (depth > 0).all():
         assert not near_discontinuity(depth).any()

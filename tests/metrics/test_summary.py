@@ -52,7 +52,8 @@ def test_times():
     rows = [{"warp_ms": v, "total_ms": 2 * v, "fill_ms": None} for v in (1.0, 2.0, 100.0)]
     times = aggregate(rows)["time_ms"]
     assert times["warp"]["median"] == 2 and times["total"]["median"] == 4
-    assert times["warp"]["p95"] == pytest.approx(2 + 0.9 * 98)  # linear between the 2nd and 3rd of three values
+    # Linear between the 2nd and 3rd of three values.
+    assert times["warp"]["p95"] == pytest.approx(2 + 0.9 * 98)
     assert times["fill"] == {"median": None, "p95": None}
 
 

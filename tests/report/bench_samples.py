@@ -1,6 +1,6 @@
-"""A made-up bench in the form of bench.json: 15 warps, two fills, two recordings, three latencies.
+"""A made-up bench in the form of bench.json.
 
-Numbers roughly like real ones.
+15 warps, two fills, two recordings, three latencies; numbers roughly like real ones.
 """
 
 from __future__ import annotations

@@ -35,7 +35,8 @@ def test_labels_cover_nothing(count, spread_of_points):
     assert (boxes[:, :2] >= 0).all() and (boxes[:, 2:] <= AREA).all()
     if (
         spread_of_points < 0.2
-    ):  # dozens of markers, 8 wide, within a tenth of the area: their leaders may have to pass a label
+        # Dozens of markers, 8 wide, within a tenth of the area: leaders may have to pass a label.
+    ):
         return
     assert not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any()
     tips = np.concatenate([np.zeros((0, 2)), *(leaders(points[[i]], boxes[[i]])[1] for i in range(count))])
@@ -101,7 +102,8 @@ def test_segments_through_a_box(start, end):
     within = ((along > box[0, :2]) & (along < box[0, 2:])).all(axis=1).any()
     hit = segments_hit(start, end, box)[0, 0]
     assert hit or not within
-    if hit and not within:  # it cuts a corner between two samples: then it comes as near as a sample's step to the box
+    # It cuts a corner between two samples: then it comes as near as a sample's step to the box.
+    if hit and not within:
         step = np.linalg.norm(end - start) / 1680
         assert np.linalg.norm(along - np.clip(along, box[0, :2], box[0, 2:]), axis=1).min() <= step
 

@@ -1,7 +1,4 @@
-"""The video.
-
-True colours, any size and rate, and nothing left behind when it does not come about.
-"""
+"""The video: true colours, any size and rate, and nothing left behind by a failure."""
 
 import errno
 import os
