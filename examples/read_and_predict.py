@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from hmdwarp.poses import predict
 
 import hmdwarp
+from hmdwarp.poses import predict
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/read_and_predict")
 out.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,6 @@
-"""PSNR, SSIM and FLIP: known answers, and the mistakes that are easy to make with flip-evaluator's
-input.
+"""PSNR, SSIM and FLIP.
+
+Known answers, and the mistakes that are easy to make with flip-evaluator's input.
 """
 
 import math

@@ -1,5 +1,6 @@
-"""The Pareto front: nobody on it is beaten, everybody off it is, and ties stay together in their
-order.
+"""The Pareto front.
+
+Nobody on it is beaten, everybody off it is, and ties stay together in their order.
 """
 
 import math

@@ -1,5 +1,6 @@
-"""The bench's charts: every point and line has its name, the look of a warp never changes, and any
-data can be drawn.
+"""The bench's charts.
+
+Every point and line has its name, the look of a warp never changes, and any data can be drawn.
 """
 
 import io

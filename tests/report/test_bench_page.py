@@ -1,5 +1,6 @@
-"""The bench's page: everything is on it, escaped, accessible and self-contained, and it is whole in
-a real browser.
+"""The bench's page.
+
+Everything is on it, escaped, accessible and self-contained, and it is whole in a real browser.
 """
 
 import copy
