@@ -52,13 +52,15 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
     return _front([_level(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()])
 
 
-def _compared(rows: Iterable[Row]) -> tuple[dict[tuple[str, str], dict[tuple, list[Figures]]], set[tuple]]:
+def _compared(
+    rows: Iterable[Row],
+) -> tuple[dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]], set[tuple[Any, ...]]]:
     """Return figures of each warp and fill by case, and the cases that all were measured in.
 
     Errors: as levels_from.
     """
     measured = _largest(_measured(rows))
-    combined: dict[tuple[str, str], dict[tuple, list[Figures]]] = {}
+    combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]] = {}
     for row, figures in measured:
         combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
     shared = set.intersection(*(set(cases) for cases in combined.values()))
@@ -147,12 +149,12 @@ def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
     return found
 
 
-def _largest(measured: list[tuple[Row, tuple]]) -> list[tuple[Row, tuple]]:
+def _largest(measured: list[tuple[Row, tuple[Any, ...]]]) -> list[tuple[Row, tuple[Any, ...]]]:
     pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
     return [found for found, count in zip(measured, pixels, strict=True) if count == max(pixels)]
 
 
-def _case(row: Row) -> tuple:
+def _case(row: Row) -> tuple[Any, ...]:
     return tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
 
 

@@ -19,7 +19,7 @@ _VIEW = {"fov": 4, "position_m": 3, "orientation_xyzw": 4}
 _KEYS = ("colour", "depth_m", *_VIEW)
 
 
-def read_frame(path: Path) -> tuple[NDArray, NDArray, View]:
+def read_frame(path: Path) -> tuple[NDArray[Any], NDArray[Any], View]:
     """colour, depth_m and the view of a FRAME.npz.
 
     Errors: InputError naming the file and what is wrong with it.

@@ -7,6 +7,7 @@ import operator
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import attrs
 import numpy as np
@@ -146,7 +147,7 @@ def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32],
     return rgba.astype(np.float32), np.where(covered, inverse, NO_DEPTH).astype(np.float32)
 
 
-def _array(name: str, value: ArrayLike) -> NDArray:
+def _array(name: str, value: ArrayLike) -> NDArray[Any]:
     try:
         return np.asarray(value)
     except ValueError as error:

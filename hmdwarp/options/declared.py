@@ -58,7 +58,7 @@ class Option:
 
 
 def option(
-    value: Any, help: str, /, *, valid: Any = None, convert: Any = None, beside: tuple = (), **about: Any
+    value: Any, help: str, /, *, valid: Any = None, convert: Any = None, beside: tuple[Option, ...] = (), **about: Any
 ) -> Any:
     """Return an attrs field that is an option.
 
@@ -80,7 +80,7 @@ def group(kind: type[Declared]) -> Any:
     return attrs.field(factory=kind, metadata={_GROUP: kind})
 
 
-def same_as(field: attrs.Attribute, default: Any = None) -> Any:
+def same_as(field: attrs.Attribute[Any], default: Any = None) -> Any:
     """Return an attrs field that is the option of another class. default: in place of its own."""
     (first, *others), value = field.metadata[_KEY], field.default if default is None else default
     first = attrs.evolve(first.named(field.name), default=first.default if default is None else default)

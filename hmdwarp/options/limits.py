@@ -50,7 +50,7 @@ class Number:
         least = f"{'above' if self.above else 'of at least'} {self.least:g}{unit}"
         return f"{least} and at most {self.most:g}{unit}" if math.isfinite(self.most) else least
 
-    def __call__(self, _: object, field: attrs.Attribute, value: Any) -> None:
+    def __call__(self, _: object, field: attrs.Attribute[Any], value: Any) -> None:
         for one in value if isinstance(value, tuple) else (value,):
             if one is None:
                 continue
@@ -61,7 +61,7 @@ class Number:
                 raise InputError(f"{name} {found:g}{unit}: wanted a number {self.words(unit)}")
 
 
-def _name_of(field: attrs.Attribute) -> tuple[str, str]:
+def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
     """Return the name and unit (" ms") that the user knows a field by."""
     declared = field.metadata.get("options", ())
     if not declared:
@@ -70,10 +70,10 @@ def _name_of(field: attrs.Attribute) -> tuple[str, str]:
     return declared[0].named(field.name).flag.removeprefix("--"), unit
 
 
-def one_of(*known: str) -> Callable[[object, attrs.Attribute, str], None]:
+def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str], None]:
     """Return a validator that raises InputError for any other text."""
 
-    def check(_: object, field: attrs.Attribute, value: str) -> None:
+    def check(_: object, field: attrs.Attribute[Any], value: str) -> None:
         if value not in known:
             raise InputError(f"{field.name} '{value}': wanted {' or '.join(known)}")
 

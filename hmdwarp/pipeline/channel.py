@@ -173,7 +173,7 @@ class Coder:
         return {"codec": self._codec, **{name: median(values) if values else None for name, values in figures.items()}}
 
 
-def _packed(content: moderngl.Texture | NDArray) -> int:
+def _packed(content: moderngl.Texture | NDArray[Any]) -> int:
     return packed_bytes(content if isinstance(content, np.ndarray) else download(content))
 
 

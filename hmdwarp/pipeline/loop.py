@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from ..client.compensator import Compensator, EyeResult
     from ..client.history import History
     from ..client.plan import Plan
-    from ..frames import Needs
-    from ..geometry import Eyes
+    from ..frames import EyeImage, Needs
+    from ..geometry import Eyes, View
     from ..gpu.timers import Lap, Stages
     from ..link import TransitStats
     from ..poses import PoseSample, PoseSource
@@ -165,7 +165,7 @@ class Loop:
 
     def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
         asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
-        last: tuple = (None,) * len(first)
+        last: tuple[View | None, ...] = (None,) * len(first)
         if asked.scanout_ns:
             last = self._eyes.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
         return tuple(
@@ -173,7 +173,7 @@ class Loop:
             for eye in range(len(first))
         )
 
-    def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple:
+    def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple[EyeImage, ...]:
         """Return the other pictures that a plan looks into, with the layers that it needs."""
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
         past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])

@@ -50,7 +50,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     return "wide" if chosen == "none" else f"wide+{chosen}"
 
 
-def _check_guard(instance: object, field: attrs.Attribute, value: float | str) -> None:
+def _check_guard(instance: object, field: attrs.Attribute[Any], value: float | str) -> None:
     if value != AUTO:
         Number(least=1.0)(instance, field, value)
 
