@@ -10,7 +10,7 @@ from PIL import Image
 import hmdwarp
 from hmdwarp import Fov, Pose, View
 from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu import Gpu
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/frame_loop")
 out.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from hmdwarp.poses.predict import predict
+from hmdwarp.poses import predict
 
 import hmdwarp
 

@@ -154,9 +154,19 @@ def test_every_part_has_its_place():
 
 # Registries whose entries are files: an entry is called what it is, in whatever registry it stands.
 ENTRIES = (
-    "client/effects", "client/fills", "client/lens", "client/warps", "frames/layers", "link/codec/codecs", "link/delays",
-    "metrics/library", "poses/formats", "poses/predictors", "scenes/library", "server/parts",
-)  # fmt: skip
+    "client/effects",
+    "client/fills",
+    "client/lens",
+    "client/warps",
+    "frames/layers",
+    "link/codec/codecs",
+    "link/delays",
+    "metrics/library",
+    "poses/formats",
+    "poses/predictors",
+    "scenes/library",
+    "server/parts",
+)
 COMMANDS = "cli"  # a command's file carries the name of the command
 # Names of modules or packages that stand in several places, with the reason.
 SAME_NAME = {
@@ -407,8 +417,11 @@ def loaded_by(code: str) -> set[str]:
     """The top-level modules in sys.modules of a fresh Python after `code`."""
     done = subprocess.run(
         [sys.executable, "-c", f"{code}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})"],
-        check=True, capture_output=True, text=True, cwd=ROOT,
-    )  # fmt: skip
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+    )
     return set(done.stdout.split())
 
 

@@ -5,6 +5,7 @@ Fields are commented where they stand, and a line opens with `Errors:` or `Sourc
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -56,14 +57,26 @@ def _fields(cls: griffe.Class) -> dict[str, griffe.Attribute]:
 
 def _item(field: griffe.Attribute) -> str:
     """Return one item of a list: name, type, default, comment."""
-    value = str(field.value) if field.value is not None else ""
-    if value.startswith(("attrs.", "attr.")):
-        inner = re.search(r"default=([^,()]+)[,)]", value)
-        value = inner[1] if inner else ""
-    default = f" = {value}" if 0 < len(value) < SHORT else ""
+    default, text = _declared(str(field.value)) if field.value is not None else ("", "")
+    default = f" = {default}" if 0 < len(default) < SHORT else ""
     annotation = f": {field.annotation}" if field.annotation is not None else ""
-    text = field.docstring.value if field.docstring else _comment(field)
+    text = text or (field.docstring.value if field.docstring else _comment(field))
     return f"- `{field.name}{annotation}{default}` {text}".rstrip()
+
+
+def _declared(value: str) -> tuple[str, str]:
+    """Return the default and the help text of a field, by what it is set to: a value, or a call."""
+    call = ast.parse(value, mode="eval").body
+    name = ast.unparse(call.func) if isinstance(call, ast.Call) else ""
+    if name == "group":
+        return "", ""
+    if name not in ("attrs.field", "option"):
+        return value, ""
+    known = dict(zip(("default", "help"), call.args, strict=False)) if name == "option" else {}
+    known |= {keyword.arg: keyword.value for keyword in call.keywords}
+    default, text = (ast.unparse(known[key]) if key in known else "" for key in ("default", "help"))
+    default = "" if default == "attrs.NOTHING" else default
+    return default, ast.literal_eval(text) if text[:1] in ("'", '"') else ""
 
 
 def _comment(field: griffe.Attribute) -> str:

@@ -131,10 +131,20 @@ def test_progress_counts_to_the_end(full):
 
 @pytest.mark.parametrize(("warp", "fill"), [("forward", "interpolate"), ("backward", "none")])
 def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
-    """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its frames."""
+    """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its
+    frames.
+    """
     replayed = run(
-        tmp_path, warp=warp, fill=fill, headset=SMALL.headset, guard=SMALL.guard, latency_ms=200.0, seconds=0.5, metrics_every=1, workers=0
-    )  # fmt: skip
+        tmp_path,
+        warp=warp,
+        fill=fill,
+        headset=SMALL.headset,
+        guard=SMALL.guard,
+        latency_ms=200.0,
+        seconds=0.5,
+        metrics_every=1,
+        workers=0,
+    )
     wanted = [row for row in replayed.rows if (row["frame"], row["eye"]) in ((7, 0), (22, 1))]
     row = next(r for r in full[1].data["rows"] if (r["latency_ms"], r["warp"], r["fill"]) == (200.0, warp, fill))
     for name in QUALITY:
@@ -278,10 +288,17 @@ def test_passes_are_held_against_what_they_must_move():
 
 def test_the_answer_tells_what_to_run_and_what_more_would_give():
     choice = {
-        "budget_ms": 20.0, "warp": "iterative:steps=3", "fill": "interpolate", "settings": {"steps": "3"}, "total_ms": 16.7, "flip": 0.08,
-        "psnr_db": 31.0, "sizes": [(1280, 800)], "cases": 2,
+        "budget_ms": 20.0,
+        "warp": "iterative:steps=3",
+        "fill": "interpolate",
+        "settings": {"steps": "3"},
+        "total_ms": 16.7,
+        "flip": 0.08,
+        "psnr_db": 31.0,
+        "sizes": [(1280, 800)],
+        "cases": 2,
         "next": {"warp": "multi", "fill": "none", "total_ms": 27.3, "flip": 0.06, "psnr_db": 30.5},
-    }  # fmt: skip
+    }
     first, use, following = answer(choice)
     assert (
         "Within 20 ms" in first

@@ -129,7 +129,9 @@ def test_memory_bounds_what_exists_at_a_time(count, most):
 @pytest.mark.parametrize("needs", [Needs(), Needs(others=Others(1, 40_000_000)), Needs(others=Others(3, 100_000_000))])
 @pytest.mark.parametrize("latency_ms", [0.0, 60.0, 200.0])
 def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms):
-    """The frames, the older frames and the heads are those of the run in which every frame was drawn."""
+    """The frames, the older frames and the heads are those of the run in which every frame was
+    drawn.
+    """
     looked_at = {0, 7, 8, 23, 29}
 
     def seen(refresh, setup):

@@ -28,7 +28,9 @@ class Done:
     err: str
 
     def refused(self, *told: str, status: int = 2) -> None:
-        """It ended with that status and one line on stderr that holds each of `told`, and printed nothing else."""
+        """It ended with that status and one line on stderr that holds each of `told`, and printed
+        nothing else.
+        """
         assert self.status == status, self
         assert self.out == "", self
         assert self.err.startswith("hmdwarp: ") and self.err.endswith("\n") and self.err.count("\n") == 1, self

@@ -6,8 +6,24 @@ import json
 
 import pytest
 
-QUICK = ("--scene", "planes", "--size", "48x40", "--seconds", "0.3", "--instants", "1", "--rounds", "1", "--workers", "0", "--guard", "1.1",
-         "--no-grid", "--no-fused")  # fmt: skip
+QUICK = (
+    "--scene",
+    "planes",
+    "--size",
+    "48x40",
+    "--seconds",
+    "0.3",
+    "--instants",
+    "1",
+    "--rounds",
+    "1",
+    "--workers",
+    "0",
+    "--guard",
+    "1.1",
+    "--no-grid",
+    "--no-fused",
+)
 
 
 @pytest.fixture(autouse=True)
@@ -35,9 +51,11 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
     found = {(r["trace"], r["latency_ms"], tuple(r["size"]), r["warp"], r["fill"]) for r in data["rows"]}
     wanted = {
         (trace, latency, size, warp, "none")
-        for trace in ("look-around", "walk") for latency in (100.0, 0.0) for size in ((48, 40), (32, 24))
+        for trace in ("look-around", "walk")
+        for latency in (100.0, 0.0)
+        for size in ((48, 40), (32, 24))
         for warp in ("rotation", "forward", "none")
-    }  # fmt: skip
+    }
     assert found == wanted
     assert data["command"].startswith("hmdwarp bench look-around --scene planes")
     assert "Within 10000 ms per eye the most accurate is" in " ".join(done.out.split())

@@ -164,7 +164,8 @@ def test_plan_refuses_what_replay_refuses(option, value, told, command):
 
 def test_plan_starts_no_gl():
     code = "import sys; sys.argv = ['hmdwarp', 'plan', '--scene', 'planes']\nfrom hmdwarp.gpu import context\n"
-    code += "def refuse(): raise SystemExit('started')\ncontext.create_context = refuse\nfrom hmdwarp.cli import main; main()"
+    code += "def refuse(): raise SystemExit('started')\ncontext.create_context = refuse\n"
+    code += "from hmdwarp.cli import main; main()"
     done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True, cwd=ROOT)
     assert (done.returncode, done.stderr) == (0, "")
 

@@ -128,10 +128,17 @@ def test_files_of_other_kinds(command, tmp_path):
     frame, pose = write_frame(tmp_path / "frame.npz"), write_pose(tmp_path / "pose.json")
     whole = frame.read_bytes()
     others = {
-        "missing.npz": None, "empty.npz": b"", "cut.npz": whole[: len(whole) // 2], "text.npz": b"hello", "tail.npz": whole[200:],
-        "array.npz": npy_bytes(np.zeros(3)), "pickle.npz": b"\x80\x04N.", "zip.npz": zip_bytes({"readme.txt": b"hello"}),
-        "odd.npz": zip_bytes({"colour": b"no array"}), "lying.npz": zip_bytes(dict.fromkeys(arrays_names(), b"no array")),
-    }  # fmt: skip
+        "missing.npz": None,
+        "empty.npz": b"",
+        "cut.npz": whole[: len(whole) // 2],
+        "text.npz": b"hello",
+        "tail.npz": whole[200:],
+        "array.npz": npy_bytes(np.zeros(3)),
+        "pickle.npz": b"\x80\x04N.",
+        "zip.npz": zip_bytes({"readme.txt": b"hello"}),
+        "odd.npz": zip_bytes({"colour": b"no array"}),
+        "lying.npz": zip_bytes(dict.fromkeys(arrays_names(), b"no array")),
+    }
     for name, data in others.items():
         path = tmp_path / name
         if data is not None:

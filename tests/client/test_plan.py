@@ -68,7 +68,7 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
     return build_plan((), warp, fill, lens, client_geometry=geometry)
 
 
-# --- what is in it --------------------------------------------------------------------------------
+# --- what is in it ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
@@ -140,7 +140,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
             assert isinstance(entry.is_pass, bool)
 
 
-# --- what is refused ------------------------------------------------------------------------------
+# --- what is refused ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("fill", "lens"), list(itertools.product(("none", "interpolate", "pyramid"), lenses.names())))
@@ -202,7 +202,7 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
             )
 
 
-# --- what it costs --------------------------------------------------------------------------------
+# --- what it costs ------------------------------------------------------------------------------
 
 RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
@@ -249,15 +249,15 @@ def given_for(gpu, warp: str) -> PassInputs:
 @pytest.fixture(scope="module")
 def geometry(gpu):
     """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
-    there already."""
+    there already.
+    """
     scene = ClientScene(gpu)
     scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
     return scene
 
 
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
-    """What the warp and the fills ask for by themselves, and the shown depth where a fill reads
-    it."""
+    """What warp and fills need by themselves, and the shown depth where a fill reads it."""
     costs = Costs(gpu, monkeypatch)
     warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
     chain = parse_fills(choice[1])

@@ -101,7 +101,7 @@ def test_what_was_forced_or_forbidden_is_told_as_that():
     assert step.reason.startswith("forced, though the scene has nothing of overlay")
 
 
-# --- what an experiment asks for ------------------------------------------------------------------
+# --- what an experiment asks for ----------------------------------------------------------------
 
 
 def test_auto_changes_nothing_and_none_forbids_everything():

@@ -40,7 +40,8 @@ def lower_median(values: np.ndarray) -> np.float32:
 
 def samples(depth: np.ndarray) -> np.ndarray:
     """The texels in the middle of each of 64 x 64 equal cells, by another formula than the
-    shader's."""
+    shader's.
+    """
     y, x = (np.floor((np.arange(GRID) + 0.5) * n / GRID + 1e-9).astype(int) for n in depth.shape)
     return depth[y][:, x]
 

@@ -1,5 +1,8 @@
-"""`name:key=value`: what is printed is read back as it was, and what cannot be meant is refused in
-one line that says what can."""
+"""`name:key=value`.
+
+What is printed is read back as it was, and what cannot be meant is refused in one line that says
+what can.
+"""
 
 from __future__ import annotations
 
@@ -108,7 +111,8 @@ def test_a_number_that_is_none_is_refused(name, field, value):
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "-1"])
 def test_a_number_that_cannot_be_meant_is_refused(name, field, value):
     """A negative tolerance or a step count that is not a number would make a picture that looks
-    like a fault of the method."""
+    like a fault of the method.
+    """
     with pytest.raises(InputError) as refused:
         parse_warp(f"{name}:{field}={value}")
     assert field in str(refused.value)

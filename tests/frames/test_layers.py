@@ -68,7 +68,7 @@ def test_every_layer_is_read_by_some_pass():
     assert read == set(readable_names())
 
 
-# --- needs ----------------------------------------------------------------------------------------
+# --- needs --------------------------------------------------------------------------------------
 
 
 def test_two_needs_together_are_enough_for_both():

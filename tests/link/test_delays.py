@@ -56,8 +56,7 @@ def test_every_model(name, latency_ms, tmp_path):
 
 
 def test_uniform_jitter_is_even():
-    """A tenth of the samples in each tenth of the range, within 5 standard deviations of a
-    count."""
+    """A tenth of the samples in each tenth of the range, within 5 standard deviations."""
     counts, _ = np.histogram(drawn(UniformJitter(20), 200 * MS), bins=10, range=(180 * MS, 220 * MS))
     assert counts.sum() == MANY
     assert np.abs(counts - MANY / 10).max() < 5 * math.sqrt(MANY / 10)

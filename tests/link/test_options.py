@@ -1,5 +1,6 @@
 """From the texts of the command line to a network, and what is said about texts that cannot be
-meant."""
+meant.
+"""
 
 from __future__ import annotations
 
@@ -101,7 +102,8 @@ def test_a_jitter_wider_than_the_latency_is_refused_when_the_latency_is_known():
 
 def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
     """What becomes of each frame without a limit of bandwidth does not depend on its size, nor on
-    whether the losses were drawn."""
+    whether the losses were drawn.
+    """
 
     def delays(options: LinkOptions, size: int) -> dict[int, int]:
         link, out = options.link(100 * MS), {}

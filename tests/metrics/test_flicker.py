@@ -18,7 +18,10 @@ angle = st.floats(-0.25, 0.25)
 
 
 def world_pattern(view: View, frequency: float) -> np.ndarray:
-    """(h, w, 3) top row first: an error painted on the sphere of world directions, of amplitude 0.5 and `frequency` per radian."""
+    """(h, w, 3) top row first.
+
+    An error painted on the sphere of world directions, of amplitude 0.5 and `frequency` per radian.
+    """
     rays = view.rays(SIZE)
     x, y, z = np.moveaxis(
         view.pose.rotation.apply((rays / np.linalg.norm(rays, axis=-1, keepdims=True)).reshape(-1, 3)), -1, 0
@@ -42,10 +45,12 @@ def test_the_same_error_at_the_same_view_is_exactly_zero():
 @settings(max_examples=25)
 @given(angle, angle, angle)
 def test_error_fixed_in_the_world_does_not_flicker(yaw, pitch, roll):
-    """Bilinear sampling is off by at most (fxx + fyy) step^2 / 8 for second derivatives f per pixel step.
+    """Bilinear sampling is off by at most (fxx + fyy) step^2 / 8 for second derivatives f per pixel
+    step.
 
-    A pixel is at most 1.46/80 of a tangent, so of a radian, wide; the pattern's phase moves by at most 1.5 * 4 per radian,
-    so |f''| <= 0.5 * 6^2 and its curvature over the tangent plane adds at most as much again: the bound is doubled.
+    A pixel is at most 1.46/80 of a tangent, so of a radian, wide; the pattern's phase moves by at
+    most 1.5 * 4 per radian, so |f''| <= 0.5 * 6^2 and its curvature over the tangent plane adds at
+    most as much again: the bound is doubled.
     """
     now, before = turned(yaw, pitch, roll), turned(0)
     steady = flicker(world_pattern(now, 4), now, world_pattern(before, 4), before)
@@ -69,7 +74,8 @@ def test_scales_with_the_error(yaw, scale, seed):
 
 def test_random_error_flickers_by_the_mean_difference():
     a, b = np.random.default_rng(0).uniform(-1, 1, (2, 200, 200, 3))
-    # |a - b| of two uniform variables on -1..1 has mean 2/3; 120000 samples of deviation 0.47 give it within 4 * 0.0014.
+    # |a - b| of two uniform variables on -1..1 has mean 2/3; 120000 samples of deviation 0.47 give
+    # it within 4 * 0.0014.
     assert flicker(a, turned(0), b, turned(0)) == pytest.approx(2 / 3, abs=0.006)
 
 
@@ -85,7 +91,9 @@ def test_far_from_the_origin_is_as_exact():
 
 
 def test_only_where_both_exist():
-    """Turned by 45 of its 74 degrees, the present picture shares just one half of the previous one (0.1 rad short of it)."""
+    """Turned by 45 of its 74 degrees, the present picture shares just one half of the previous one
+    (0.1 rad short of it).
+    """
     a, b = np.zeros((30, 40, 3)), np.zeros((30, 40, 3))
     b[:, :20] = 1
     assert flicker(a, turned(0), b, turned(0)) == 0.5

@@ -22,7 +22,10 @@ poses = st.builds(
 
 
 def outside_by_rays(depth_m: np.ndarray, shown: View, rendered: View) -> np.ndarray:
-    """(h, w) top row first: whether each pixel's surface point lies outside `rendered`, through points in the world."""
+    """(h, w) top row first.
+
+    Whether each pixel's surface point lies outside `rendered`, through points in the world.
+    """
     points = shown.rays(SIZE) * depth_m[::-1][..., None]
     x, y, z = np.moveaxis(rendered.pose.inverse().transform(shown.pose.transform(points)), -1, 0)
     left, right, down, up = rendered.fov.tangents
@@ -39,7 +42,10 @@ def test_share_counts_zeros_only():
 @settings(max_examples=60)
 @given(poses, st.integers(0, 2**32 - 1))
 def test_border_against_rays(shown, seed):
-    """The other route: points in the world and four planes. A point within 1e-9 of a plane may fall either way; none does."""
+    """The other route: points in the world and four planes.
+
+    A point within 1e-9 of a plane may fall either way; none does.
+    """
     rng = np.random.default_rng(seed)
     depth_m = rng.uniform(0.4, 20, (33, 41))
     coverage = rng.random((33, 41)) > 0.5
@@ -61,7 +67,10 @@ def test_same_view_leaves_nothing_outside():
 
 
 def test_turned_right_the_border_is_on_the_right():
-    """Looking 10 degrees further right: only columns whose ray is beyond the old right edge are border, at any depth."""
+    """Looking 10 degrees further right.
+
+    Only columns whose ray is beyond the old right edge are border, at any depth.
+    """
     step = math.radians(10)
     left, right = FOV.left, FOV.right
     x = np.tan(left) + (np.arange(41) + 0.5) * (np.tan(right) - np.tan(left)) / 41

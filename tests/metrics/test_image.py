@@ -1,4 +1,7 @@
-"""PSNR, SSIM and FLIP: known answers, and the mistakes that are easy to make with flip-evaluator's input."""
+"""PSNR, SSIM and FLIP.
+
+Known answers, and the mistakes that are easy to make with flip-evaluator's input.
+"""
 
 import math
 
@@ -21,15 +24,19 @@ def flat(colour, size=(8, 6)) -> np.ndarray:
 
 
 def flip_of_flat_colours(reference, test) -> float:
-    """FLIP of two pictures of one colour each, from the paper: its filters change nothing there and no edge is found.
+    """FLIP of two pictures of one colour each, from the paper.
 
-    Source: Andersson et al. 2020, sections 4.1-4.3 (qc = 0.7, pc = 0.4, pt = 0.95) with the D65 white of linear RGB (1, 1, 1).
+    Its filters change nothing there and no edge is found.
+    Source: Andersson et al. 2020, sections 4.1-4.3 (qc = 0.7, pc = 0.4, pt = 0.95) with the D65
+    white of linear RGB (1, 1, 1).
     """
     xyz_from_rgb = np.array(
-        [[10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794],
-         [2613072 / 12288897, 8788810 / 12288897, 887015 / 12288897],
-         [1425312 / 73733382, 8788810 / 73733382, 70074185 / 73733382]]
-    )  # fmt: skip
+        [
+            [10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794],
+            [2613072 / 12288897, 8788810 / 12288897, 887015 / 12288897],
+            [1425312 / 73733382, 8788810 / 73733382, 70074185 / 73733382],
+        ]
+    )
     white = xyz_from_rgb.sum(axis=1)
 
     def hunt_lab(linear):
@@ -55,10 +62,12 @@ def flip_of_flat_colours(reference, test) -> float:
 @settings(max_examples=50)
 @given(colours, colours)
 def test_flip_of_flat_colours_is_that_of_the_paper(reference, test):
-    """A swapped channel order, or linear values taken for sRGB ones, gives another answer for almost every pair.
+    """A swapped channel order, or linear values taken for sRGB ones, gives another answer for
+    almost every pair.
 
-    At 5 pixels per degree flip-evaluator's kernels are a few pixels and sum to 1 within float32 (at 22 only within 1e-4);
-    the colours then carry 1e-7, which a lightness of 116 and 500 x differences turn into 1e-5 at most.
+    At 5 pixels per degree flip-evaluator's kernels are a few pixels and sum to 1 within float32 (at
+    22 only within 1e-4); the colours then carry 1e-7, which a lightness of 116 and 500 x
+    differences turn into 1e-5 at most.
     """
     assert flip(flat(test), flat(reference), 5)[0] == pytest.approx(flip_of_flat_colours(reference, test), abs=1e-5)
 
@@ -71,7 +80,10 @@ def test_flat_colours_would_show_a_wrong_channel_order():
 
 
 def test_flip_uses_the_pixels_per_degree():
-    """The same angles at twice the resolution look the same; a map that ignored ppd, or took its default of 67, would not."""
+    """The same angles at twice the resolution look the same.
+
+    A map that ignored ppd, or took its default of 67, would not.
+    """
     coarse = [smooth((48, 40), phase) for phase in (0.0, 0.35)]
     coarse[1][12:20, 20:23] = 255
     fine = [p.repeat(2, axis=0).repeat(2, axis=1) for p in coarse]
@@ -149,7 +161,10 @@ def test_holes_at_the_border_count_for_every_figure():
 
 
 def test_ssim_is_the_formula_of_the_paper():
-    """Every window by hand: eq. 13 with a Gaussian of sigma 1.5 cut at 11x11, the border mirrored, the mean over all pixels."""
+    """Every window by hand: eq.
+
+    13 with a Gaussian of sigma 1.5 cut at 11x11, the border mirrored, the mean over all pixels.
+    """
     shown, truth = noise(5, (14, 13)), noise(6, (14, 13))
     k = np.exp(-((np.arange(11) - 5) ** 2) / (2 * 1.5**2))
     weights = np.outer(k, k) / np.outer(k, k).sum()

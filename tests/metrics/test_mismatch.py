@@ -1,4 +1,6 @@
-"""Holes that one eye has and the other has not, against a brute-force count through points in the world."""
+"""Holes that one eye has and the other has not, against a brute-force count through points in the
+world.
+"""
 
 import numpy as np
 import pytest
@@ -22,7 +24,10 @@ def board_depth(view: View, board_m: float, wall_m: float, size=SIZE) -> np.ndar
 
 
 def brute(left_holes: np.ndarray, right_holes: np.ndarray, board_m: float, wall_m: float) -> Mismatch:
-    """Each left ray to its point in the world; the right eye sees it unless the board is in the way. Rows as pictures have them."""
+    """Each left ray to its point in the world.
+
+    The right eye sees it unless the board is in the way. Rows as pictures have them.
+    """
     seen = one_eyed = 0
     rays = LEFT.rays(SIZE)[::-1]
     for row in range(SIZE[1]):
@@ -53,7 +58,9 @@ def test_against_points_in_the_world(board_m, wall_m):
 
 
 def test_the_same_world_hole_in_both_eyes_is_no_mismatch():
-    """A hole painted on the wall 1 m away, in both pictures, against the same in the left one alone."""
+    """A hole painted on the wall 1 m away, in both pictures, against the same in the left one
+    alone.
+    """
     size = (400, 60)
     wall = np.ones((60, 400), np.float32)
     holes = [np.abs(view.rays(size)[..., 0] + view.pose.position_m[0]) < 0.1 for view in (LEFT, RIGHT)]

@@ -1,4 +1,7 @@
-"""The Pareto front: nobody on it is beaten, everybody off it is, and ties stay together in their order."""
+"""The Pareto front.
+
+Nobody on it is beaten, everybody off it is, and ties stay together in their order.
+"""
 
 import math
 
@@ -9,7 +12,8 @@ from hypothesis import strategies as st
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.metrics import error_and_time, pareto
 
-# Few different values, so that ties in one cost and in both are frequent; and any float, infinities included.
+# Few different values, so that ties in one cost and in both are frequent; and any float, infinities
+# included.
 COST = st.one_of(st.integers(0, 4).map(float), st.floats(allow_nan=False))
 ROWS = st.lists(st.tuples(COST, COST), max_size=40)
 

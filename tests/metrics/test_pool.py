@@ -1,4 +1,7 @@
-"""The pool: same bits with any number of workers, bounded, and nothing left behind however it ends."""
+"""The pool.
+
+Same bits with any number of workers, bounded, and nothing left behind however it ends.
+"""
 
 import gc
 import os
@@ -164,7 +167,10 @@ def test_a_worker_that_cannot_start_says_why(monkeypatch):
 
 
 def test_the_queue_is_bounded():
-    """With the only worker stopped, one job is with it and one waits; the third submit must wait too."""
+    """With the only worker stopped, one job is with it and one waits.
+
+    The third submit must wait too.
+    """
     with QualityPool(1, PPD) as pool:
         pool.submit(0, job(0))
         while not pool.results:
@@ -223,7 +229,10 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c_in_a_terminal(tmp_path):
-    """The terminal signals the whole foreground process group; the loop alone hears it, and nothing is printed but its own words."""
+    """The terminal signals the whole foreground process group.
+
+    The loop alone hears it, and nothing is printed but its own words.
+    """
     script = tmp_path / "script.py"
     package = Path(hmdwarp.__file__).parents[1]
     script.write_text(textwrap.dedent(SCRIPT).format(package=str(package), tests=str(Path(__file__).parents[1])))

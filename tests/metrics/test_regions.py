@@ -18,7 +18,10 @@ FULL = np.ones((48, 64))
 
 
 def plane(normal, distance_m: float, size=SIZE, view: View | None = None) -> np.ndarray:
-    """(h, w) inverse depth of the plane normal . p = -distance; 0 where it is not before the eye."""
+    """(h, w) inverse depth of the plane normal .
+
+    p = -distance; 0 where it is not before the eye.
+    """
     rays = (view or View(Pose(), Fov.symmetric(math.radians(6.4), math.radians(4.8)))).rays(size)
     return np.maximum(-(rays @ np.asarray(normal, float)) / distance_m, 0).astype(np.float32)
 
@@ -29,7 +32,7 @@ slopes = st.floats(-math.tan(math.radians(80)), math.tan(math.radians(80)))
 @settings(max_examples=40)
 @given(slopes, slopes, st.floats(0.1, 100))
 def test_a_plane_has_no_edge_however_slanted(across, up, distance_m):
-    """At 10 pixels a degree, up to 80 degrees on each axis, wherever it lies wholly before the eye."""
+    """At 10 pixels a degree, up to 80 degrees on each axis, where it lies before the eye."""
     depth = plane((across, up, 1), distance_m)
     if (depth > 0).all():
         assert not near_discontinuity(depth).any()
@@ -91,7 +94,10 @@ def test_a_hole_is_a_hole_also_at_an_edge():
 
 
 def test_regions_together_are_the_picture():
-    """Pooled over the regions again, the squared errors give the picture's PSNR and FLIP: nothing is counted twice or left out."""
+    """Pooled over the regions again, the squared errors give the picture's PSNR and FLIP.
+
+    Nothing is counted twice or left out.
+    """
     shown, truth = noise(1, SIZE), noise(2, SIZE)
     rng = np.random.default_rng(3)
     coverage, depth = rng.integers(0, 2, (48, 64)), np.zeros((48, 64), np.float32)
@@ -106,7 +112,10 @@ def test_regions_together_are_the_picture():
 
 
 def test_pictures_are_pooled_before_the_logarithm():
-    """A picture whose holes are 10 pixels counts a hundredth of one whose holes are 1000; dB are never averaged."""
+    """A picture whose holes are 10 pixels counts a hundredth of one whose holes are 1000.
+
+    DB are never averaged.
+    """
     truth = np.zeros((48, 64, 3), np.uint8)
     zeros = np.zeros((48, 64), np.float32)
 

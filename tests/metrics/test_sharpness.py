@@ -49,7 +49,9 @@ def test_resampling_twice_is_less_sharp_than_once():
 @settings(max_examples=10)
 @given(st.integers(1, 10**6), st.floats(0.01, 0.1))
 def test_noise_is_no_sharpness(seed, amount):
-    """Added to a blurred picture, it moves the slope by chance alone, which spreads as amount / truth detail / sqrt(values)."""
+    """Added to a blurred picture, it moves the slope by chance alone, which spreads as amount /
+    truth detail / sqrt(values).
+    """
     blurred = gaussian_filter(TRUTH, (1, 1, 0))
     rng = np.random.default_rng(seed)
     noisy = np.clip(blurred + amount * rng.normal(size=TRUTH.shape), 0, 1)

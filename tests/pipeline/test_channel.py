@@ -48,7 +48,8 @@ def test_every_frame_is_accounted_for(tmp_path, network, codec):
 @pytest.mark.parametrize("codec", ["h264", "hevc"])
 def test_the_client_warps_what_has_arrived(codec):
     """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within
-    the code's own bound."""
+    the code's own bound.
+    """
     seen = []
     with set_up_replay(small(coding=Coding(codec, crf=20), latency_ms=50.0, rate_hz=30.0, size=(160, 120))) as setup:
         for number, instant_ns in setup.schedule.numbered():

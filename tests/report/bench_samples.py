@@ -1,4 +1,7 @@
-"""A made-up bench in the form of bench.json: 15 warps, two fills, two recordings, three latencies; numbers roughly like real ones."""
+"""A made-up bench in the form of bench.json: 15 warps, two fills, two recordings, three latencies.
+
+Numbers roughly like real ones.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +15,22 @@ from hmdwarp.metrics import QUALITY
 
 # warp: (ms, FLIP at 200 ms in look-around, share of holes there)
 WARPS = {
-    "none": (2.1, 0.359, 0.0), "rotation": (2.7, 0.149, 0.02), "planar": (3.5, 0.126, 0.021), "environment": (3.9, 0.118, 0.0),
-    "forward_raster": (6.2, 0.121, 0.103), "forward": (7.4, 0.091, 0.103), "forward_ordered": (19.0, 0.091, 0.103),
-    "splat": (31.0, 0.079, 0.034), "backward": (4.7, 0.074, 0.032), "iterative": (8.8, 0.081, 0.04), "search": (22.0, 0.072, 0.032),
-    "mesh": (160.0, 0.07, 0.031), "mesh_adaptive": (21.0, 0.071, 0.031), "multi": (15.3, 0.058, 0.012), "layered": (24.0, 0.049, 0.006),
-}  # fmt: skip
+    "none": (2.1, 0.359, 0.0),
+    "rotation": (2.7, 0.149, 0.02),
+    "planar": (3.5, 0.126, 0.021),
+    "environment": (3.9, 0.118, 0.0),
+    "forward_raster": (6.2, 0.121, 0.103),
+    "forward": (7.4, 0.091, 0.103),
+    "forward_ordered": (19.0, 0.091, 0.103),
+    "splat": (31.0, 0.079, 0.034),
+    "backward": (4.7, 0.074, 0.032),
+    "iterative": (8.8, 0.081, 0.04),
+    "search": (22.0, 0.072, 0.032),
+    "mesh": (160.0, 0.07, 0.031),
+    "mesh_adaptive": (21.0, 0.071, 0.031),
+    "multi": (15.3, 0.058, 0.012),
+    "layered": (24.0, 0.049, 0.006),
+}
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 MACHINE = {
     "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
@@ -50,31 +64,62 @@ def a_row(
     }
     stages["total"] = sum(stages.values())
     quality = {
-        **dict.fromkeys(QUALITY, 0.5), "psnr_db": 6 - 21 * np.log10(error), "ssim": 1 - 1.3 * error, "flip": error, "hole_share": holes, "border_share": holes / 4,
+        **dict.fromkeys(QUALITY, 0.5),
+        "psnr_db": 6 - 21 * np.log10(error),
+        "ssim": 1 - 1.3 * error,
+        "flip": error,
+        "hole_share": holes,
+        "border_share": holes / 4,
         "flicker": error / 7 * noise[4],
-    }  # fmt: skip
+    }
     shares = {"holes": holes, "edges": 0.12, "elsewhere": 0.88 - holes}
     parts = {"holes": 0.6, "edges": error * 1.9, "elsewhere": error * 0.6}
     bounds = {"warp": 2.6, "fill": 1.6, "lens": 2.2}
     return {
-        "schema": 1, "hmdwarp": "0.1.0", "trace": trace, "scene": "room", "effects": [], "latency_ms": latency_ms,
-        "warp": warp, "fill": fill, "lens": "radial", "headset": "rift-dk1", "size": [1280, 800], "frames": 120,
-        "rate_hz": 60.0, "guard": 1.5, "predict": "none",
-        "pixels_per_degree": 12.8, "machine": MACHINE, "clock": "wall",
+        "schema": 1,
+        "hmdwarp": "0.1.0",
+        "trace": trace,
+        "scene": "room",
+        "effects": [],
+        "latency_ms": latency_ms,
+        "warp": warp,
+        "fill": fill,
+        "lens": "radial",
+        "headset": "rift-dk1",
+        "size": [1280, 800],
+        "frames": 120,
+        "rate_hz": 60.0,
+        "guard": 1.5,
+        "predict": "none",
+        "pixels_per_degree": 12.8,
+        "machine": MACHINE,
+        "clock": "wall",
         "time_ms": {stage: {"median": value, "p95": 1.15 * value} for stage, value in stages.items()},
         "quality": {name: {"mean": value, "p95": 1.4 * value} for name, value in quality.items()},
-        "measured": dict.fromkeys(quality, 20), "notes": [],
+        "measured": dict.fromkeys(quality, 20),
+        "notes": [],
         "regions": {
-            name: {"share": share, "psnr_db": 30 - 40 * parts[name] if share else None, "flip": parts[name] if share else None}
+            name: {
+                "share": share,
+                "psnr_db": 30 - 40 * parts[name] if share else None,
+                "flip": parts[name] if share else None,
+            }
             for name, share in shares.items()
         },
         "mismatch": holes * 0.7,
         "passes": [
-            {"name": name, "bytes": int(bound * 8e6), "bound_ms": bound, "median_ms": stages[name], "times_bound": stages[name] / bound}
-            for name, bound in bounds.items() if stages[name]
+            {
+                "name": name,
+                "bytes": int(bound * 8e6),
+                "bound_ms": bound,
+                "median_ms": stages[name],
+                "times_bound": stages[name] / bound,
+            }
+            for name, bound in bounds.items()
+            if stages[name]
         ],
         **changes,
-    }  # fmt: skip
+    }
 
 
 def some_rows(
@@ -99,10 +144,16 @@ def a_grid(warps: Sequence[str] = tuple(WARPS)) -> list[dict[str, Any]]:
                 error = (0.01 + flip * (0.4 if free else 1.6) * abs(step) ** 0.8) * (
                     1 + 0.02 * _dice(warp, axis, step).standard_normal()
                 )
-                rows.append({
-                    "warp": warp, "axis": axis, "offset": float(step * (30 if turning else 0.3)), "psnr_db": 40 - 60 * error, "flip": error,
-                    "hole_share": holes * abs(step),
-                })  # fmt: skip
+                rows.append(
+                    {
+                        "warp": warp,
+                        "axis": axis,
+                        "offset": float(step * (30 if turning else 0.3)),
+                        "psnr_db": 40 - 60 * error,
+                        "flip": error,
+                        "hole_share": holes * abs(step),
+                    }
+                )
     return rows
 
 
@@ -111,26 +162,58 @@ def some_fused() -> list[dict[str, Any]]:
     rows = []
     for warp in ("none", "rotation", "planar", "environment", "backward", "iterative", "search"):
         fused, separate = WARPS[warp][0] + 4, WARPS[warp][0] + 8.3
-        rows.append({
-            "warp": warp, "fused_ms": fused, "separate_ms": separate, "speedup": separate / fused,
-            "psnr_db": {"fused": 29.1, "separate": 27.6}, "flip": {"fused": 0.071, "separate": 0.083},
-            "sharpness": {"fused": 0.93, "separate": 0.78},
-        })  # fmt: skip
+        rows.append(
+            {
+                "warp": warp,
+                "fused_ms": fused,
+                "separate_ms": separate,
+                "speedup": separate / fused,
+                "psnr_db": {"fused": 29.1, "separate": 27.6},
+                "flip": {"fused": 0.071, "separate": 0.083},
+                "sharpness": {"fused": 0.93, "separate": 0.78},
+            }
+        )
     return rows
 
 
 def a_bench(**changes: Any) -> dict[str, Any]:
     """The whole of bench.json."""
     return {
-        "schema": 1, "hmdwarp": "0.1.0", "command": "hmdwarp bench --budget 20 --out out/bench", "machine": MACHINE, "clock": "wall",
-        "clocks": {"wall_ms": 4.18, "gpu_ms": None, "note": "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used."},
-        "copy_gb_s": 9.7, "rows": some_rows(), "grid": a_grid(), "fused": some_fused(),
+        "schema": 1,
+        "hmdwarp": "0.1.0",
+        "command": "hmdwarp bench --budget 20 --out out/bench",
+        "machine": MACHINE,
+        "clock": "wall",
+        "clocks": {
+            "wall_ms": 4.18,
+            "gpu_ms": None,
+            "note": "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used.",
+        },
+        "copy_gb_s": 9.7,
+        "rows": some_rows(),
+        "grid": a_grid(),
+        "fused": some_fused(),
         "grid_at": {"scene": "room", "size": [400, 400], "eye": "left"},
-        "fused_at": {"scene": "room", "trace": "look-around", "latency_ms": 200.0, "size": [1280, 800], "lens": "radial", "eye": "left"},
+        "fused_at": {
+            "scene": "room",
+            "trace": "look-around",
+            "latency_ms": 200.0,
+            "size": [1280, 800],
+            "lens": "radial",
+            "eye": "left",
+        },
         "choice": {
-            "budget_ms": 20.0, "warp": "backward", "fill": "interpolate", "settings": {"steps": 3}, "total_ms": 16.7,
-            "flip": 0.067, "psnr_db": 31.0, "sizes": [[1280, 800]], "cases": 2,
+            "budget_ms": 20.0,
+            "warp": "backward",
+            "fill": "interpolate",
+            "settings": {"steps": 3},
+            "total_ms": 16.7,
+            "flip": 0.067,
+            "psnr_db": 31.0,
+            "sizes": [[1280, 800]],
+            "cases": 2,
             "next": {"warp": "multi", "fill": "interpolate", "total_ms": 27.3, "flip": 0.052, "psnr_db": 32.1},
         },
-        "seconds": 431.5, **changes,
-    }  # fmt: skip
+        "seconds": 431.5,
+        **changes,
+    }

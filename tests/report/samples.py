@@ -15,17 +15,31 @@ def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int =
         for eye in (0, 1):
             noise = 1 + 0.1 * rng.standard_normal()
             row = {
-                "frame": frame, "eye": eye, "time_s": t, "shown_ns": int(t * 1e9), "drawn_ns": int(t * 1e9) - 200_000_000, "age_ms": 200.0,
-                "pose_origin": "interpolated", "angular_speed_deg_s": turn, "linear_speed_m_s": 0.05 + turn / 600,
-                "warp_ms": 9 * abs(noise), "fill_ms": 5 * abs(noise), "effects_ms": 0.0, "lens_ms": 7 * abs(noise),
+                "frame": frame,
+                "eye": eye,
+                "time_s": t,
+                "shown_ns": int(t * 1e9),
+                "drawn_ns": int(t * 1e9) - 200_000_000,
+                "age_ms": 200.0,
+                "pose_origin": "interpolated",
+                "angular_speed_deg_s": turn,
+                "linear_speed_m_s": 0.05 + turn / 600,
+                "warp_ms": 9 * abs(noise),
+                "fill_ms": 5 * abs(noise),
+                "effects_ms": 0.0,
+                "lens_ms": 7 * abs(noise),
                 "total_ms": 21 * abs(noise),
-            }  # fmt: skip
+            }
             if frame % every == 0:
                 error = worse * (0.04 + turn / 900) * abs(noise)
                 row |= {
-                    "psnr_db": 34 - 90 * error, "ssim": 1 - error, "flip": error, "hole_share": turn / 700 * abs(noise),
-                    "border_share": turn / 900 * abs(noise), "flicker": None if frame == 0 else error / 4,
-                }  # fmt: skip
+                    "psnr_db": 34 - 90 * error,
+                    "ssim": 1 - error,
+                    "flip": error,
+                    "hole_share": turn / 700 * abs(noise),
+                    "border_share": turn / 900 * abs(noise),
+                    "flicker": None if frame == 0 else error / 4,
+                }
             rows.append(row)
     return rows
 
@@ -33,18 +47,56 @@ def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int =
 def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
     rows = some_rows(seconds=2) if rows is None else rows
     return {
-        "schema": 1, "hmdwarp": "0.1.0", "trace": "look-around", "scene": "room", "effects": [], "latency_ms": 200.0, "warp": warp,
-        "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "size": [640, 400], "frames": len(rows) // 2,
-        "machine": {"gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)", "gl_version": "4.5 (Core Profile) Mesa 22.3.6", "cpu_count": 2},
-        "clock": "wall", **aggregate(rows), "filled": {"memory": 0.031, "pyramid": 0.02, "empty": 0.0},
-        "link": {
-            "frames": {"drawn": 120, "sent": 120, "dropped": 0, "lost": 3, "undecodable": 0, "late": 1, "superseded": 2, "shown": 100,
-                       "under_way": 14},
-            "mbit_s": 21.4, "frame_bytes": 44583.0, "codec": "h264", "encode_ms": 7.2, "decode_ms": 4.7, "coded_psnr_db": 38.1,
-            "response_ms": {"render_ms": 20.0, "encode_ms": 7.2, "queue_ms": 0.0, "transfer_ms": 8.9, "round_trip_ms": 200.0,
-                            "decode_ms": 4.7, "warp_ms": 31.5, "total_ms": 272.3},
+        "schema": 1,
+        "hmdwarp": "0.1.0",
+        "trace": "look-around",
+        "scene": "room",
+        "effects": [],
+        "latency_ms": 200.0,
+        "warp": warp,
+        "fill": "interpolate",
+        "lens": "radial",
+        "headset": "rift-dk1",
+        "size": [640, 400],
+        "frames": len(rows) // 2,
+        "machine": {
+            "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
+            "gl_version": "4.5 (Core Profile) Mesa 22.3.6",
+            "cpu_count": 2,
         },
-    }  # fmt: skip
+        "clock": "wall",
+        **aggregate(rows),
+        "filled": {"memory": 0.031, "pyramid": 0.02, "empty": 0.0},
+        "link": {
+            "frames": {
+                "drawn": 120,
+                "sent": 120,
+                "dropped": 0,
+                "lost": 3,
+                "undecodable": 0,
+                "late": 1,
+                "superseded": 2,
+                "shown": 100,
+                "under_way": 14,
+            },
+            "mbit_s": 21.4,
+            "frame_bytes": 44583.0,
+            "codec": "h264",
+            "encode_ms": 7.2,
+            "decode_ms": 4.7,
+            "coded_psnr_db": 38.1,
+            "response_ms": {
+                "render_ms": 20.0,
+                "encode_ms": 7.2,
+                "queue_ms": 0.0,
+                "transfer_ms": 8.9,
+                "round_trip_ms": 200.0,
+                "decode_ms": 4.7,
+                "warp_ms": 31.5,
+                "total_ms": 272.3,
+            },
+        },
+    }
 
 
 def a_scene(shift: int = 0, size=(320, 200)) -> np.ndarray:

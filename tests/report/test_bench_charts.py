@@ -1,4 +1,7 @@
-"""The bench's charts: every point and line has its name, the look of a warp never changes, and any data can be drawn."""
+"""The bench's charts.
+
+Every point and line has its name, the look of a warp never changes, and any data can be drawn.
+"""
 
 import io
 import re
@@ -180,9 +183,12 @@ def test_every_warp_s_colour_can_be_seen_and_none_is_another_s(dark, card):
 def test_lines_of_one_colour_family_differ_in_their_dashes():
     dashes = dashes_of(WARPS)
     for family in (
-        ("rotation", "planar", "environment"), ("forward_raster", "forward", "forward_ordered", "splat"),
-        ("backward", "iterative", "search"), ("mesh", "mesh_adaptive"), ("multi", "layered"),
-    ):  # fmt: skip
+        ("rotation", "planar", "environment"),
+        ("forward_raster", "forward", "forward_ordered", "splat"),
+        ("backward", "iterative", "search"),
+        ("mesh", "mesh_adaptive"),
+        ("multi", "layered"),
+    ):
         assert len({DASHES.index(dashes[name]) for name in family}) == len(family)
 
 

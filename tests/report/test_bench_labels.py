@@ -1,4 +1,7 @@
-"""Labels: none covers another, a point, or a leader; and names beside lines keep their order and distance."""
+"""Labels: none covers another, a point, or a leader.
+
+And names beside lines keep their order and distance.
+"""
 
 import numpy as np
 import pytest
@@ -19,7 +22,10 @@ def placed(points, sizes):
     "count, spread_of_points", [(0, 0.1), (1, 0.1), (15, 0.05), (30, 0.1), (15, 0.2), (30, 0.2), (45, 0.2)]
 )
 def test_labels_cover_nothing(count, spread_of_points):
-    """As many as the bench has, from crowded to loose: 45 names of these sizes fill a quarter of the area."""
+    """As many as the bench has, from crowded to loose.
+
+    45 names of these sizes fill a quarter of the area.
+    """
     rng = np.random.default_rng(count)
     points = np.clip(0.5 + spread_of_points * rng.standard_normal((count, 2)), 0.02, 0.98) * AREA
     sizes = np.stack([rng.uniform(25, 80, count), np.full(count, 11.0)], axis=1)
@@ -84,7 +90,10 @@ COORDINATES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
 
 @given(COORDINATES, COORDINATES)
 def test_segments_through_a_box(start, end):
-    """Against many points along the segment; the box has half-integer sides, so that none of them is a matter of rounding."""
+    """Against many points along the segment.
+
+    The box has half-integer sides, so that none of them is a matter of rounding.
+    """
     start, end, box = np.array([start], float), np.array([end], float), np.array([[-1.5, -0.5, 2.5, 1.5]])
     along = (
         start + (end - start) * np.linspace(0, 1, 1681)[:, None]

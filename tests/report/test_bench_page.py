@@ -1,4 +1,7 @@
-"""The bench's page: everything is on it, escaped, accessible and self-contained, and it is whole in a real browser."""
+"""The bench's page.
+
+Everything is on it, escaped, accessible and self-contained, and it is whole in a real browser.
+"""
 
 import copy
 import html
@@ -122,7 +125,9 @@ def test_nothing_is_fetched(text):
 
 
 def everything_nasty(value, nasty: str):
-    """The same data with each text in it, but for the few that mean something to the page, made nasty."""
+    """The same data with each text in it, but for the few that mean something to the page, made
+    nasty.
+    """
     if isinstance(value, dict):
         kept = ("clock", "axis", "name")
         return {

@@ -1,4 +1,7 @@
-"""The table of the bench: fits the terminal without losing a digit, the best first, the front marked; and as Markdown."""
+"""The table of the bench.
+
+Fits the terminal without losing a digit, the best first, the front marked; and as Markdown.
+"""
 
 import io
 import re

@@ -162,7 +162,10 @@ def test_pictures_of_a_former_run_go_and_other_people_s_files_stay(tmp_path):
 
 
 def test_the_summary_is_never_beside_another_run_s_files(tmp_path, monkeypatch):
-    """When giving the names fails half-way, there is no summary: neither the old one nor the new one."""
+    """When giving the names fails half-way, there is no summary.
+
+    Neither the old one nor the new one.
+    """
     with OutputFolder(tmp_path) as out:
         out.write_json("summary.json", {"run": 1})
         out.write_text("a.txt", "1")

@@ -34,14 +34,28 @@ def pair(median, p95=None):
 
 def a_live_summary(**changes) -> dict:
     live = {
-        "source": "openxr", "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"}, "record": "head.csv", "seconds": 12.5,
-        "refreshes": 1001, "missed": 9, "waiting": 3, "unseen": 2, "over": 40, "timed": 1001, "age_ms": pair(203.4, 211.0),
-        "pose_age_ms": pair(1.25, 1.9), "period_ms": pair(12.5, 13.1), "budget_ms": 12.5,
+        "source": "openxr",
+        "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"},
+        "record": "head.csv",
+        "seconds": 12.5,
+        "refreshes": 1001,
+        "missed": 9,
+        "waiting": 3,
+        "unseen": 2,
+        "over": 40,
+        "timed": 1001,
+        "age_ms": pair(203.4, 211.0),
+        "pose_age_ms": pair(1.25, 1.9),
+        "period_ms": pair(12.5, 13.1),
+        "budget_ms": 12.5,
         "refresh_ms": {name: pair(*ms) for name, ms in REFRESH.items()},
-        "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "by hand"}], "change_count": 1,
-        "notices": {"tracking lost": 12}, "lost": [],
-        "garbage_collector": {"between": True, "collections": [1001, 0, 0], "total_ms": 12.0, "longest_ms": 0.4}, "sampled_every": 1,
-    }  # fmt: skip
+        "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "by hand"}],
+        "change_count": 1,
+        "notices": {"tracking lost": 12},
+        "lost": [],
+        "garbage_collector": {"between": True, "collections": [1001, 0, 0], "total_ms": 12.0, "longest_ms": 0.4},
+        "sampled_every": 1,
+    }
     figures = aggregate(
         [{"warp_ms": 1.25, "fill_ms": 0.5, "effects_ms": 0.0, "lens_ms": 0.5, "total_ms": 2.25, "hole_share": 0.0213}]
     )

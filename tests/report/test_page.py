@@ -213,7 +213,8 @@ addEventListener("load", () => {
 def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = False) -> tuple[dict, str]:
     """What a probe inside a copy of the page found, and the page's own console messages."""
     policy = re.search(r'<meta http-equiv="Content-Security-Policy"[^>]*>', text)[0]
-    # The probe is the only thing that the page's own policy would not let run; all the rest of it stays in force.
+    # The probe is the only thing that the page's own policy would not let run; all the rest of it
+    # stays in force.
     allowed = policy.replace("default-src 'none'", "default-src 'none'; script-src 'unsafe-inline'")
     copy = tmp_path / "copy.html"
     copy.write_text(text.replace(policy, allowed + PROBE), encoding="utf-8")
@@ -244,7 +245,10 @@ class TestInChromium:
         assert found["line"] == ("rgb(109, 179, 255)" if dark else "rgb(11, 99, 197)")
 
     def test_the_probe_sees_faults(self, tmp_path):
-        """Otherwise the test above proves nothing: a broken picture, a request and an exception must show."""
+        """Otherwise the test above proves nothing.
+
+        A broken picture, a request and an exception must show.
+        """
         text = render(worst=[])
         broken = '<img src="data:image/png;base64,AAAA"><img src="https://example.invalid/x.png">'
         broken += '<script>console.error("oh"); throw new Error("ah")</script>'

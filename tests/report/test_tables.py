@@ -1,4 +1,7 @@
-"""The small table of the terminal: every figure is there, the better one is marked, nothing is invented."""
+"""The small table of the terminal.
+
+Every figure is there, the better one is marked, nothing is invented.
+"""
 
 import io
 

@@ -1,4 +1,7 @@
-"""The video: true colours, any size and rate, and nothing left behind when it does not come about."""
+"""The video.
+
+True colours, any size and rate, and nothing left behind when it does not come about.
+"""
 
 import errno
 import os
@@ -40,10 +43,13 @@ def decoded(path) -> tuple[list[np.ndarray], object]:
 @needs_encoder
 @pytest.mark.parametrize("size", [(256, 64), (255, 67), (17, 16)])
 def test_known_colours_survive(size, tmp_path):
-    """Limited range has 219 steps of luma and 224 of chroma: half a step of each is at most 0.6 + 1.86 * 0.57 = 1.7 levels of blue.
+    """Limited range has 219 steps of luma and 224 of chroma.
 
-    The same once more for the decoder's rounding, and 2 levels for the quantiser at its setting (step 5, of which a flat block
-    loses less than half): 5 levels. With BT.601 for BT.709, or the range mistaken, greens and reds are off by 16 and more.
+    Half a step of each is at most 0.6 + 1.86 * 0.57 = 1.7 levels of blue.
+
+    The same once more for the decoder's rounding, and 2 levels for the quantiser at its setting
+    (step 5, of which a flat block loses less than half): 5 levels. With BT.601 for BT.709, or the
+    range mistaken, greens and reds are off by 16 and more.
     """
     width, height = size
     picture = bars(width, height)

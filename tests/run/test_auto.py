@@ -40,7 +40,7 @@ def auto(path: Path, **options):
 
 
 # --- what is refused
-# -----------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -91,8 +91,10 @@ def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_pat
     ]
     damaged += [
         {**good, table: {**good[table], name: {**good[table][name], figure: value}}}
-        for table in ("time_ms", "quality") for name in good[table] for figure in good[table][name]
-    ]  # fmt: skip
+        for table in ("time_ms", "quality")
+        for name in good[table]
+        for figure in good[table][name]
+    ]
     path = tmp_path / "b.json"
     for row in damaged:
         a_bench(path, [row, good])
@@ -112,7 +114,7 @@ def test_a_budget_in_which_nothing_fits(tmp_path):
 
 
 # --- from a file
-# ---------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 def test_rows_of_the_run_s_size_come_first(tmp_path):
@@ -127,7 +129,8 @@ def test_another_size_counts_in_proportion(tmp_path):
     found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
     assert [level.total_ms for level in found.levels] == [2.0]
     assert found.notes == (
-        "b.json was measured at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 times.",
+        "b.json was measured at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 "
+        "times.",
     )
 
 
@@ -140,8 +143,9 @@ def test_what_this_program_has_not_is_left_out(tmp_path):
     found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
     assert [level.warp for level in found.levels] == ["none"]
     assert [note.partition(" is left out")[0] for note in found.notes] == [
-        "b.json: warp 'forward:x=1' with fill 'none'", "b.json: warp 'teleport' with fill 'none'"
-    ]  # fmt: skip
+        "b.json: warp 'forward:x=1' with fill 'none'",
+        "b.json: warp 'teleport' with fill 'none'",
+    ]
     with pytest.raises(InputError, match="nothing of its 1 rows can be run here"):
         levels_from_file(a_bench(tmp_path / "b.json", rows[1:2]), small(**auto(tmp_path)), lens_ms)
 
@@ -171,17 +175,19 @@ def test_other_terms_are_told(tmp_path):
     rows = [a_row("none", "none", 1.0, 0.3, guard=1.5, latency_ms=400.0, scene="room")]
     (note,) = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms).notes
     assert (
-        note
-        == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room (this run: planes)."
+        note == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room "
+        "(this run: planes)."
     )
 
 
 # --- a run
-# ---------------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
-    """Every byte of the pictures is what the chosen warp alone would show, and the log says which it was."""
+    """Every byte of the pictures is what the chosen warp alone would show, and the log says which
+    it was.
+    """
     chosen = run(tmp_path / "auto", images=2, **auto(a_bench(tmp_path / "b.json")))
     alone = run(tmp_path / "alone", images=2, warp="forward", fill="interpolate")
     pictures = [
@@ -209,7 +215,9 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
     refresh = itertools.count()
 
     class Busy(Compensator):
-        """Does all its work over and over while the machine is meant to be busy with something else."""
+        """Does all its work over and over while the machine is meant to be busy with something
+        else.
+        """
 
         now = 0
 
@@ -288,11 +296,13 @@ def test_a_trial_leaves_out_what_is_out_of_reach(few):
 
 
 # --- the compensator
-# -----------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 def test_each_level_gets_what_it_would_get_alone():
-    """What frames carry for a level that wants layers and a cube is not handed to one that does not."""
+    """What frames carry for a level that wants layers and a cube is not handed to one that does
+    not.
+    """
 
     @attrs.define(eq=False)
     class Noted:

@@ -97,11 +97,13 @@ def test_another_thread_has_no_signals_and_needs_none(handlers):
 
 
 # --- whole runs
-# ----------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 def test_ctrl_c_ends_a_run_after_the_refresh_under_way(monkeypatch, handlers, tmp_path):
-    """Every tick was answered by a picture, the recording and the log are whole, the display was closed."""
+    """Every tick was answered by a picture, the recording and the log are whole, the display was
+    closed.
+    """
     display, out, recording = OffscreenDisplay(), tmp_path / "out", tmp_path / "head.csv"
     stop = lambda number: os.kill(os.getpid(), signal.SIGINT) if number == 4 else None  # noqa: E731
     result = run_on(monkeypatch, display, LiveOptions(**PLAIN, out=out, record=recording), after=stop)

@@ -66,12 +66,13 @@ class Running:
 
 
 # --- latency
-# -------------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("latency_ms", [0.0, 20.0, 55.0, 120.0])
 def test_frames_under_way_arrive_as_they_would_have(gpu, latency_ms):
-    """The newest of those that have arrived is shown at each refresh, by the latency each was sent with.
+    """The newest of those that have arrived is shown at each refresh, by the latency each was sent
+    with.
 
     Pictures never stop.
     """
@@ -100,7 +101,7 @@ def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
 
 
 # --- passes
-# --------------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -150,7 +151,7 @@ def test_nothing_changes_nothing(gpu):
 
 
 # --- what cannot be
-# ------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 IMPOSSIBLE = [
     {"warp": "fward"},

@@ -132,9 +132,17 @@ def test_a_recording_replays_unchanged_with_the_same_poses(monkeypatch, tmp_path
     assert f"{tmp_path / 'head.csv'}: {result.summary['frames']} poses" in display.said[-1]
     assert result.summary["trace"] == "head" and result.summary["live"]["record"].endswith("head.csv")
     options = RunOptions(
-        trace=str(tmp_path / "head.csv"), scene="planes", latency_ms=20.0, rate_hz=100.0, size=(48, 60), against="", metrics_every=4,
-        workers=0, images=0, out=tmp_path / "replay",
-    )  # fmt: skip
+        trace=str(tmp_path / "head.csv"),
+        scene="planes",
+        latency_ms=20.0,
+        rate_hz=100.0,
+        size=(48, 60),
+        against="",
+        metrics_every=4,
+        workers=0,
+        images=0,
+        out=tmp_path / "replay",
+    )
     again = replay(options)
     assert again.summary["notes"] == []
     live, replayed = ({row["shown_ns"]: row for row in rows_of(tmp_path / which)} for which in ("live", "replay"))
@@ -263,7 +271,9 @@ def test_pictures_need_a_folder():
 
 
 def test_nothing_waits_for_the_gpu(monkeypatch, tmp_path, seen):
-    """With timer queries, a refresh's times are asked for after the next one was handed over, and the last one's at the end."""
+    """With timer queries, a refresh's times are asked for after the next one was handed over, and
+    the last one's at the end.
+    """
     read = []
 
     def after(number):

@@ -166,8 +166,10 @@ def test_briefly_it_is_one_clause(tmp_path):
     How to get a runtime is no concern of a session that has begun.
     """
     program = (
-        "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live_run import open_display\n"
-        "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, briefly=True).close()"
+        "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live_run import "
+        "open_display\n"
+        "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, "
+        "briefly=True).close()"
     )
     done = python("-c", program, screen=True, tmp_path=tmp_path)
     assert (done.returncode, done.stdout) == (

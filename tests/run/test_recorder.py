@@ -1,4 +1,6 @@
-"""A recording is on the disk while it grows, survives what ends the program, and reads back bit for bit."""
+"""A recording is on the disk while it grows, survives what ends the program, and reads back bit for
+bit.
+"""
 
 import subprocess
 import sys

@@ -35,9 +35,19 @@ def full(tmp_path_factory):
     """One second of everything: 60 refreshes, both warps, video, pictures."""
     out = tmp_path_factory.mktemp("full") / "made" / "here"
     result = run(
-        out, trace="walk", seconds=1.0, fill="interpolate", lens="radial", headset="rift-dk1", against="none", images=3, video=True,
-        command="hmdwarp replay walk", workers=1, page=True,
-    )  # fmt: skip
+        out,
+        trace="walk",
+        seconds=1.0,
+        fill="interpolate",
+        lens="radial",
+        headset="rift-dk1",
+        against="none",
+        images=3,
+        video=True,
+        command="hmdwarp replay walk",
+        workers=1,
+        page=True,
+    )
     return out, result
 
 
@@ -165,7 +175,7 @@ def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
 
 
 # --- options
-# -------------------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 def test_start_and_seconds_choose_the_part(tmp_path):
@@ -313,7 +323,7 @@ def test_trace_options_reach_the_reader(tmp_path):
 
 
 # --- frames and memory
-# ---------------------------------------------------------------------------------------------------
+# --------------------------------------------------------------------------------------------------
 
 
 class Made:
@@ -348,7 +358,9 @@ class Made:
 
 @pytest.mark.parametrize("warp", ["forward", "backward"])
 def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
-    """At the second one the frame being drawn, the one shown and those under way exist together for the first time."""
+    """At the second one the frame being drawn, the one shown and those under way exist together for
+    the first time.
+    """
     from hmdwarp.run import replay
 
     made, after = Made(monkeypatch), {}

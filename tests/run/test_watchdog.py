@@ -24,7 +24,8 @@ PATIENCE_S = 90  # of a loaded machine; nothing here waits for it unless it fail
 
 def started(body: str, tmp_path: Path) -> subprocess.Popen:
     """A Python that runs `body` with a Watchdog class at hand."""
-    head = "import ctypes, os, sys, threading, time\nimport hmdwarp.run.watchdog as module\nfrom hmdwarp.run.watchdog import Watchdog\n"
+    head = "import ctypes, os, sys, threading, time\nimport hmdwarp.run.watchdog as module\n"
+    head += "from hmdwarp.run.watchdog import Watchdog\n"
     path = tmp_path / "program.py"
     path.write_text(head + textwrap.dedent(body), encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -44,7 +45,11 @@ def ended(body: str, tmp_path: Path) -> tuple[int, str, str]:
     return program.returncode, out, error
 
 
-HANGS = "with Watchdog({limit}, {words}) as dog:\n    with dog.watching('xrWaitFrame'):\n        ctypes.CDLL(None).pause()\n"
+HANGS = """
+with Watchdog({limit}, {words}) as dog:
+    with dog.watching('xrWaitFrame'):
+        ctypes.CDLL(None).pause()
+"""
 
 
 def test_a_call_that_blocks_in_c_ends_the_program_with_one_line(tmp_path):
@@ -52,7 +57,8 @@ def test_a_call_that_blocks_in_c_ends_the_program_with_one_line(tmp_path):
     status, _, error = ended(HANGS.format(limit=0.3, words=words), tmp_path)
     assert status == MachineError.exit_status == 3
     assert error == (
-        "hmdwarp: the OpenXR runtime has not answered xrWaitFrame for 0.3 s: it hangs; end its service, start it again, "
+        "hmdwarp: the OpenXR runtime has not answered xrWaitFrame for 0.3 s: it hangs; end its service, start it "
+        "again, "
         "then try once more; the recording is in saved\n"
     )
     assert (tmp_path / "saved").read_text() == "poses"
@@ -93,7 +99,8 @@ def test_a_peer_that_is_stopped_is_noticed(tmp_path):
     peer = subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     body = f"""
         with Watchdog(0.5, []) as dog:
-            there, back = (os.open(f"/proc/{peer.pid}/fd/{{n}}", flags) for n, flags in ((0, os.O_WRONLY), (1, os.O_RDONLY)))
+            ends = ((0, os.O_WRONLY), (1, os.O_RDONLY))
+            there, back = (os.open(f"/proc/{peer.pid}/fd/{{n}}", flags) for n, flags in ends)
             for number in range(10**9):
                 with dog.watching("xrLocateViews"):
                     os.write(there, b"x")

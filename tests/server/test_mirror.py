@@ -1,5 +1,4 @@
-"""What mirrors show, against rays that are mirrored in the world, and how it gets into the
-picture."""
+"""What mirrors show, against rays mirrored in the world, and how it gets into the picture."""
 
 from __future__ import annotations
 

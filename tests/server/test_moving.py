@@ -1,5 +1,4 @@
-"""The server draws what moves at the instant it is asked for, and tells which pixels move and
-how."""
+"""The server draws moving things at the requested instant, with their ids and velocity."""
 
 from __future__ import annotations
 
@@ -105,8 +104,11 @@ def away_from_edges(shape: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("time_ns", [0, 400 * MS, 500 * MS, 570 * MS])
 def test_everything_is_drawn_where_it_is_then(gpu, server, time_ns):
-    """Against rays: the runner is in sight around 0.5 s alone, 30 m from where its positions at
-    time 0 would have it culled."""
+    """Against rays.
+
+    The runner is in sight around 0.5 s alone, 30 m from where its positions at time 0 would have it
+    culled.
+    """
     corners, of = corners_at(server.scene, time_ns)
     hits = cast_triangles(corners, EYE.pose.position_m, world_directions(EYE, SIZE).reshape(-1, 3))
     exact, mesh = hits.inverse_depth.reshape(SIZE[::-1]), np.append(of, -1)[hits.shape].reshape(SIZE[::-1])

@@ -28,7 +28,8 @@ def read(texture) -> np.ndarray:
 
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
     """Squares of half edge `half` times their distance, one behind the other before the origin,
-    number k of brightness k + 1."""
+    number k of brightness k + 1.
+    """
     meshes = []
     for k, depth in enumerate(depths_m):
         r = half * depth

@@ -29,10 +29,12 @@ SURE = 0.999  # that a right method stays within the bounds of a test
 
 @attrs.frozen
 class Coverage:
-    """Of n people who begin. Each: (studies, comparisons). pairs: how many differences there were.
-    shift, mean: whether the interval holds the true value; promised: the level that the interval of
-    the shift says it has. latent_shift: that of ratings without steps and ends, whose differences
-    are symmetric. too_low, too_high: on which side the true mean lies outside of its interval.
+    """Of n people who begin.
+
+    Each: (studies, comparisons). pairs: how many differences there were. shift, mean: whether the
+    interval holds the true value; promised: the level that the interval of the shift says it has.
+    latent_shift: that of ratings without steps and ends, whose differences are symmetric. too_low,
+    too_high: on which side the true mean lies outside of its interval.
     """
 
     n: int
@@ -47,8 +49,9 @@ class Coverage:
 
 @attrs.frozen
 class False_:  # noqa: N801
-    """Without any effect: p, (studies, comparisons); any_found: (studies) whether anything is
-    significant after Holm.
+    """Without any effect: p, (studies, comparisons); any_found.
+
+    (studies) whether anything is significant after Holm.
     """
 
     n: int
@@ -83,8 +86,9 @@ def true_values(design: Design, model: Model, *, latent: bool = False) -> dict[C
 
 
 def pseudomedian(values: np.ndarray) -> float:
-    """Of so many values that their pairs are too many: the pairs of each with 50 others, drawn,
-    tell it to 0.005 of the spread.
+    """Of so many values that their pairs are too many.
+
+    The pairs of each with 50 others, drawn, tell it to 0.005 of the spread.
     """
     others = np.random.default_rng(0).integers(0, len(values), (50, len(values)))
     return float(np.median((values + values[others]) / 2))

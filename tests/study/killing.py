@@ -1,5 +1,6 @@
-"""Sessions of the real program that are killed again and again, until so many kills are done; and
-what must be true of the store then.
+"""Sessions of the real program that are killed again and again, until so many kills are done.
+
+And what must be true of the store then.
 
 A kill is SIGKILL: no handler runs, what the program had not given to the kernel is gone. What the
 kernel has not given to the disk stays, so this is no test of a power cut; that every commit is
@@ -42,8 +43,10 @@ SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle 
 
 @attrs.frozen
 class Life:
-    """One run of the program. told: lines of the witness. status: as waitpid has it, negative for a
-    signal. seconds: how long it was.
+    """One run of the program.
+
+    told: lines of the witness. status: as waitpid has it, negative for a signal. seconds: how long
+    it was.
     """
 
     told: list[list]
@@ -64,8 +67,9 @@ class Life:
 
 
 class Cold:
-    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that
-    it writes to.
+    """A program started as anybody starts it: 0.7 s of 1.3 go into imports.
+
+    told, said: pipes that it writes to.
     """
 
     def __init__(self, arguments: list[str], told: int, said: int) -> None:
@@ -82,8 +86,9 @@ class Cold:
 
 
 class Nursery:
-    """Programs forked from one that has everything imported. A context manager; calling it starts
-    one, one at a time.
+    """Programs forked from one that has everything imported.
+
+    A context manager; calling it starts one, one at a time.
     """
 
     def __enter__(self) -> Nursery:
@@ -117,8 +122,9 @@ class Nursery:
 def live(
     start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None
 ) -> Life:
-    """Run the program and kill it: after so long; or after so many lines of its witness, and
-    `after_s` more. None for both lets it live.
+    """Run the program and kill it: after so long.
+
+    Or after so many lines of its witness, and `after_s` more. None for both lets it live.
     """
     (told, told_by), (said, said_by) = os.pipe(), os.pipe()
     lines: list[list] = []
@@ -200,8 +206,9 @@ class Killed:
         return {"after_line": chance.randint(1, len(usual.told)), "after_s": shortly_s}
 
     def status(self) -> str:
-        """Of the session, as somebody else who reads the store sees it; "" where there is none to
-        go on with.
+        """Of the session, as somebody else who reads the store sees it.
+
+        "" where there is none to go on with.
         """
         try:
             store = Store(self.store)
@@ -234,8 +241,9 @@ def _of_the_file(store: Path) -> list[str]:
 
 
 def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
-    """Everything that was confirmed is there as it was confirmed, once; and what is there
-    unconfirmed is at most the last of each kill.
+    """Everything that was confirmed is there as it was confirmed, once.
+
+    And what is there unconfirmed is at most the last of each kill.
     """
     code_of = {one.id: one.code for one in contents.sessions}
     there = Counter((code_of[one.session], one.key, one.revision, one.value) for one in contents.answers)

@@ -30,8 +30,9 @@ def test_known_effects_come_back_inside_their_intervals_at_the_nominal_rate(n):
 
 
 def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
-    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t; none is left
-    with many people.
+    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t.
+
+    None is left with many people.
     """
     assert expected_bca(np.array([12])) == pytest.approx(0.913, abs=0.001)
     assert expected_bca(np.array([24])) == pytest.approx(0.932, abs=0.001)

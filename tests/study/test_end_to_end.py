@@ -1,5 +1,6 @@
-"""A study from its first session to its report, by the real command: twelve people, some of whom
-leave or get sick, rate a walk.
+"""A study from its first session to its report, by the real command.
+
+Twelve people, some of whom leave or get sick, rate a walk.
 
 The pictures are tiny and nobody looks; everything else is as it is in a laboratory: the loop, the
 store, export, analysis, withdrawal.
@@ -167,8 +168,9 @@ def test_a_pilot_stays_apart(study):
 
 
 def test_codes_are_in_nothing_that_is_passed_on(study):
-    """They are what people have written down somewhere; c1 would be found in any picture's bytes,
-    so the longest one is looked for.
+    """They are what people have written down somewhere.
+
+    C1 would be found in any picture's bytes, so the longest one is looked for.
     """
     assert holding(study.data, PILOT)  # the search finds what is there
     for table in (study.made / "export").glob("*.?sv"):
@@ -176,8 +178,9 @@ def test_codes_are_in_nothing_that_is_passed_on(study):
 
 
 def test_of_who_withdraws_nothing_is_left(study, tmp_path):
-    """Neither in the store nor in a new export; the code stays, as a mark that it is not used
-    again.
+    """Neither in the store nor in a new export.
+
+    The code stays, as a mark that it is not used again.
     """
     data = tmp_path / "tiny-data"
     shutil.copytree(study.data, data)

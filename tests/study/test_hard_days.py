@@ -1,6 +1,7 @@
-"""What a laboratory does to a session, through the real command: two at once, a full disk, a folder
-that may not be written, an end by signal. Each time one clear line, nothing lost, and the session
-is gone on with.
+"""What a laboratory does to a session, through the real command.
+
+Two at once, a full disk, a folder that may not be written, an end by signal. Each time one clear
+line, nothing lost, and the session is gone on with.
 """
 
 from __future__ import annotations
@@ -52,8 +53,9 @@ def long_study(folder: Path) -> tuple[Path, Path]:
 
 
 def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
-    """The second is refused with who holds the study; the first does not notice. Ended in the
-    middle of a trial it is gone on with.
+    """The second is refused with who holds the study; the first does not notice.
+
+    Ended in the middle of a trial it is gone on with.
     """
     study, model = long_study(tmp_path)
     data = tmp_path / "tiny-data"
@@ -95,8 +97,9 @@ def small_disk(tmp_path) -> Iterator[Path]:
 
 
 def test_a_disk_that_is_full_in_mid_session(small_disk, tmp_path):
-    """Half as much again each time: every stop is told in one line, and in the end nothing that was
-    confirmed is missing.
+    """Half as much again each time.
+
+    Every stop is told in one line, and in the end nothing that was confirmed is missing.
     """
     study, model = tiny.write(tmp_path)
     session = tiny.session(study, model, "person-1", "--store", str(small_disk / "data"))

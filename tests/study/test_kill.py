@@ -1,5 +1,6 @@
-"""The whole program, killed at random moments: no confirmed answer is missing or doubled, and the
-session goes on where it was.
+"""The whole program, killed at random moments.
+
+No confirmed answer is missing or doubled, and the session goes on where it was.
 
 STUDY_KILLS (40) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
 """

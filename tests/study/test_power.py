@@ -1,5 +1,6 @@
-"""How many people a study needs: the simulation against theory, against the analysis, and as a
-command.
+"""How many people a study needs.
+
+The simulation against theory, against the analysis, and as a command.
 """
 
 from __future__ import annotations
@@ -48,8 +49,9 @@ def test_shares_have_wilsons_interval(total, data):
 
 
 def test_how_many_to_invite():
-    """Of 15 who come with probability 0.9, at least 12 come with probability 0.944; of 14 with
-    0.842.
+    """Of 15 who come with probability 0.9, at least 12 come with probability 0.944.
+
+    Of 14 with 0.842.
     """
     assert people_for(12, 0.9, sure=0.9) == 15
     assert people_for(12, 0.9, sure=0.84) == 14
@@ -82,9 +84,10 @@ def one_comparison():
 
 
 def test_power_is_that_of_the_signed_rank_test():
-    """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86: that
-    is the signed-rank test's efficiency. The exact level is 0.0425 here, which takes a little more;
-    3 standard errors of 2000 studies are 0.024.
+    """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86.
+
+    That is the signed-rank test's efficiency. The exact level is 0.0425 here, which takes a little
+    more; 3 standard errors of 2000 studies are 0.024.
     """
     design = one_comparison()
     found = power_of(
@@ -107,8 +110,9 @@ def test_without_an_effect_the_power_is_the_level():
 
 
 def test_the_ends_of_the_scale_take_power():
-    """At the better end of the scale nothing can be told apart any more; without ends and steps it
-    could.
+    """At the better end of the scale nothing can be told apart any more.
+
+    Without ends and steps it could.
     """
     model = planned_model(DESIGN, GRADE, 1.0, 0.8)
     means = {name: mean - 2.5 for name, mean in model.ratings["grade"].means[DESIGN.parts[0].name].items()}

@@ -1,5 +1,6 @@
-"""What predicts ratings: against pingouin and plain loops, and on made-up studies whose best
-measure is known.
+"""What predicts ratings.
+
+Against pingouin and plain loops, and on made-up studies whose best measure is known.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ FLIP, PSNR, FLICKER, HOLES, AGE = (
 
 
 def made_up(seed, effects, people=12, conditions=8, noise=0.5, together=0.0, repeats=1):
-    """Rows of a study: measures are drawn for each condition, tremble a little with each person,
-    and move the grade by their effects.
+    """Rows of a study.
+
+    Measures are drawn for each condition, tremble a little with each person, and move the grade by
+    their effects.
 
     together: how far all measures are one and the same.
     """
@@ -125,8 +128,10 @@ def test_the_best_measure_of_a_made_up_study_is_found(seed):
 
 
 def test_two_that_are_equally_good_are_not_told_apart():
-    """At the nominal rate: of 60 studies with two equal measures one is declared the best in 5 of
-    100, so in 9 or fewer with p > 0.999.
+    """At the nominal rate.
+
+    Of 60 studies with two equal measures one is declared the best in 5 of 100, so in 9 or fewer
+    with p > 0.999.
     """
     claimed = 0
     for seed in range(60):
@@ -150,8 +155,9 @@ def test_measures_that_move_together_are_told_as_such():
 
 
 def test_of_noise_nothing_is_claimed():
-    """13 measures that have nothing to do with the grades: a claim in at most 5 of 100 studies, so
-    in 8 or fewer of 60 with p > 0.99.
+    """13 measures that have nothing to do with the grades.
+
+    A claim in at most 5 of 100 studies, so in 8 or fewer of 60 with p > 0.99.
     """
     effects = dict.fromkeys(MEASURES, 0.0)
     claims = sum(few(made_up(seed, effects), resamples=2000).sure for seed in range(60))
@@ -161,8 +167,9 @@ def test_of_noise_nothing_is_claimed():
 
 
 def test_the_interval_covers_what_is_true():
-    """r of endless ratings is 0.6 / sqrt(0.6^2 + 0.8^2) = 0.6; 200 studies of 12 people: 95 % is
-    190, and 181 is 3 sigma below it. Percentile-like intervals of 12 people are known to be
+    """r of endless ratings is 0.6 / sqrt(0.6^2 + 0.8^2) = 0.6; 200 studies of 12 people.
+
+    95 % is 190, and 181 is 3 sigma below it. Percentile-like intervals of 12 people are known to be
     somewhat short: 90 % is held to.
     """
     covered = 0

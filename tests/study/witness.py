@@ -1,5 +1,6 @@
-"""The real command line, with a witness: what the store has taken is told to a pipe before anything
-else happens.
+"""The real command line, with a witness.
+
+What the store has taken is told to a pipe before anything else happens.
 
     python -m tests.study.witness FD study run ...      the program as it is
     python -m tests.study.witness SOCKET                 a nursery: forks with all imports done

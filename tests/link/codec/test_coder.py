@@ -108,7 +108,8 @@ def test_depth_and_holes_come_back(codec):
 
 def test_holes_do_not_darken_what_is_beside_them(codec):
     """The ring around a black disc of holes on a bright wall keeps its brightness, to within what
-    the codec does elsewhere."""
+    the codec does elsewhere.
+    """
     colour = np.full((96, 96, 3), 200, np.uint8)
     inverse = np.ones((96, 96), np.float32)
     y, x = np.mgrid[:96, :96]

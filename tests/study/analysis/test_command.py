@@ -1,5 +1,6 @@
-"""hmdwarp study analyse: what it writes and prints, the same every time, and what it says where it
-cannot.
+"""hmdwarp study analyse.
+
+What it writes and prints, the same every time, and what it says where it cannot.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""Tables of others: delimiters, decimal commas, names of columns, directions; what is wrong is told
-with its line.
+"""Tables of others: delimiters, decimal commas, names of columns, directions.
+
+What is wrong is told with its line.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""From a real store: places, conditions before, reasons for what is missing, who counts with whom;
-and the same by way of the export.
+"""From a real store: places, conditions before, reasons for what is missing, who counts with whom.
+
+And the same by way of the export.
 """
 
 from __future__ import annotations
@@ -99,8 +100,9 @@ def design():
 
 @pytest.fixture(scope="module")
 def contents(tmp_path_factory, design):
-    """Nine people: one could not say once, one stopped, one got sick; and a pilot, in another
-    place.
+    """Nine people: one could not say once, one stopped, one got sick.
+
+    And a pilot, in another place.
     """
     with Store(tmp_path_factory.mktemp("study") / "data", create=True) as store:
         for seed in range(7):
@@ -160,8 +162,9 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
 
 
 def test_programs_are_taken_only_where_they_are_asked_for(contents, design, tmp_path):
-    """Nobody reads numbers made up by a program for those of people: analysis and export refuse in
-    the same words.
+    """Nobody reads numbers made up by a program for those of people.
+
+    Analysis and export refuse in the same words.
     """
     programs = attrs.evolve(contents, sessions=tuple(attrs.evolve(one, origin=SIMULATED) for one in contents.sessions))
     told = "no session of a person to {}: it holds simulated ones: use --simulated"
@@ -186,8 +189,9 @@ def test_conditions_stand_in_the_order_of_the_plan(contents, design):
 
 
 def test_one_person_is_one_person(contents, design):
-    """In the words of the page too; and of one difference no interval is printed, neither of
-    ratings nor of questionnaires.
+    """In the words of the page too.
+
+    And of one difference no interval is printed, neither of ratings nor of questionnaires.
     """
     sub = next(one.sub for one in contents.sessions if one.code == "p0")
     alone = attrs.evolve(contents, sessions=tuple(one for one in contents.sessions if one.sub == sub))

@@ -1,5 +1,6 @@
-"""The ratings the thesis published: every number of the table that a correct analysis gives, to its
-digits.
+"""The ratings the thesis published.
+
+Every number of the table that a correct analysis gives, to its digits.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""What is said of made-up ratings whose truth is known: comparisons, order, doubles, claims, the
-reference, and the words for them.
+"""What is said of made-up ratings whose truth is known.
+
+Comparisons, order, doubles, claims, the reference, and the words for them.
 """
 
 from __future__ import annotations
@@ -47,8 +48,9 @@ def test_a_shown_difference_is_said_plainly():
 
 @pytest.mark.parametrize(("late", "warped", "way"), [(5, 4, "better"), (4, 5, "worse")])
 def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way):
-    """Seven pairs one way, nineteen alike: p = 2/2^7, though the shift, which counts the nineteen,
-    is 0.
+    """Seven pairs one way, nineteen alike.
+
+    P = 2/2^7, though the shift, which counts the nineteen, is 0.
     """
     row = first(ratings_of({"late": [late] * 7 + [4] * 19, "warped": [warped] * 7 + [4] * 19}))
     assert row["shift"] == 0 and row["p"] == 2 / 2**7
@@ -130,7 +132,7 @@ def test_whatever_people_answer_it_is_json_without_nan(a, b, c):
     json.dumps(analyse(ratings), allow_nan=False)
 
 
-# --- order ----------------------------------------------------------------------------------------
+# --- order --------------------------------------------------------------------------------------
 # ------------------------
 
 
@@ -175,8 +177,9 @@ def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
 
 
 def test_what_came_before_is_no_slope_per_trial():
-    """One condition shown four times: before it was nothing, or itself. One column, but not of
-    numbers.
+    """One condition shown four times: before it was nothing, or itself.
+
+    One column, but not of numbers.
     """
     rows = [row for k in range(6) for row in repeated(k)]
     found = order_effects(rows)
@@ -215,7 +218,7 @@ def test_one_order_for_all_cannot_be_told_from_the_conditions():
     assert "all participants saw them in the same order" in found["previous"]["why_not"]
 
 
-# --- doubles --------------------------------------------------------------------------------------
+# --- doubles ------------------------------------------------------------------------------------
 # ------------------------
 
 
@@ -245,7 +248,7 @@ def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
     assert "no sign of copying" in of_copied(found) and "most likely" not in of_copied(found)
 
 
-# --- claims ---------------------------------------------------------------------------------------
+# --- claims -------------------------------------------------------------------------------------
 # ------------------------
 
 

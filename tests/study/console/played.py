@@ -1,5 +1,6 @@
-"""A session for the console to be tried on, run as a program of its own in a terminal: it tells
-what a scripted session would, at some 60 a second, and writes down what was asked for.
+"""A session for the console to be tried on, run as a program of its own in a terminal.
+
+It tells what a scripted session would, at some 60 a second, and writes down what was asked for.
 
 played.py LOG [--console KIND] [--script NAME] [--seconds S]. LOG gets one line for each command, as
 Python literals.

@@ -98,8 +98,9 @@ def played(log: Path, *more: str, size: tuple[int, int] = (80, 24), **environmen
 
 
 def played_by_a_shell(log: Path, *more: str) -> Terminal:
-    """played.py in a shell's terminal, which stays when the program dies; the shell then says
-    "status N".
+    """played.py in a shell's terminal, which stays when the program dies.
+
+    The shell then says "status N".
     """
     return Terminal(
         ["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 60', "sh", sys.executable, PLAYED, str(log), *more]

@@ -63,8 +63,9 @@ def test_lines_as_commands():
 
 
 def pressed(entry: KeyEntry, state: ConsoleState, *keys: str) -> list[tuple[str, object]]:
-    """What the keys ask for; a key that is a word of several letters is typed letter by letter
-    unless it is a name.
+    """What the keys ask for.
+
+    A key that is a word of several letters is typed letter by letter unless it is a name.
     """
     names = ("enter", "escape", "backspace", "clear")
     each = [k for key in keys for k in ([key] if key in names else key)]

@@ -71,8 +71,9 @@ def test_each_repeat_is_balanced_by_itself_and_seams_are_spread(n, repeats):
 
 @pytest.mark.parametrize("n", [4, 5, 6, 9])
 def test_seams_are_balanced_exactly_where_that_is_possible(n):
-    """A seam gives all pairs of one distance (or of two, n odd); after as many as there are
-    distances, each pair came equally often.
+    """A seam gives all pairs of one distance (or of two, n odd).
+
+    After as many as there are distances, each pair came equally often.
     """
     repeats = (n if n % 2 == 0 else (n + 1) // 2) + 0
     rows = rows_for(design(n, repeats=repeats), "p")
@@ -81,8 +82,9 @@ def test_seams_are_balanced_exactly_where_that_is_possible(n):
 
 
 def test_nobody_sees_one_row_again_while_others_are_left_to_see():
-    """Of n rows (or n of each half) each participant sees several; evenness of the seams comes
-    first, and costs a few.
+    """Of n rows (or n of each half) each participant sees several.
+
+    Evenness of the seams comes first, and costs a few.
     """
     for n in range(3, 13):
         shown = [len(set(order)) for order in rows_for(design(n, repeats=3), "p")]
@@ -139,8 +141,9 @@ def test_one_of_the_least_filled_is_taken(filled, seed):
 
 @given(st.integers(1, 14), st.integers(0, 9), st.integers(0, 2**32), st.floats(0, 0.9))
 def test_rows_stay_level_whoever_drops_out(rows, seed, chance, dropping):
-    """Counts differ by more than one only where people dropped out of one row; those who come next
-    fill just these gaps.
+    """Counts differ by more than one only where people dropped out of one row.
+
+    Those who come next fill just these gaps.
     """
     rng = random.Random(chance)
     filled = [0] * rows
@@ -158,8 +161,9 @@ def test_rows_stay_level_whoever_drops_out(rows, seed, chance, dropping):
 
 
 def test_who_comes_next_gets_no_row_that_can_be_told_from_the_number():
-    """The first of a study gets any of the rows, as the seed decides: of 600 seeds each of 6 rows
-    gets 100, give or take 4 sd (37).
+    """The first of a study gets any of the rows, as the seed decides.
+
+    Of 600 seeds each of 6 rows gets 100, give or take 4 sd (37).
     """
     first = Counter(allot([0] * 6, seed) for seed in range(600))
     assert all(63 <= first[row] <= 137 for row in range(6))

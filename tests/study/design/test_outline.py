@@ -72,8 +72,9 @@ def test_balance_is_counted():
 
 
 def by_enumeration(n: int) -> float:
-    """By going through all 2^n ways n differences can turn out: how many are as extreme as all in
-    one direction.
+    """By going through all 2^n ways n differences can turn out.
+
+    How many are as extreme as all in one direction.
     """
     sums = [sum(rank for rank, sign in enumerate(signs, 1) if sign) for signs in product((0, 1), repeat=n)]
     most = n * (n + 1) // 2

@@ -105,8 +105,9 @@ def test_the_shipped_ones_are_sound(name):
 
 
 def test_the_thesis_is_the_thesis():
-    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades; a family
-    of three comparisons for each run.
+    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades.
+
+    A family of three comparisons for each run.
     """
     design = load_design("thesis")
     assert [scale.name for scale in design.scales] == ["grade"]
@@ -149,7 +150,7 @@ def test_what_windows_writes_is_read(tmp_path):
     assert load_design(str(path)).text == WHOLE
 
 
-# --- what is wrong --------------------------------------------------------------------------------
+# --- what is wrong ------------------------------------------------------------------------------
 # ---------------------
 
 BROKEN = [

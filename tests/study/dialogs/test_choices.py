@@ -1,5 +1,6 @@
-"""The menu, a text to agree to, a break: nothing by a slip, nothing lost, and every way the hands
-have leads there.
+"""The menu, a text to agree to, a break.
+
+Nothing by a slip, nothing lost, and every way the hands have leads there.
 """
 
 from __future__ import annotations

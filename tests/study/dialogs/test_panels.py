@@ -1,5 +1,6 @@
-"""Panels: what is drawn where pointing finds it, nothing beyond the paper, nothing that jumps, and
-soon done.
+"""Panels.
+
+What is drawn where pointing finds it, nothing beyond the paper, nothing that jumps, and soon done.
 """
 
 from __future__ import annotations
@@ -46,8 +47,9 @@ def panel_of(scale, value=None, hints=KEYS) -> QuestionPanel:
 
 
 def marker_of(scale, value) -> tuple[float, float]:
-    """(x, y) of where the marker is in the panel's picture, from the picture alone: what is there
-    that is not there without a value.
+    """(x, y) of where the marker is in the panel's picture, from the picture alone.
+
+    What is there that is not there without a value.
     """
     plain, marked = (panel_of(scale, at).ink().astype(int) for at in (None, value))
     assert plain.shape == marked.shape
@@ -186,8 +188,9 @@ def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
 
 
 def test_a_marker_that_moves_leaves_no_textures_behind(gpu):
-    """A hundred panels; no more than KEPT stay. Each takes 2 ms, one with a list 5; the limit is
-    against what got much worse alone.
+    """A hundred panels; no more than KEPT stay.
+
+    Each takes 2 ms, one with a list 5; the limit is against what got much worse alone.
     """
     notices, asked = Notices(gpu.gl), asked_of(next(one for one in SHIPPED if one.name == "slider"))
     try:

@@ -15,8 +15,9 @@ _READ = {"true": True, "false": False}
 
 
 def read_table(text: str, columns: Sequence[Column], delimiter: str = ",") -> list[dict[str, Any]]:
-    """Back to rows, by the types of the columns; None for n/a. Errors: KeyError for a column that
-    is not among them, ValueError.
+    """Back to rows, by the types of the columns; None for n/a.
+
+    Errors: KeyError for a column that is not among them, ValueError.
     """
     types = {column.name: column.type for column in columns}
     reader = csv.DictReader(io.StringIO(text, newline=""), delimiter=delimiter)

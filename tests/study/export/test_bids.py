@@ -1,5 +1,6 @@
-"""The BIDS tree: names and contents by the rules of the specification, poses as they were recorded,
-no date anywhere.
+"""The BIDS tree.
+
+Names and contents by the rules of the specification, poses as they were recorded, no date anywhere.
 """
 
 import csv

@@ -1,5 +1,6 @@
-"""The tables: what they hold, that they read back as they were, and that no nasty value breaks
-them.
+"""The tables.
+
+What they hold, that they read back as they were, and that no nasty value breaks them.
 """
 
 import csv

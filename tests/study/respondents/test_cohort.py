@@ -39,9 +39,10 @@ def test_the_same_seed_gives_the_same_people_whoever_is_with_them():
 
 
 def test_the_parts_of_the_spread_are_those_of_the_model():
-    """Without ends, steps, drift and carry-over, of 4000 people with 3 repeats: each variance by
-    its own mean squares. The standard error of a standard deviation is sd / sqrt(2 x degrees of
-    freedom), below 0.012 sd for all of them; 4 of those.
+    """Without ends, steps, drift and carry-over, of 4000 people with 3 repeats.
+
+    Each variance by its own mean squares. The standard error of a standard deviation is sd / sqrt(2
+    x degrees of freedom), below 0.012 sd for all of them; 4 of those.
     """
     design = attrs.evolve(DESIGN, repeats=3, sickness=None)
     values = {"people_sd": 0.5, "condition_sd": 0.4, "noise_sd": 0.6, "drift": 0.0, "carry_over": 0.0, "missing": 0.0}

@@ -78,8 +78,9 @@ def test_the_least_draw_is_a_number():
 
 
 def test_draws_are_uniform_and_belong_to_their_person():
-    """20,000 values; a right generator gives p below 1e-4 once in 10,000 seeds, and this seed is
-    fixed.
+    """20,000 values.
+
+    A right generator gives p below 1e-4 once in 10,000 seeds, and this seed is fixed.
     """
     tables = np.concatenate([table_of(1, 0, "run", person, 20) for person in range(1000)])
     assert kstest(tables, "uniform").pvalue > 1e-4

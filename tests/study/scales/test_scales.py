@@ -1,5 +1,7 @@
-"""Scales: the shipped ones are as published, one's own is checked line by line, scores are what the
-papers say.
+"""Scales.
+
+The shipped ones are as published, one's own is checked line by line, scores are what the papers
+say.
 """
 
 from __future__ import annotations
@@ -34,8 +36,9 @@ def test_a_shipped_scale_is_whole(name):
 
 
 def test_directions_and_ranges_as_published():
-    """ACR: ITU-T P.910, 5 is excellent. FMS: Keshavarz 2011, 0 to 20. MISC: Bos 2005, 0 to 10.
-    Grades: 1 is very good.
+    """ACR: ITU-T P.910, 5 is excellent.
+
+    FMS: Keshavarz 2011, 0 to 20. MISC: Bos 2005, 0 to 10. Grades: 1 is very good.
     """
     grade, acr, fms, misc = map(load_scale, ("grade", "acr", "fms", "misc"))
     assert (grade.least, grade.most, grade.step, grade.low_is_good) == (1, 6, 0.25, True)
@@ -49,8 +52,9 @@ def test_directions_and_ranges_as_published():
 
 
 def test_the_most_an_ssq_can_come_to():
-    """Kennedy and others 1993: all 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x
-    3.74).
+    """Kennedy and others 1993.
+
+    All 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x 3.74).
     """
     wanted = {"nausea": 200.34, "oculomotor": 159.18, "disorientation": 292.32, "total": 235.62}
     assert most_scored(load_scale("ssq")) == pytest.approx(wanted)

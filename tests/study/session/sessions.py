@@ -89,9 +89,10 @@ Own = Callable[[Seen], Sequence[Command] | None]
 
 
 class Person:
-    """Reads the panels and goes through the session as it is asked to. grade: answered to every
-    question. own: what is done instead, asked first with each panel; None from it for nothing of
-    one's own.
+    """Reads the panels and goes through the session as it is asked to.
+
+    grade: answered to every question. own: what is done instead, asked first with each panel; None
+    from it for nothing of one's own.
     """
 
     def __init__(self, own: Own = lambda panel: None, grade: str = "2") -> None:
@@ -121,9 +122,10 @@ class Person:
 
 
 class SeatedDisplay(OffscreenDisplay):
-    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's;
-    at: by the n-th picture shown (counted from 1), what happens right before the next: an exception
-    is raised, anything else called.
+    """A display with somebody before it.
+
+    events: by the number of the wait, as OffscreenDisplay's; at: by the n-th picture shown (counted
+    from 1), what happens right before the next: an exception is raised, anything else called.
     """
 
     def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
@@ -207,8 +209,10 @@ def run(
     at=None,
     **options,
 ) -> Ran:
-    """One run of the program. at: of SeatedDisplay. options: of SessionOptions, participant P1 and
-    a desktop where nothing else is said; back_after: of the display.
+    """One run of the program.
+
+    at: of SeatedDisplay. options: of SessionOptions, participant P1 and a desktop where nothing
+    else is said; back_after: of the display.
     """
     back_after = options.pop("back_after", 0)
     ran = Ran(SeatedDisplay(gpu, person or Person(), at, back_after=back_after), console or ScriptedConsole(), [])

@@ -1,5 +1,6 @@
-"""What may come between the steps: pauses, breaks, questions asked again, what is left unanswered,
-remarks, and the end at any moment.
+"""What may come between the steps.
+
+Pauses, breaks, questions asked again, what is left unanswered, remarks, and the end at any moment.
 """
 
 from __future__ import annotations
@@ -154,8 +155,9 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
     ],
 )
 def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tmp_path, phase, commands, answers):
-    """Both are there at one refresh, as after one that took long: the answer is kept, and the end
-    is not passed over.
+    """Both are there at one refresh, as after one that took long.
+
+    The answer is kept, and the end is not passed over.
     """
     path = study(tmp_path)
     idle = Person(lambda panel: () if phase == "asking" and getattr(panel, "heading", "") == "trial 1" else None)

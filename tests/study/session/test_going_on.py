@@ -67,8 +67,9 @@ def check_complete(path) -> None:
 
 @pytest.mark.parametrize("after", [False, True], ids=["before it is written", "after it was written"])
 def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path, after):
-    """A fault of ours at each of them in turn: what was answered before stays, and the session is
-    gone on with to its end.
+    """A fault of ours at each of them in turn.
+
+    What was answered before stays, and the session is gone on with to its end.
     """
     monkeypatch.setattr(
         sessions, "TEXT", sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05")
@@ -223,8 +224,9 @@ def test_an_interrupted_session_goes_on_with_the_plan_it_began_with(monkeypatch,
 
 
 def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatch, gpu, tmp_path):
-    """The plan's text is kept, not the file that it names: half in quarter steps and half in whole
-    ones would be no session.
+    """The plan's text is kept, not the file that it names.
+
+    Half in quarter steps and half in whole ones would be no session.
     """
     path, own = study(tmp_path), tmp_path / "own.toml"
     path.write_text(path.read_text(encoding="utf-8").replace('"grade"', '"own.toml"'), encoding="utf-8")

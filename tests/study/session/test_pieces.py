@@ -23,8 +23,9 @@ ANGLE = st.floats(-179.0, 179.0)
 
 @given(ANGLE, st.floats(-89.0, 89.0), ANGLE)
 def test_a_head_s_angles_by_scipy_s_way(yaw, pitch, roll):
-    """Intrinsic turns about y, x, z. A degree short of straight up and down arcsin loses half the
-    digits: 1e-6 degrees are left.
+    """Intrinsic turns about y, x, z.
+
+    A degree short of straight up and down arcsin loses half the digits: 1e-6 degrees are left.
     """
     turn = Rotation.from_euler("YXZ", (yaw, pitch, roll), degrees=True)
     assert head_angles_deg(Pose(orientation_xyzw=turn.as_quat())) == pytest.approx((yaw, pitch, roll), abs=1e-6)

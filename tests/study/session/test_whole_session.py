@@ -58,8 +58,10 @@ def test_answers_are_those_that_were_given_about_what_was_shown(one):
 
 
 def test_what_was_really_shown_is_what_was_planned(one):
-    """A frame is shown at the first refresh at or after its latency; a refresh is shown two periods
-    after it is asked for. So a frame's age lies within one period above the larger of the two.
+    """A frame is shown at the first refresh at or after its latency.
+
+    A refresh is shown two periods after it is asked for. So a frame's age lies within one period
+    above the larger of the two.
     """
     path, _ = one
     planned = {**dict(zip(NAMES, LATENCIES_MS, strict=True)), "practice": 0.0}
@@ -78,8 +80,9 @@ def test_what_was_really_shown_is_what_was_planned(one):
 
 
 def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
-    """A black wait as long as the latency would tell it: the lead is equally long for all, and
-    frames are under way at its end.
+    """A black wait as long as the latency would tell it.
+
+    The lead is equally long for all, and frames are under way at its end.
     """
     _, ran = one
     labels = ran.display.labels

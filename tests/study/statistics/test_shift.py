@@ -1,5 +1,6 @@
-"""The Hodges-Lehmann shift: the interval holds exactly the shifts that the exact test does not
-reject.
+"""The Hodges-Lehmann shift.
+
+The interval holds exactly the shifts that the exact test does not reject.
 """
 
 from __future__ import annotations
@@ -49,8 +50,9 @@ def test_it_moves_and_mirrors_with_the_data(differences, move):
 
 
 def test_it_covers_under_ties_at_least_as_often_as_it_says():
-    """Symmetric grades in quarter steps around 0.5; 2000 studies: three standard errors of 95 % are
-    1.5 %.
+    """Symmetric grades in quarter steps around 0.5; 2000 studies.
+
+    Three standard errors of 95 % are 1.5 %.
     """
     random = np.random.default_rng(4)
     steps = np.arange(-6, 7) / 4

@@ -20,8 +20,9 @@ DIFFERENCES = st.lists(QUARTERS, min_size=1, max_size=9)
 
 
 def by_enumeration(differences) -> Fraction:
-    """The two-sided p with exact numbers: of all signs, those whose larger sum is at least the one
-    found.
+    """The two-sided p with exact numbers.
+
+    Of all signs, those whose larger sum is at least the one found.
     """
     steps = [round(4 * d) for d in differences if d]
     if not steps:
@@ -67,8 +68,9 @@ def test_order_and_unit_do_not_matter_and_signs_only_mirror(differences, random,
 
 @pytest.mark.parametrize("sizes", [(1, 2, 3, 4, 5, 6), (1, 1, 2, 2, 2, 3, 3), (1,) * 7])
 def test_p_is_a_p(sizes):
-    """Under the null every sign is a fair coin: no level is undercut more often than it says,
-    whatever the ties.
+    """Under the null every sign is a fair coin.
+
+    No level is undercut more often than it says, whatever the ties.
     """
     ps = np.array(
         [wilcoxon_exact(np.multiply(sizes, signs)).p for signs in itertools.product((-1, 1), repeat=len(sizes))]
@@ -86,8 +88,9 @@ def test_without_ties_it_is_what_scipy_says():
 
 
 def test_many_ties_of_many_people_agree_with_the_normal_curve():
-    """A second route where enumeration cannot go: for 200 pairs the normal approximation with ties
-    is good to a few percent.
+    """A second route where enumeration cannot go.
+
+    For 200 pairs the normal approximation with ties is good to a few percent.
     """
     differences = np.random.default_rng(2).integers(-8, 10, 200) / 4
     approximate = stats.wilcoxon(differences, method="approx", correction=True).pvalue

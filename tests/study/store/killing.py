@@ -1,5 +1,6 @@
-"""Programs that are killed at a given instant: forked from one that has everything imported, so
-that thirty of them take seconds.
+"""Programs that are killed at a given instant.
+
+Forked from one that has everything imported, so that thirty of them take seconds.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from .sessions import child
 
 
 class Killing:
-    """code: Python that defines job(folder); told(text) in it tells a line, which is on its way
-    when told returns. A context manager.
+    """code: Python that defines job(folder).
+
+    told(text) in it tells a line, which is on its way when told returns. A context manager.
     """
 
     def __init__(self, code: str) -> None:
@@ -32,8 +34,9 @@ class Killing:
         self._process.communicate()
 
     def job(self, folder: Path, seconds: float | None) -> list[str]:
-        """What it told until it was killed, by SIGKILL that long after its start; None lets it come
-        to its end.
+        """What it told until it was killed, by SIGKILL that long after its start.
+
+        None lets it come to its end.
         """
         self._process.stdin.write(f"{-1 if seconds is None else seconds} {folder}\n")
         self._process.stdin.flush()

@@ -1,5 +1,6 @@
-"""Whatever is done to a store, in whatever order, it holds what a dictionary would: checked by
-hypothesis, reopened at any time.
+"""Whatever is done to a store, in whatever order, it holds what a dictionary would.
+
+Checked by hypothesis, reopened at any time.
 """
 
 from __future__ import annotations
@@ -37,8 +38,9 @@ class Told:
 
 
 class StoreByModel(RuleBasedStateMachine):
-    """Sessions of six people and pilots; the store is closed and opened, or its program dies, in
-    between.
+    """Sessions of six people and pilots.
+
+    The store is closed and opened, or its program dies, in between.
     """
 
     running = Bundle("running")

@@ -1,5 +1,6 @@
-"""Full disks, folders that may not be written, damaged files, two at once, clocks set back: for
-real, and nothing confirmed is lost.
+"""Full disks, folders that may not be written, damaged files, two at once, clocks set back.
+
+For real, and nothing confirmed is lost.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ from .sessions import SetClock, answered, asks, begun, child, whole
 
 @functools.cache
 def own_mounts() -> tuple[str, ...]:
-    """What a program with mounts of its own is started by: nothing of them is seen outside, and
-    they go with it.
+    """What a program with mounts of its own is started by.
+
+    Nothing of them is seen outside, and they go with it.
     """
     way = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-rm")
     trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
@@ -37,8 +39,9 @@ def own_mounts() -> tuple[str, ...]:
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
-    """A disk of 600 kB, filled by somebody else's file in the middle of a session; then that one
-    goes away again.
+    """A disk of 600 kB, filled by somebody else's file in the middle of a session.
+
+    Then that one goes away again.
     """
     code = """
 import subprocess, errno
@@ -131,8 +134,9 @@ def test_a_place_for_nothing(tmp_path):
 
 
 def test_a_cut_off_session_on_a_read_only_disk_is_not_read_by_halves(tmp_path):
-    """What is in the log beside the file would be missed: a copy is asked for, and the copy has it
-    all.
+    """What is in the log beside the file would be missed.
+
+    A copy is asked for, and the copy has it all.
     """
     code = """
 with Store(Path(sys.argv[1]) / "data", create=True) as store:
@@ -247,7 +251,7 @@ def test_a_program_that_died_while_it_made_the_store(tmp_path):
         begun(store)
 
 
-# --- two at once ----------------------------------------------------------------------------------
+# --- two at once --------------------------------------------------------------------------------
 # -------------------------
 
 
@@ -329,7 +333,7 @@ def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, mon
         assert store.answer(session, asks(session)[0], 2, 1.0, "participant").revision == 1
 
 
-# --- time -----------------------------------------------------------------------------------------
+# --- time ---------------------------------------------------------------------------------------
 # -------------------------
 
 
@@ -363,14 +367,15 @@ def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):
     assert not said
 
 
-# --- the disk itself ------------------------------------------------------------------------------
+# --- the disk itself ----------------------------------------------------------------------------
 # -------------------------
 
 
 @needs.programs("strace")
 def test_an_answer_is_synced_before_the_call_returns(tmp_path):
-    """Seen by what the program asks the system for: between any two lines it prints there is a sync
-    of the log.
+    """Seen by what the program asks the system for.
+
+    Between any two lines it prints there is a sync of the log.
     """
     trace = tmp_path / "calls"
     code = """

@@ -181,8 +181,9 @@ def test_orders_are_filled_evenly_and_gaps_first(store):
 
 @pytest.mark.parametrize(("status", "holds"), [(COMPLETE, True), (INTERRUPTED, True), (STOPPED, False), (SICK, False)])
 def test_who_holds_an_order(store, status, holds):
-    """The draw follows from what is filled: where the order is free again, the next one gets the
-    same.
+    """The draw follows from what is filled.
+
+    Where the order is free again, the next one gets the same.
     """
     row = store.end(begun(store, "P1"), status).row
     assert (begun(store, "P2").row != row) == holds
@@ -204,8 +205,9 @@ def test_pilots_and_parts_are_counted_apart(store):
 
 
 def test_the_plan_alone_decides_the_orders(tmp_path):
-    """No code, no clock and no chance: the same codes in another order of coming get the same rows
-    by place.
+    """No code, no clock and no chance.
+
+    The same codes in another order of coming get the same rows by place.
     """
     found = []
     for names in (["P1", "P2", "P3", "P4", "P5"], ["Z9", "x", "P1", "M-3", "q_4"]):
@@ -240,7 +242,7 @@ def test_simulated_ones_are_kept_from_people(store, tmp_path):
         begun(other, "T01", origin=PILOT)
 
 
-# --- measuring, reading ---------------------------------------------------------------------------
+# --- measuring, reading -------------------------------------------------------------------------
 # -------------------------
 
 
@@ -287,7 +289,7 @@ def test_another_program_may_read_while_a_session_runs(store, tmp_path):
     assert out.strip() == "1"
 
 
-# --- where ----------------------------------------------------------------------------------------
+# --- where --------------------------------------------------------------------------------------
 # -------------------------
 
 

@@ -1,5 +1,7 @@
-"""Who withdraws is gone: from what is read, from the bytes of every file, and after a kill in the
-middle; the code alone stays.
+"""Who withdraws is gone.
+
+From what is read, from the bytes of every file, and after a kill in the middle; the code alone
+stays.
 """
 
 from __future__ import annotations
@@ -25,8 +27,9 @@ POSE = "0.7342918{}"
 
 
 def told_of(number: int) -> list[bytes]:
-    """What only participant P<number> left: the remark (in the row, in the event and as JSON), the
-    rating as SQLite has it, the pose.
+    """What only participant P<number> left.
+
+    The remark (in the row, in the event and as JSON), the rating as SQLite has it, the pose.
     """
     return [REMARK.format(number).encode(), struct.pack(">d", RATING + number), POSE.format(number).encode()]
 
@@ -188,8 +191,9 @@ with Store(Path(sys.argv[1])) as store: withdraw(store, "P1")
 
 
 def check_finished(folder, subs) -> None:
-    """The next one who writes finishes it; a reader before that sees nothing of it, or all where
-    nothing had been begun.
+    """The next one who writes finishes it.
+
+    A reader before that sees nothing of it, or all where nothing had been begun.
     """
     with Store(folder) as store:
         seen = {one.code for one in store.contents().sessions}
@@ -238,8 +242,9 @@ def job(folder):
 
 
 def test_killed_at_any_moment(tmp_path):
-    """Within the time that an unhindered one takes, most often early in it, where most is done; the
-    steps themselves are hit above.
+    """Within the time that an unhindered one takes, most often early in it, where most is done.
+
+    The steps themselves are hit above.
     """
     chance = random.Random(11)
     with Killing(WITHDRAWS) as killing:

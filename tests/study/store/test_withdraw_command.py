@@ -1,5 +1,6 @@
-"""hmdwarp study withdraw, as typed: it tells what there is, asks, erases, and says what it cannot
-reach.
+"""hmdwarp study withdraw, as typed.
+
+It tells what there is, asks, erases, and says what it cannot reach.
 """
 
 from __future__ import annotations
