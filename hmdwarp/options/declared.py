@@ -58,7 +58,7 @@ class Option:
 
 
 def option(
-    value: Any, help: str, /, *, valid: Any = None, convert: Any = None, beside: tuple[Any, ...] = (), **about: Any
+    value: Any, help: str, /, *, valid: Any = None, convert: Any = None, beside: tuple[Option, ...] = (), **about: Any
 ) -> Any:
     """Return an attrs field that is an option.
 
