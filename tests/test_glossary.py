@@ -55,19 +55,21 @@ def public_names() -> dict[str, Path]:
         if not stem.startswith("_"):
             names[stem] = path
         if path.name == "__init__.py":
-            names |= dict.fromkeys(exported(ast.parse(path.read_text(encoding="utf-8"))), path)
+            stub = path.with_suffix(".pyi")
+            face = stub if stub.is_file() else path
+            names |= dict.fromkeys(exported(ast.parse(face.read_text(encoding="utf-8"))), face)
     return names
 
 
 def exported(module: ast.Module) -> list[str]:
-    """Return what a package re-exports: the names of its __all__ and of its table of homes."""
-    found = []
+    """Return what a package re-exports: the names of its __all__, or those that its stub imports."""
+    found: list[str] = []
     for statement in module.body:
-        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.List | ast.Dict | ast.Tuple):
-            value = statement.value
-            entries = value.keys if isinstance(value, ast.Dict) else value.elts
-            found += [entry.value for entry in entries if isinstance(entry, ast.Constant)]
-    return [name for name in found if isinstance(name, str) and not name.startswith("__")]
+        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.List | ast.Tuple):
+            found += [entry.value for entry in statement.value.elts if isinstance(entry, ast.Constant)]
+        elif isinstance(statement, ast.ImportFrom):
+            found += [alias.asname for alias in statement.names if alias.asname]
+    return [name for name in found if not name.startswith("__")]
 
 
 def test_public_names_use_known_words():

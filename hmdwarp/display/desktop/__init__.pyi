@@ -12,7 +12,7 @@ from .layout import viewports as viewports
 from .layout import window_size as window_size
 from .opening import choose_library as choose_library
 from .opening import variant as variant
-from .pacing import DISOBEYED as DISOBEYED
+from .pacing import UNSYNCED as UNSYNCED
 from .pacing import Pacer as Pacer
 from .views import WindowView as WindowView
 from .views import window_view as window_view

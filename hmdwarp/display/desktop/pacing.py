@@ -7,7 +7,7 @@ from statistics import median
 
 UNKNOWN_HZ = 60.0
 REMEMBERED = 16  # refreshes; a change of scene or size counts no more after a quarter of a second
-DISOBEYED = 8  # pictures in a row faster than the screen, after which the driver counts as not waiting
+UNSYNCED = 8  # pictures in a row faster than the screen, after which the driver counts as not waiting
 TOO_FAST = 0.7  # of a period
 
 
@@ -59,7 +59,7 @@ class Pacer:
     def _check_waiting(self, interval_ns: int) -> None:
         if self.waits and not self.paced:
             self._too_fast = self._too_fast + 1 if interval_ns < TOO_FAST * self.period_ns else 0
-            self.paced = self._too_fast >= DISOBEYED
+            self.paced = self._too_fast >= UNSYNCED
 
     def due(self, now_ns: int) -> int:
         """Return when to begin the next picture: now, unless we wait in the driver's place."""
