@@ -13,7 +13,7 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGETS = re.findall(r"^(check-\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
-HERE = ("check-lint", "check-format")  # the suite compiles the shaders itself
+HERE = ("check-lint", "check-format", "check-types")  # the suite compiles the shaders itself
 
 
 def lines_of(target: str) -> str:
