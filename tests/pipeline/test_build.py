@@ -23,6 +23,7 @@ from hmdwarp.scenes import load_scene
 
 SIZE = (64, 80)
 STEP_NS = 10_000_000
+PAIR = ("forward", "pyramid")
 
 
 class UnequalEyes:
@@ -179,3 +180,29 @@ def test_times_are_read_when_they_are_asked_for(gpu, monkeypatch):
 def test_needs_are_those_of_the_plan(gpu):
     with pipeline(gpu, OneEye(), warp="layered") as made:
         assert made.requested.needs == Needs(peeled=made.plan.needs["peeled"]) == made.plan.needs
+
+
+def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
+    """Frames carry what all plans need; a fill that reads the shown depth failed on the rest."""
+    options = PipelineOptions(scene="planes", warp="layered", fill="none", lens="none", size=SIZE)
+    plans = [build_plan((), warp, fill, "none", client_geometry=True) for warp, fill in (("layered", "none"), PAIR)]
+    needs = plans[0].needs | plans[1].needs
+    requested = PoseRequest(Turning(), None, SIZE, 1.0, needs)
+    target = Target(gpu, UnequalEyes(), 100.0, 0)
+    with build_pipeline(options, load_scene("planes"), target, plans[:1], requested) as made:
+        made.loop.draw(0)
+        refresh = made.loop.show(0)
+        beside = made.loop.inputs(refresh, plans[1].needs)
+        assert "peeled" in refresh.inputs[0].rendered
+        assert "peeled" not in beside[0].rendered
+        shown = made.compensator(plans[1]).run(beside[0]).shown
+        with build_pipeline(
+            options.with_pair(*PAIR),
+            load_scene("planes"),
+            target,
+            plans[1:],
+            PoseRequest(Turning(), None, SIZE, 1.0, plans[1].needs),
+        ) as alone:
+            alone.loop.draw(0)
+            expected = alone.loop.show(0).eyes[0].shown
+            assert np.array_equal(download(shown.texture), download(expected.texture))
