@@ -2,93 +2,82 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
+import attrs
 import typer
 
-from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption
+from ...errors import InputError
+from ...options import Declared, Number, option
+from .._options import QUIET, Said, command_line, takes
+from ._options import store_field
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 _Texts = list[str] | None
 _SOURCE = "A table with one row per rating (.csv, .tsv), a study's .toml file, or the name of a shipped study."
-_FAMILY = "Compare these pairs instead of the planned ones, as one family; may be repeated."
 
 
-def analyse(
-    source: Annotated[str, typer.Argument(metavar="FILE|STUDY", help=_SOURCE)],
-    out: Annotated[Path, typer.Option("--out", help="Folder for report.html, analysis.json and tables/*.csv.")],
-    store: StoreOption = None,
-    scale: Annotated[
-        str,
-        typer.Option("--scale", help="Scale of a table that does not name it: grade, acr, ..", show_default=False),
-    ] = "",
-    low_is_good: Annotated[
-        bool | None,
-        typer.Option(
-            "--low-is-good/--high-is-good",
-            help="Direction of a table's ratings, if it does not give it.",
-            show_default=False,
-        ),
-    ] = None,
-    column: Annotated[
-        _Texts,
-        typer.Option(
-            "--column",
-            metavar="ROLE=NAME",
-            help="Column for a role: rating=mos, participant=who; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
-    family: Annotated[_Texts, typer.Option("--family", metavar="A:B;C:D", help=_FAMILY, show_default=False)] = None,
-    claims: Annotated[
-        Path | None,
-        typer.Option(
-            "--claims", help="A .toml file of published figures to compare with the ratings.", show_default=False
-        ),
-    ] = None,
-    pilot: PilotOption = False,
-    simulated: SimulatedOption = False,
-    seed: Annotated[
-        int, typer.Option("--seed", min=0, help="Random seed, where resamples are drawn: not for ratings in steps.")
-    ] = 0,
-    resamples: Annotated[
-        int, typer.Option("--resamples", min=100, max=10_000_000, help="Number of resamples, where they are drawn.")
-    ] = 20_000,
-    quiet: QuietOption = False,
-) -> None:
+@attrs.frozen
+class AnalyseOptions(Declared):
+    """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
+
+    source: str = option(attrs.NOTHING, _SOURCE, positional=True, metavar="FILE|STUDY")
+    out: Path = option(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.", kind=Path)
+    store: Path | None = store_field()
+    scale: str = option("", "Scale of a table that does not name it: grade, acr, ..")
+    low_is_good: bool | None = option(
+        None, "Direction of a table's ratings, if it does not give it.", kind=bool, off="--high-is-good"
+    )
+    column: _Texts = option(
+        None, "Column for a role: rating=mos, participant=who; may be repeated.", kind=list, metavar="ROLE=NAME"
+    )
+    family: _Texts = option(
+        None,
+        "Compare these pairs instead of the planned ones, as one family; may be repeated.",
+        kind=list,
+        metavar="A:B;C:D",
+    )
+    claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.", kind=Path)
+    pilot: bool = option(False, "Pilot sessions instead of those of participants.")
+    simulated: bool = option(False, "Simulated sessions instead of those of participants.")
+    seed: int = option(0, "Random seed, where resamples are drawn: not for ratings in steps.", valid=Number())
+    resamples: int = option(
+        20_000, "Number of resamples, where they are drawn.", valid=Number(least=100, most=10_000_000)
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.pilot and self.simulated:
+            raise InputError("--pilot and --simulated: they are never mixed; analyse one after the other")
+
+
+@takes(AnalyseOptions, QUIET)
+def analyse(said: Said) -> None:
     """Analyse ratings: exact tests, intervals, order effects; writes tables, plots and one page.
 
     Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
     name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
-    import attrs
-
-    from ...errors import InputError
     from ...study.analysis import Resampling, SourceOptions, claims_for, ratings_from, write_analysis
     from ...study.analysis import analyse as run
 
-    if pilot and simulated:
-        raise InputError("--pilot and --simulated: they are never mixed; analyse one after the other")
-    origin = "pilot" if pilot else "simulated" if simulated else ""
-    options = SourceOptions(_columns(column), scale, low_is_good, origin)
-    ratings = ratings_from(source, store, options)
-    published, note = claims_for(claims, ratings, options)
+    options = AnalyseOptions.of(said)
+    origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
+    columns = SourceOptions(_columns(options.column), options.scale, options.low_is_good, origin)
+    ratings = ratings_from(options.source, options.store, columns)
+    published, note = claims_for(options.claims, ratings, columns)
     ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
-    data = run(ratings, Resampling(seed, resamples), family or (), published)
-    page = write_analysis(out, data, shlex.join(["hmdwarp", *sys.argv[1:]]))
-    if not quiet:
+    resampling = Resampling(options.seed, options.resamples)
+    data = run(ratings, resampling, options.family or (), published)
+    page = write_analysis(options.out, data, command_line())
+    if not said["quiet"]:
         _print(data)
         typer.echo(f"report: {page}")
 
 
 def _columns(texts: _Texts) -> dict[str, str]:
-    from ...errors import InputError
-
     pairs = [text.partition("=") for text in texts or ()]
     for text, (role, _, name) in zip(texts or (), pairs, strict=True):
         if not role or not name:

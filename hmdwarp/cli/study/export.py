@@ -3,51 +3,56 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
+import attrs
 import typer
 
-from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption, StudyArgument
+from ...errors import InputError
+from ...options import Declared, option
+from .._options import QUIET, Said, takes
+from ._options import store_field, study_field
 
 
-def export(
-    study: StudyArgument,
-    out: Annotated[Path, typer.Option("--out", help="A new folder for the tables and the BIDS data set.")],
-    store: StoreOption = None,
-    pilot: PilotOption = False,
-    simulated: SimulatedOption = False,
-    remarks: Annotated[bool, typer.Option("--remarks", help="Also remarks, which may name people.")] = False,
-    all_revisions: Annotated[
-        bool, typer.Option("--all-revisions", help="Also every answer that was corrected later.")
-    ] = False,
-    parquet: Annotated[
-        bool | None,
-        typer.Option(
-            "--parquet/--no-parquet",
-            help="Write ratings.parquet; by default where pyarrow is installed.",
-            show_default=False,
-        ),
-    ] = None,
-    quiet: QuietOption = False,
-) -> None:
+@attrs.frozen
+class ExportCommand(Declared):
+    """An export. Errors: InputError for pilots mixed with simulated sessions."""
+
+    study: str = study_field()
+    out: Path = option(attrs.NOTHING, "A new folder for the tables and the BIDS data set.", kind=Path)
+    store: Path | None = store_field()
+    pilot: bool = option(False, "Pilot sessions instead of those of participants.")
+    simulated: bool = option(False, "Simulated sessions instead of those of participants.")
+    remarks: bool = option(False, "Also remarks, which may name people.")
+    all_revisions: bool = option(False, "Also every answer that was corrected later.")
+    parquet: bool | None = option(
+        None, "Write ratings.parquet; by default where pyarrow is installed.", kind=bool, off="--no-parquet"
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.pilot and self.simulated:
+            raise InputError("--pilot and --simulated: they are never mixed in one table; export one after the other")
+
+
+@takes(ExportCommand, QUIET)
+def export(said: Said) -> None:
     """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
-    from ...errors import InputError
     from ...study.design import load_design
     from ...study.export import ExportOptions
     from ...study.export import export as run
     from ...study.store import PERSON, PILOT, SIMULATED, Store, store_folder
     from .._show import steps
 
-    if pilot and simulated:
-        raise InputError("--pilot and --simulated: they are never mixed in one table; export one after the other")
-    origin = PILOT if pilot else SIMULATED if simulated else PERSON
-    design = load_design(study, checked=False)
-    with Store(store_folder(design, store), study=design.name) as data:
-        contents = data.contents(pilot=pilot)
-    options = ExportOptions(origin=origin, remarks=remarks, revisions=all_revisions, parquet=parquet)
-    with steps("recordings", quiet=quiet) as (progress, _):
-        made = run(contents, design, out, options, progress)
-    if not quiet:
+    wanted = ExportCommand.of(said)
+    origin = PILOT if wanted.pilot else SIMULATED if wanted.simulated else PERSON
+    design = load_design(wanted.study, checked=False)
+    with Store(store_folder(design, wanted.store), study=design.name) as data:
+        contents = data.contents(pilot=wanted.pilot)
+    options = ExportOptions(
+        origin=origin, remarks=wanted.remarks, revisions=wanted.all_revisions, parquet=wanted.parquet
+    )
+    with steps("recordings", quiet=said["quiet"]) as (progress, _):
+        made = run(contents, design, wanted.out, options, progress)
+    if not said["quiet"]:
         for line in made.notes:
             typer.echo(line)
         typer.echo(f"written: {made.folder}")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
+import attrs
 
-from ._options import QuietOption, StudyArgument
+from ...options import Declared, Number, option
+from .._options import QUIET, Said, takes
+from ._options import study_field
 
 if TYPE_CHECKING:
     from ...report import OutputFolder
@@ -20,47 +22,42 @@ if TYPE_CHECKING:
 OWNED = ("power.csv", "power.png")
 
 
-def power(
-    study: StudyArgument,
-    out: Annotated[Path, typer.Option("--out", help="Folder for the table, the plot and power.json.")],
-    effect: Annotated[
-        float | None, typer.Option("--effect", help="How much better b is than a, in each planned comparison.")
-    ] = None,
-    sd: Annotated[
-        float | None, typer.Option("--sd", help="Standard deviation of one person's difference, with --effect alone.")
-    ] = None,
-    model: Annotated[
-        str | None, typer.Option("--model", help="Response model: a .toml file, or a shipped one's name.")
-    ] = None,
-    scale: Annotated[str | None, typer.Option("--scale", help="Scale of the study; by default its first.")] = None,
-    n: Annotated[
-        str,
-        typer.Option("--n", help="People who begin: 6..40 tries numbers that balance the orders; or a list, 10,12,15."),
-    ] = "6..40",
-    studies: Annotated[
-        int, typer.Option("--studies", min=10, max=1_000_000, help="Number of simulated studies.")
-    ] = 1000,
-    target: Annotated[float, typer.Option("--power", min=0.01, max=0.999, help="Target power.")] = 0.8,
-    alpha: Annotated[float, typer.Option("--alpha", min=1e-6, max=0.5, help="Significance level, after Holm.")] = 0.05,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Random seed of the simulation.")] = 1,
-    quiet: QuietOption = False,
-) -> None:
+@attrs.frozen
+class PowerOptions(Declared):
+    """A power simulation. Errors: InputError for a number out of range."""
+
+    study: str = study_field()
+    out: Path = option(attrs.NOTHING, "Folder for the table, the plot and power.json.", kind=Path)
+    effect: float | None = option(None, "How much better b is than a, in each planned comparison.", kind=float)
+    sd: float | None = option(None, "Standard deviation of one person's difference, with --effect alone.", kind=float)
+    model: str | None = option(None, "Response model: a .toml file, or a shipped one's name.")
+    scale: str | None = option(None, "Scale of the study; by default its first.")
+    n: str = option("6..40", "People who begin: 6..40 tries numbers that balance the orders; or a list, 10,12,15.")
+    studies: int = option(1000, "Number of simulated studies.", valid=Number(least=10, most=1_000_000))
+    power: float = option(0.8, "Target power.", valid=Number(least=0.01, most=0.999))
+    alpha: float = option(0.05, "Significance level, after Holm.", valid=Number(least=1e-6, most=0.5))
+    seed: int = option(1, "Random seed of the simulation.", valid=Number())
+
+
+@takes(PowerOptions, QUIET)
+def power(said: Said) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
     from ...report import OutputFolder
     from ...study.design import load_design
     from ...study.power import power_of
     from .._show import steps
 
-    design = load_design(study)
-    chosen = _scale(design, scale)
-    people = _model(design, chosen, effect, sd, model)
-    counts = _counts(n, design)
-    with OutputFolder(out, owned=OWNED, last="power.json") as folder:
+    options, quiet = PowerOptions.of(said), said["quiet"]
+    design = load_design(options.study)
+    chosen = _scale(design, options.scale)
+    people = _model(design, chosen, options.effect, options.sd, options.model)
+    counts = _counts(options.n, design)
+    with OutputFolder(options.out, owned=OWNED, last="power.json") as folder:
         with steps("Simulating", quiet=quiet) as (progress, _):
-            found = power_of(people, design, chosen, counts, studies, alpha, seed, progress)
-        _write(folder, found, target)
+            found = power_of(people, design, chosen, counts, options.studies, options.alpha, options.seed, progress)
+        _write(folder, found, options.power)
     if not quiet:
-        _print(found, people, target, out)
+        _print(found, people, options.power, options.out)
 
 
 def _scale(design: Design, name: str | None) -> Scale:
