@@ -31,7 +31,7 @@ def takes(
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
-            run({option.name: said[renamed.get(option.name, option.name)] for option in options})
+            run({one.name: said.get(renamed.get(one.name, one.name), one.default) for one in options})
 
         parameters = [_parameter(option, renamed.get(option.name, option.name)) for option in options]
         command.__doc__, command.__name__ = run.__doc__, run.__name__

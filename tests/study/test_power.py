@@ -200,7 +200,7 @@ def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
 )
 def test_what_is_asked_wrongly_is_told(asked, says, tmp_path):
     with pytest.raises(InputError, match=re.escape(says)):
-        command("quick", tmp_path / "out", **{"n": "6..40", **asked})
+        command(study="quick", out=tmp_path / "out", **{"n": "6..40", **asked})
     assert not (tmp_path / "out").exists()
 
 
