@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from study import tiny
 
+from hmdwarp.errors import InputError
 from hmdwarp.study.store import Contents, Store
 
 from .monado import UNSEEN, WOBBLING
@@ -25,8 +26,11 @@ LONG_S = 60.0
 def contents(folder: Path) -> Contents | None:
     if not (folder / "study.sqlite3").exists():
         return None
-    with Store(folder) as store:
-        return store.contents()
+    try:
+        with Store(folder) as store:
+            return store.contents()
+    except InputError:  # the file is there, what it holds is not yet
+        return None
 
 
 def until_showing(folder: Path, key: str, process: subprocess.Popen) -> None:

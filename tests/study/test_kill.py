@@ -17,7 +17,7 @@ KILLS = int(os.environ.get("STUDY_KILLS", "40"))
 SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
 
 
-@pytest.mark.slow
+@pytest.mark.slow(40)
 def test_nothing_is_lost_however_often_the_program_is_killed(tmp_path, capsys):
     killed = Killed(tmp_path, SEED, KILLS)
     killed.run()
