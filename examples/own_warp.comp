@@ -10,7 +10,7 @@ uniform float distance_m;
 
 void main() {
     ivec2 first = first_pixel();
-    prepare_looks();
+    prepare_sampling();
     for (int row = 0; row < ROWS; ++row) {
         ivec2 pixel = first + ivec2(0, row);
         if (pixel.x >= shown_size.x || pixel.y >= shown_size.y) return;

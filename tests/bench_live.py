@@ -2,7 +2,7 @@
 
 With --gc: what Python's garbage collector costs it.
 
-The whole live driver runs, on a display without a window (tests/run/live/offscreen.py) and small
+The whole live driver runs, on a display without a window (tests/run/offscreen.py) and small
 pictures: late pose, drawing, link, newest pose, warp maps, passes, handing over, log. Every call
 into OpenGL is timed and taken away; what is left is Python. On llvmpipe the drawing itself takes
 the processor and its caches, so the rest is slower than it would be beside a GPU.

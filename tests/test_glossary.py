@@ -62,7 +62,7 @@ def public_names() -> dict[str, Path]:
 
 
 def exported(module: ast.Module) -> list[str]:
-    """Return what a package re-exports: the names of its __all__, or those that its stub imports."""
+    """Return what a package re-exports: the names of its __all__, or of its stub."""
     found: list[str] = []
     for statement in module.body:
         if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.List | ast.Tuple):

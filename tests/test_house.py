@@ -217,7 +217,6 @@ APART_BY_S = {
     "motion": "of a trace; motions of made-up scenes",
     "picture": "a picture in the client; what metrics and reports do with many",
     "pose": "the class; the package of poses over time",
-    "reflection": "the layer; the part of the server that draws reflections",
     "source": "of poses; sources of ratings",
     "view": "the class; the two views of a window",
 }

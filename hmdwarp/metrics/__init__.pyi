@@ -1,9 +1,9 @@
 from .detail import sharpness as sharpness
 from .figure import Figure as Figure
+from .figures_of import measure as measure
 from .flip_map import flip as flip
 from .front import error_and_time as error_and_time
 from .front import pareto as pareto
-from .inputs import Input as Input
 from .job import Compared as Compared
 from .job import Measurement as Measurement
 from .job import QualityJob as QualityJob
@@ -13,11 +13,11 @@ from .library.flicker import flicker as flicker
 from .library.hole_share import hole_share as hole_share
 from .library.psnr_db import psnr_db as psnr_db
 from .library.ssim import ssim as ssim
-from .measuring import measure as measure
 from .metric import PRIMARY as PRIMARY
 from .metric import Metric as Metric
 from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
+from .metric_inputs import Input as Input
 from .mismatch import Mismatch as Mismatch
 from .mismatch import SharedSurface as SharedSurface
 from .pictures import PSNR_CAP_DB as PSNR_CAP_DB

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError
 from ..geometry import View
 from .flip_map import flip
-from .inputs import Input
+from .metric_inputs import Input
 from .pictures import check_pair, error_image
 
 T = TypeVar("T")

@@ -10,7 +10,7 @@ import attrs
 
 from ..registry import Registry
 from .figure import Figure
-from .inputs import Input
+from .metric_inputs import Input
 
 if TYPE_CHECKING:
     from .job import Measurement

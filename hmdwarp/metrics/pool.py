@@ -23,8 +23,8 @@ from typing import Any
 import attrs
 
 from ..errors import HmdwarpError, MachineError
+from .figures_of import measure
 from .job import QualityJob, QualityResult
-from .measuring import measure
 from .worst import Kept, WorstKeeper
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"

@@ -7,7 +7,7 @@ import math
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, option
+from ..options import Declared, names_in, option
 
 QUAT_ORDERS = ("xyzw", "wxyz")
 
@@ -21,7 +21,7 @@ class TraceOptions(Declared):
 
     # Name of a trace format.
     format: str | None = option(
-        None, "Read the trace as this format ('hmdwarp list formats' names them); by default it is detected."
+        None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
     )
     quat_order: str | None = option(None, "Order of quaternions, xyzw or wxyz, where the file does not say.")
     # See `reading.axes.parse_axes`.

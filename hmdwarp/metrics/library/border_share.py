@@ -9,8 +9,8 @@ from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
 from ..grid import pixel_centres, row_blocks
-from ..inputs import Input
 from ..metric import Metric, metrics
+from ..metric_inputs import Input
 
 
 def border_share(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs import Input
 from ..metric import Metric, metrics
+from ..metric_inputs import Input
 
 
 def hole_share(coverage: NDArray) -> float:
