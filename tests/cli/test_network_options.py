@@ -91,4 +91,4 @@ def test_what_the_link_did_is_printed_where_it_did_something(command, tmp_path):
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "On the way" in page and "Response time" in page
+    assert "Frames in transit" in page and "Response time" in page
