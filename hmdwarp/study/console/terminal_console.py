@@ -67,7 +67,7 @@ class TerminalConsole:
                 stdout=capture.out,
                 stderr=capture.out,  # textual draws on stderr
                 pass_fds=passed,
-                env={**os.environ, "TEXTUAL_DISABLE_KITTY_KEY": "1"},  # a mode that a killed program would leave on
+                env=_environment(),
             )
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, masked)
@@ -183,6 +183,16 @@ def make_console(kind: str, title: str) -> Console:
     if kind == LINES or why:
         return LineConsole(title, f"no full-screen console: {why}" if why else "")
     return TerminalConsole(title)
+
+
+def _environment() -> dict[str, str]:
+    """Return the environment of the console's program.
+
+    Without a size that a shell has exported: the terminal knows its own, which changes. Without
+    the kitty key mode, which a killed program would leave on.
+    """
+    kept = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}
+    return {**kept, "TEXTUAL_DISABLE_KITTY_KEY": "1"}
 
 
 def _why_no_terminal() -> str:
