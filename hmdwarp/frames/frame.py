@@ -58,8 +58,13 @@ class EyeImage:
         return attrs.evolve(self, carried={name: one for name, one in merged.items() if one is not None})
 
     def only(self, needs: Needs) -> EyeImage:
-        """Return the image as frames drawn for these needs alone would carry it."""
+        """Return the image as frames drawn for these needs alone would carry it.
+
+        The same object where nothing is left out, as at most refreshes: the loop asks at each.
+        """
         kept = {name: layers.get(name).only(one, needs[name]) for name, one in self.carried.items() if name in needs}
+        if all(kept.get(name) is one for name, one in self.carried.items()):
+            return self
         return attrs.evolve(self, carried=kept)
 
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:

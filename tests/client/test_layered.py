@@ -10,32 +10,17 @@ import numpy as np
 import pytest
 from worlds import World, read
 
+from client.test_multi import square
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import Needs, Surface
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
-from hmdwarp.scenes import Background, Mesh, Scene, load_scene
+from hmdwarp.scenes import Background, Scene, load_scene
 from hmdwarp.server import Server
 
 SIZE = (120, 96)
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
-
-
-def square(depth_m: float, centre: tuple[float, float], half: float, level: float) -> Mesh:
-    x, y = centre
-    corners = [(x + i * half, y + j * half, -depth_m) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    light = np.full((4, 3), level)
-    return Mesh(
-        f"square {level}",
-        corners,
-        np.tile((0, 0, 1.0), (4, 1)),
-        np.zeros((4, 2)),
-        light,
-        [(0, 1, 2), (0, 2, 3)],
-        -1,
-        False,
-    )
 
 
 # A small square before a large wall before the sky.
