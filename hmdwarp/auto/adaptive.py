@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import attrs
-
 from ..client.compensator import Compensator, EyeResult, Stages
 from .governor import Change, Governor
 
@@ -55,8 +53,8 @@ class AdaptiveCompensator:
         return self._compensators[self._governor.level]
 
     def run(self, inputs: PassInputs) -> EyeResult:
-        """Run the present level, which gets what it would get alone; see Compensator.run."""
-        return self._running.run(attrs.evolve(inputs, rendered=inputs.rendered.only(self.plan.needs)))
+        """Run the present level; see Compensator.run."""
+        return self._running.run(inputs)
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """Hand the times of each eye's passes at the last refresh to the governor.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import attrs
 
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from ..poses import PoseSample, PoseSource
     from ..server import Server
     from .channel import Channel
+
+
+class _Pictures(TypedDict):
+    rendered: EyeImage
+    others: tuple[EyeImage, ...]
 
 
 @attrs.frozen(eq=False)
@@ -158,10 +163,7 @@ class Loop:
 
         Frames must carry as much, see PoseRequest.needs; what they carry beyond is left out.
         """
-        return tuple(
-            attrs.evolve(one, rendered=one.rendered.only(needs), others=self._others(refresh.frame, one.eye, needs))
-            for one in refresh.inputs
-        )
+        return tuple(attrs.evolve(one, **self._pictures(refresh.frame, one.eye, needs)) for one in refresh.inputs)
 
     def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
         asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
@@ -169,15 +171,21 @@ class Loop:
         if asked.scanout_ns:
             last = self._eyes.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
         return tuple(
-            PassInputs(frame.eyes[eye], first[eye], eye, self._others(frame, eye, needs), last[eye], shown_ns=shown_ns)
+            PassInputs(
+                shown=first[eye], eye=eye, shown_last=last[eye], shown_ns=shown_ns, **self._pictures(frame, eye, needs)
+            )
             for eye in range(len(first))
         )
 
-    def _others(self, frame: Frame, eye: int, needs: Needs) -> tuple[EyeImage, ...]:
-        """Return the other pictures that a plan looks into, with the layers that it needs."""
+    def _pictures(self, frame: Frame, eye: int, needs: Needs) -> _Pictures:
+        """Return the eye's picture and the others that a plan reads, with the layers it needs.
+
+        Frames may carry more, for plans that run beside it.
+        """
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
         past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])
-        return tuple(image.only(needs) for image in (*beside, *past))
+        others = tuple(image.only(needs) for image in (*beside, *past))
+        return {"rendered": frame.eyes[eye].only(needs), "others": others}
 
 
 def _total(stages: Stages) -> float:

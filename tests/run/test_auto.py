@@ -15,16 +15,12 @@ import pytest
 from bench_files import AMPLE_MS, PAIRS, a_bench, a_row
 from replays import contents, rows_of, run, small
 
-from hmdwarp.auto.adaptive import AdaptiveCompensator
-from hmdwarp.auto.governor import Governor
 from hmdwarp.auto.levels import QualityLevel
 from hmdwarp.client.compensator import Compensator
 from hmdwarp.client.effects import effects
-from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.plan import build_plan
 from hmdwarp.client.variants import every_warp
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.frames import EyeImage, Needs, Surface
 from hmdwarp.pipeline.planning import build_plan_for
 from hmdwarp.report import validate_summary
 from hmdwarp.run import set_up_replay
@@ -299,32 +295,20 @@ def test_a_trial_leaves_out_what_is_out_of_reach(few):
 # --------------------------------------------------------------------------------------------------
 
 
-def test_each_level_gets_what_it_would_get_alone():
-    """What frames carry for a level that wants layers and a cube is not handed to one that does
-    not.
-    """
+@pytest.mark.parametrize(("budget_ms", "gets_them"), [(1.5, False), (2.5, True)])
+def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
+    """Frames carry the layers of every level; a level that needs none of them gets none."""
+    levels = (QualityLevel("forward", "none", 1.0, 0.2), QualityLevel("layered", "none", 2.0, 0.1))
+    with set_up_replay(small(warp="auto", budget_ms=budget_ms, against=""), levels=levels) as setup:
+        setup.loop.draw(setup.schedule.first_ns)
+        refresh = setup.loop.show(setup.schedule.first_ns + setup.schedule.age_ns)
+        assert all("peeled" in eye for eye in refresh.frame.eyes)
+        assert ["peeled" in one.rendered for one in refresh.inputs] == [gets_them, gets_them]
 
-    @attrs.define(eq=False)
-    class Noted:
-        plan: object
-        inputs: object = None
 
-        def run(self, inputs):
-            self.inputs = inputs
-
-    @attrs.define(eq=False)
-    class PlanLike:
-        needs: Needs
-
-    levels = (QualityLevel("plain", "none", 1.0, 0.2), QualityLevel("rich", "none", 2.0, 0.1))
-    plain, rich = Noted(PlanLike(Needs())), Noted(PlanLike(Needs(peeled=1, cube=True)))
-    inputs = PassInputs(
-        EyeImage(None, None, None, {"peeled": (Surface(None, None), Surface(None, None)), "cube": "cube"}), None
-    )
-    AdaptiveCompensator(Governor(levels, 1.5), dict(zip(levels, (plain, rich), strict=True))).run(inputs)
-    assert plain.inputs.rendered.carried == {}
-    AdaptiveCompensator(Governor(levels, 2.5), dict(zip(levels, (plain, rich), strict=True))).run(inputs)
-    assert (len(rich.inputs.rendered["peeled"]), rich.inputs.rendered["cube"]) == (1, "cube")
+@pytest.mark.parametrize("against", ["layered", "multi"])
+def test_what_the_compared_warp_needs_is_not_handed_to_the_run(tmp_path, against):
+    assert run(tmp_path, warp="forward", fill="pyramid", against=against, seconds=0.1).summary["frames"] > 0
 
 
 def test_a_replay_compiles_every_level_at_the_start(tmp_path):
