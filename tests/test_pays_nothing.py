@@ -95,18 +95,38 @@ def test_every_effect_has_a_scene_that_calls_for_it():
     assert {effect for name in SCENES for effect in scenes.get(name).effects} == set(effects.names())
 
 
+def names_effects(tree: ast.AST) -> list[int]:
+    """Lines that hold an effect's long name, or that compare anything but needs with any name."""
+    lines = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and node.value in LONG_NAMES:
+            lines.append(node.lineno)
+        elif isinstance(node, ast.Compare):
+            sides = [node.left, *node.comparators]
+            named = any(isinstance(side, ast.Constant) and side.value in effects.names() for side in sides)
+            if named and not any(ast.unparse(side).endswith("needs") for side in sides):
+                lines.append(node.lineno)
+    return lines
+
+
 def test_an_effect_is_named_only_where_it_is_declared_and_compensated():
     """A test for a name elsewhere would be a second opinion of what is to be done."""
     root = folder("shaders").parent / "hmdwarp"
     own = ("client/effects/", "client/effect_passes/", "scenes/library/")
     found = [
-        f"{path.relative_to(root)}:{node.lineno}"
+        f"{path.relative_to(root)}:{line}"
         for path in sorted(root.rglob("*.py"))
         if "_data" not in path.parts and not path.relative_to(root).as_posix().startswith(own)
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.Constant) and node.value in LONG_NAMES
+        for line in names_effects(ast.parse(path.read_text(encoding="utf-8")))
     ]
     assert not found, found
+
+
+def test_names_of_effects_are_noticed():
+    for guilty in ('"overlay" in plan.effects', 'name == "transparency"', 'f("rigid_motion")'):
+        assert names_effects(ast.parse(guilty)) == [1], guilty
+    for innocent in ('"overlay" in drawing.needs', 'image["overlay"]', '"wide" in plan.effects'):
+        assert names_effects(ast.parse(innocent)) == [], innocent
 
 
 def _passes(costs: Costs) -> int:
