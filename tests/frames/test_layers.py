@@ -11,7 +11,7 @@ from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.frames import EyeSizes, Mirrored, Needs, Others, frame_bytes
+from hmdwarp.frames import EyeImage, EyeSizes, Mirrored, Needs, Others, Surface, frame_bytes
 from hmdwarp.frames.layers import DEPTH, PACKED, PIXEL_BYTES, VIDEO, layers, readable_names
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
@@ -117,3 +117,11 @@ def test_a_need_of_an_unknown_layer_is_refused():
 def test_a_plan_runs_on_frames_that_carry_the_same(carried, needed, enough):
     """More or fewer layers are other frames; more older frames than needed disturb nobody."""
     assert carried.serve(needed) == enough
+
+
+def test_an_image_is_cut_to_what_a_plan_needs_and_is_the_same_where_nothing_is_cut():
+    surfaces = (Surface(None, None), Surface(None, None))
+    image = EyeImage(None, None, None, {"peeled": surfaces, "cube": "cube"})
+    assert image.only(Needs()).carried == {}
+    assert image.only(Needs(peeled=1, cube=True)).carried == {"peeled": surfaces[:1], "cube": "cube"}
+    assert image.only(Needs(peeled=2, cube=True, overlay=True)) is image
