@@ -33,7 +33,7 @@ from rich.table import Table
 from run.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Tick
-from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu import Gpu
 from hmdwarp.run import LiveOptions
 from hmdwarp.run import live_run as run
 

@@ -22,15 +22,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from hmdwarp.client import PassInputs, ShownPicture
 from hmdwarp.client.fills import fills
-from hmdwarp.client.inputs import PassInputs
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.picture import ShownPicture
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Fov, View
-from hmdwarp.gpu.context import Gpu
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate, download
+from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene

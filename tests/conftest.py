@@ -22,7 +22,7 @@ DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 @pytest.fixture(scope="session")
 def gpu():
     """One OpenGL context for the whole session (llvmpipe where there is no GPU)."""
-    from hmdwarp.gpu.context import Gpu
+    from hmdwarp.gpu import Gpu
 
     with Gpu() as made:
         yield made

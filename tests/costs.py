@@ -15,7 +15,7 @@ import pytest
 from replays import small
 
 from hmdwarp.frames import frame_bytes
-from hmdwarp.gpu.shaders import ShaderLibrary
+from hmdwarp.gpu import ShaderLibrary
 from hmdwarp.run import set_up_replay
 
 ALLOCATIONS = ("texture", "buffer", "framebuffer", "depth_renderbuffer", "vertex_array")

@@ -13,8 +13,8 @@ from worlds import World, read
 
 from hmdwarp.client import CLIENT_MODEL, ShownPicture, parse_fills
 from hmdwarp.frames import EyeImage
-from hmdwarp.geometry.wide import wide_view
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.geometry import wide_view
+from hmdwarp.gpu import SCALAR, Canvas, allocate
 
 
 class Holed:

@@ -10,11 +10,11 @@ import numpy as np
 from reference.picture import ReferencePicture
 from worlds import World, read
 
+from hmdwarp.client import parse_warp
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.variants import parse_warp
 from hmdwarp.client.warps import Output
 from hmdwarp.geometry import View
-from hmdwarp.gpu.textures import Canvas
+from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import Headset
 
 

@@ -13,9 +13,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp.gpu.context import Gpu
-from hmdwarp.gpu.textures import download
-from hmdwarp.pipeline.loop import Refresh
+from hmdwarp.gpu import Gpu, download
+from hmdwarp.pipeline import Refresh
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
 from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay

@@ -23,8 +23,8 @@ from PIL import Image
 from replays import each_refresh, small
 
 from hmdwarp.colour import picture_from_linear
-from hmdwarp.gpu.textures import download
-from hmdwarp.pipeline.loop import Refresh
+from hmdwarp.gpu import download
+from hmdwarp.pipeline import Refresh
 from hmdwarp.run import ReplaySetup
 
 GOLDEN = Path(__file__).resolve().parent / "golden"

@@ -394,6 +394,33 @@ def test_no_private_module_is_imported_by_another_package():
     assert not wrong, f"export what they need from the package's face: {sorted(wrong)}"
 
 
+def exported_by(package: Path) -> dict[str, str]:
+    """The names that a package's face re-exports, each with the module it comes from."""
+    stub, face = package / "__init__.pyi", package / "__init__.py"
+    imports = [
+        node
+        for node in tree_of(stub if stub.is_file() else face).body
+        if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module
+    ]
+    return {alias.name: node.module for node in imports for alias in node.names}
+
+
+def test_tests_take_names_from_the_packages_that_export_them():
+    """What a package exports is what its users import; a test of it imports it in the same way."""
+    wrong = set()
+    for path in sorted((ROOT / "tests").rglob("*.py")):
+        for node in ast.walk(tree_of(path)):
+            if not (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("hmdwarp.")):
+                continue
+            module = ROOT.joinpath(*node.module.split("."))
+            if module.is_dir():
+                continue
+            package, stem = module.parent, module.name
+            exported = exported_by(package) if package != PACKAGE else {}
+            wrong |= {f"{path.name}: {node.module}.{a.name}" for a in node.names if exported.get(a.name) == stem}
+    assert not wrong, f"import these from the package: {sorted(wrong)}"
+
+
 def test_no_files_import_each_other_in_a_circle():
     """Two files that need each other are one idea; a package's face is no part of it."""
     graph = {path: {other for other in files_imported(path) if other.name != "__init__.py"} for path in modules()}

@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_warp, parse_warp
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frames import EyeImage, Surface
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.geometry.cube import FACES, face_views
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.geometry import Fov, Pose, View, face_views
+from hmdwarp.geometry.cube import FACES
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 
 def twin_of(name: str):

@@ -107,7 +107,7 @@ class Governor:
         Return the change for the next one, if there is one.
         """
         if not (math.isfinite(total_ms) and total_ms >= 0):
-            raise HmdwarpError(f"a refresh took {total_ms} ms: wanted a finite time from 0")
+            raise HmdwarpError(f"a refresh took {total_ms} ms: expected a finite time from 0")
         self._refresh += 1
         if self._refresh - self._stay.arrived < SETTLING:
             return None
@@ -205,5 +205,5 @@ def _check_levels(levels: tuple[QualityLevel, ...]) -> None:
     dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
     if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
         raise HmdwarpError(
-            f"wanted levels that each take longer and err less than the one before, not {list(map(str, levels))}"
+            f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
         )

@@ -34,7 +34,7 @@ def list_(
     if kind not in KINDS:
         raise unknown_name("list", kind, list(KINDS))
     if json and markdown:
-        raise InputError("--json and --markdown: wanted one of the two")
+        raise InputError("--json and --markdown: expected one of the two")
     rows = _rows(kind, name)
     if json:
         import json as json_

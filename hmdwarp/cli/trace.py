@@ -67,7 +67,7 @@ def convert(said: Said) -> None:
     target = formats.get(to)
     if not target.writes:
         able = ", ".join(f.name for f in formats if f.writes)
-        raise InputError(f"format {to} is read, not written: wanted one of {able}")
+        raise InputError(f"format {to} is read, not written: expected one of {able}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)

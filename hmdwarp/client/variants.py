@@ -109,12 +109,12 @@ def _converted(named: str, key: str, value: str, kind: Any) -> Any:
     if typing.get_origin(kind) is typing.Literal:
         words = typing.get_args(kind)
         if value not in words:
-            raise InputError(f"{named}: {key} is '{value}': wanted {' or '.join(map(str, words))}")
+            raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(map(str, words))}")
         return value
     try:
         number = kind(value)
     except ValueError as error:
-        raise InputError(f"{named}: {key} is '{value}': wanted {_WANTED.get(kind, kind.__name__)}") from error
+        raise InputError(f"{named}: {key} is '{value}': expected {_WANTED.get(kind, kind.__name__)}") from error
     if kind is float and not math.isfinite(number):
-        raise InputError(f"{named}: {key} is '{value}': wanted a finite number")
+        raise InputError(f"{named}: {key} is '{value}': expected a finite number")
     return number

@@ -3,12 +3,14 @@
 This package knows nothing of the rest of the program. Conventions: docs/conventions.md.
 """
 
-from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres
-from .mirror import Mirror
+from .cube import cube_size, face_views
+from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres, metres_from_inverse_depth
+from .mirror import Mirror, fresnel, image_behind_ball
 from .pose import Pose
 from .rigid import RigidState
 from .view import Eyes, Fov, View, guarded_eyes
 from .warp_map import WarpMap
+from .wide import wide_fov, wide_size, wide_view
 
 __all__ = [
     "DepthLayer",
@@ -19,7 +21,15 @@ __all__ = [
     "RigidState",
     "View",
     "WarpMap",
+    "cube_size",
+    "face_views",
+    "fresnel",
     "guarded_eyes",
+    "image_behind_ball",
     "inverse_depth_from_clip",
     "inverse_depth_from_metres",
+    "metres_from_inverse_depth",
+    "wide_fov",
+    "wide_size",
+    "wide_view",
 ]

@@ -59,12 +59,12 @@ class DepthLayer:
         if not (self.near_z > 0 and self.far_z > 0) or self.near_z == self.far_z:
             raise InputError(
                 f"depth planes near {self.near_z}, far {self.far_z}: "
-                "wanted two different positive distances (inf allowed)"
+                "expected two different positive distances (inf allowed)"
             )
         if not (-1 <= self.min_depth < self.max_depth <= 1):
             raise InputError(
                 f"depth range {self.min_depth}..{self.max_depth}: "
-                "wanted min < max within 0..1 (or -1..1 for clip space)"
+                "expected min < max within 0..1 (or -1..1 for clip space)"
             )
 
     def inverse_depth(self, d: ArrayLike) -> NDArray[np.float64]:
@@ -101,7 +101,7 @@ def inverse_depth_from_clip(
     Errors: InputError for another ndc, and for near_m >= far_m.
     """
     if ndc not in ("zero_to_one", "minus_one_to_one"):
-        raise InputError(f"unknown depth range '{ndc}': wanted zero_to_one or minus_one_to_one")
+        raise InputError(f"unknown depth range '{ndc}': expected zero_to_one or minus_one_to_one")
     if not near_m < far_m:
         raise InputError(f"near {near_m} is not before far {far_m}; for a reversed buffer pass reversed_z=True")
     low = -1.0 if ndc == "minus_one_to_one" else 0.0

@@ -71,7 +71,7 @@ def image_behind_ball(away_m: ArrayLike, radius_m: ArrayLike, cosine: ArrayLike)
 def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
     """Return the mirrors in the axes of an eye, as the uniforms of shaders/lib/mirrors.glsl."""
     if len(mirrors) > MOST_MIRRORS:
-        raise ValueError(f"{len(mirrors)} mirrors: wanted at most {MOST_MIRRORS}")
+        raise ValueError(f"{len(mirrors)} mirrors: expected at most {MOST_MIRRORS}")
     eye_from_world = view.pose.rotation_matrix.T
     rows = np.zeros((3, MOST_MIRRORS, 4))
     reflectivity = np.zeros(MOST_MIRRORS)

@@ -19,10 +19,10 @@ def _frozen(value: ArrayLike, length: int) -> Vector:
     try:
         array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:  # text, ragged lists
-        raise InputError(f"wanted {length} finite numbers, found {value!r}") from error
+        raise InputError(f"expected {length} finite numbers, found {value!r}") from error
     # The sum is quick, and finite unless a number is not; sums beyond 1e308 need a second look.
     if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
-        raise InputError(f"wanted {length} finite numbers, found {value!r}")
+        raise InputError(f"expected {length} finite numbers, found {value!r}")
     array.setflags(write=False)
     return array
 

@@ -34,7 +34,7 @@ class Fov:
         if not all(abs(a) <= _MAX_ANGLE for a in angles) or self.left >= self.right or self.down >= self.up:
             shown = ", ".join(f"{a:.6g}" for a in angles)
             raise InputError(
-                f"no field of view: left, right, down, up = {shown} rad; wanted left < right, down < up, within +-1.562"
+                f"no field of view: left, right, down, up = {shown} rad; needs left < right, down < up, within +-1.562"
             )
 
     @classmethod
@@ -86,7 +86,7 @@ class Fov:
         Errors: InputError if factor < 1 or the view leaves 89.5 degrees.
         """
         if not factor >= 1 or not math.isfinite(factor):
-            raise InputError(f"guard {factor} is no enlargement: wanted a factor of 1 or more")
+            raise InputError(f"guard {factor} is no enlargement: expected a factor of 1 or more")
         left, right, down, up = self.tangents
         per_x, per_y = size[0] / (right - left), size[1] / (up - down)
         # 1e-9: a guard that means a whole number of pixels must not gain one by rounding.

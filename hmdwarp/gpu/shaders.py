@@ -76,7 +76,7 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
         try:
             text = (root / name).read_text(encoding="utf-8")
         except OSError as error:
-            raise ShaderError(f"shader file '{name}' wanted by {wanted_by}: {error.strerror}") from error
+            raise ShaderError(f"shader file '{name}' included by {wanted_by}: {error.strerror}") from error
         for number, line in enumerate(text.splitlines(), start=1):
             include = _INCLUDE.match(line)
             if include:

@@ -89,7 +89,7 @@ def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
     """Raise InputError for a side below 1 or beyond the GL limit."""
     limit = gl.info["GL_MAX_TEXTURE_SIZE"]
     if min(size) < 1 or max(size) > limit:
-        raise InputError(f"picture size {size[0]}x{size[1]}: wanted 1 to {limit} on each side (this GPU's limit)")
+        raise InputError(f"picture size {size[0]}x{size[1]}: expected 1 to {limit} on each side (this GPU's limit)")
 
 
 def upload(texture: moderngl.Texture, image: NDArray) -> None:

@@ -21,12 +21,12 @@ COLOURS = ("red", "green", "blue")
 def _refuse_unless_positive(**values: float) -> None:
     for name, value in values.items():
         if not 0 < value < math.inf:
-            raise InputError(f"{name} is {value:g}: wanted a number above 0")
+            raise InputError(f"{name} is {value:g}: expected a number above 0")
 
 
 def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
     if not all(side >= 1 and float(side).is_integer() for side in size):
-        raise InputError(f"eye_size_px is {size[0]:g} x {size[1]:g}: wanted whole pixels, 1 or more")
+        raise InputError(f"eye_size_px is {size[0]:g} x {size[1]:g}: expected whole pixels, 1 or more")
     return int(size[0]), int(size[1])
 
 
@@ -54,7 +54,7 @@ class RadialLens:
             if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
                 raise InputError(
                     f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; "
-                    f"wanted 1 to {MAX_COEFFICIENTS}"
+                    f"expected 1 to {MAX_COEFFICIENTS}"
                 )
             fold = self.folds_at(colour)
             if fold is not None:
@@ -134,7 +134,7 @@ class Headset:
             eye_width_m=self.eye_size_m[0], eye_height_m=self.eye_size_m[1], refresh_hz=self.refresh_hz
         )
         if not 0 <= self.ipd_m < math.inf:
-            raise InputError(f"ipd_m is {self.ipd_m:g}: wanted the distance of the pupils in metres, 0 or more")
+            raise InputError(f"ipd_m is {self.ipd_m:g}: expected the distance of the pupils in metres, 0 or more")
 
     def fov(self, eye: int) -> Fov:
         """Return the field of view of eye 0 (left) or 1 (right)."""

@@ -51,7 +51,7 @@ def read_view(path: Path) -> View:
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not JSON that can be read ({error})") from error
     if not isinstance(data, dict):
-        raise InputError(f"{path}: found a {type(data).__name__}; wanted an object with {', '.join(_VIEW)}")
+        raise InputError(f"{path}: found a {type(data).__name__}; expected an object with {', '.join(_VIEW)}")
     _check_keys(path, data, tuple(_VIEW))
     return _view(path, data)
 
@@ -66,7 +66,7 @@ def _content(path: Path) -> bytes:
 def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -> None:
     missing = [key for key in wanted if key not in found]
     if missing:
-        raise InputError(f"{path}: no {', '.join(missing)} in it; wanted {', '.join(wanted)}")
+        raise InputError(f"{path}: no {', '.join(missing)} in it; expected {', '.join(wanted)}")
 
 
 def _view(path: Path, data: Mapping[str, Any]) -> View:
@@ -84,5 +84,5 @@ def _numbers(path: Path, key: str, value: Any, count: int) -> NDArray[np.float64
         array = np.empty(0)
     if array.shape != (count,) or array.dtype.kind not in "fiu":
         angles = ": angles in radians, left, right, down, up" if key == "fov" else ""
-        raise InputError(f"{path}: {key} is {reprlib.repr(value)}; wanted {count} numbers{angles}")
+        raise InputError(f"{path}: {key} is {reprlib.repr(value)}; expected {count} numbers{angles}")
     return array.astype(np.float64)

@@ -65,7 +65,7 @@ def warp_image(
     linear, inverse_depth = checked(colour, depth_m)
     for name, view in (("rendered", rendered), ("shown", shown)):
         if not isinstance(view, View):
-            raise InputError(f"{name} is a {type(view).__name__}: wanted a hmdwarp.View")
+            raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
     plan = _plan(warp, fill)
     rendered_size = inverse_depth.shape[1::-1]
     shown_size = rendered_size if size is None else checked_size(size)
@@ -129,12 +129,12 @@ def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32],
     """
     colour, depth_m = _array("colour", colour), _array("depth_m", depth_m)
     if colour.ndim != 3 or colour.shape[2] != 3 or 0 in colour.shape:
-        raise InputError(f"colour has shape {colour.shape}: wanted (h, w, 3)")
+        raise InputError(f"colour has shape {colour.shape}: expected (h, w, 3)")
     if colour.dtype != np.uint8 and colour.dtype.kind != "f":
-        raise InputError(f"colour is {colour.dtype}: wanted uint8 (sRGB) or a float type (linear light)")
+        raise InputError(f"colour is {colour.dtype}: expected uint8 (sRGB) or a float type (linear light)")
     if depth_m.shape != colour.shape[:2] or depth_m.dtype.kind not in "fiu":
         raise InputError(
-            f"depth_m is {depth_m.dtype} {depth_m.shape}: wanted numbers of shape {colour.shape[:2]}, as colour has"
+            f"depth_m is {depth_m.dtype} {depth_m.shape}: expected numbers of shape {colour.shape[:2]}, as colour has"
         )
     linear = linear_from_srgb(colour) if colour.dtype == np.uint8 else colour
     if not np.isfinite(linear).all():
@@ -162,7 +162,7 @@ def checked_size(size: object) -> tuple[int, int]:
     try:
         width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
     except (TypeError, ValueError) as error:
-        raise InputError(f"size is {size!r}: wanted (width, height) in whole pixels") from error
+        raise InputError(f"size is {size!r}: expected (width, height) in whole pixels") from error
     return width, height
 
 

@@ -31,11 +31,11 @@ def parse_loss(text: str) -> GilbertElliott | None:
     text = text.strip()
     if text in ("", "none"):
         return None
-    wanted = "wanted p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
+    wanted = "expected p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
     if "=" not in text:
         share = _number(text, f"loss '{text}'", wanted)
         if not 0 <= share <= 1:
-            raise InputError(f"loss '{text}': wanted a share of the frames, from 0 to 1")
+            raise InputError(f"loss '{text}': expected a share of the frames, from 0 to 1")
         return GilbertElliott(share, 1 - share)
     values = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
@@ -48,7 +48,7 @@ def parse_bandwidth(text: str) -> Bandwidth | None:
     if not text.strip():
         return None
     rate, *more = text.split(",")
-    wanted = "wanted Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
+    wanted = "expected Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
     values = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
     return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
 
@@ -113,7 +113,7 @@ class LinkOptions(Declared):
 
     def __attrs_post_init__(self) -> None:
         if not 0 <= self.seed < _MOST_SEED:
-            raise InputError(f"seed {self.seed}: wanted a whole number, 0 or more")
+            raise InputError(f"seed {self.seed}: expected a whole number, 0 or more")
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

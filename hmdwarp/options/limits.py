@@ -58,7 +58,7 @@ class Number:
             least_met = found > self.least if self.above else found >= self.least
             if not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
-                raise InputError(f"{name} {found:g}{unit}: wanted a number {self.words(unit)}")
+                raise InputError(f"{name} {found:g}{unit}: expected a number {self.words(unit)}")
 
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
@@ -75,6 +75,6 @@ def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str], None]:
 
     def check(_: object, field: attrs.Attribute[Any], value: str) -> None:
         if value not in known:
-            raise InputError(f"{field.name} '{value}': wanted {' or '.join(known)}")
+            raise InputError(f"{field.name} '{value}': expected {' or '.join(known)}")
 
     return check

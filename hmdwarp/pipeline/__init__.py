@@ -1,4 +1,10 @@
 """The pipeline that every driver runs.
 
 Options, sizes, the parts put together, and the loop over refreshes.
+
+Names are in __init__.pyi; each loads its module at first use.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -21,7 +21,7 @@ def parse_size(text: str) -> tuple[int, int]:
     """Return (640, 400) for '640x400'. Errors: InputError."""
     match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
     if not match or 0 in map(int, match.groups()):
-        raise InputError(f"size '{text}': wanted WIDTHxHEIGHT in pixels of one eye, like 640x800")
+        raise InputError(f"size '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
     return int(match.group(1)), int(match.group(2))
 
 
@@ -32,7 +32,7 @@ def parse_guard(text: str) -> float | Literal["auto"]:
     try:
         return float(text)
     except ValueError as error:
-        raise InputError(f"guard '{text}': wanted a number of at least 1, or {AUTO}") from error
+        raise InputError(f"guard '{text}': expected a number of at least 1, or {AUTO}") from error
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:

@@ -45,7 +45,7 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: in
     rendered_size = sizes.rendered
     if max(rendered_size) > gpu.max_texture_size:
         found = f"guard {guard:g} makes frames of {rendered_size[0]}x{rendered_size[1]} pixels"
-        raise InputError(f"{found}: wanted at most {gpu.max_texture_size} on each side (this GPU's limit)")
+        raise InputError(f"{found}: expected at most {gpu.max_texture_size} on each side (this GPU's limit)")
     needed = frames * sum(frame_bytes(needs, sizes).values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(

@@ -42,10 +42,10 @@ class TraceOptions(Declared):
 
     def __attrs_post_init__(self) -> None:
         if self.quat_order is not None and self.quat_order not in QUAT_ORDERS:
-            raise InputError(f"quaternion order '{self.quat_order}': wanted {' or '.join(QUAT_ORDERS)}")
+            raise InputError(f"quaternion order '{self.quat_order}': expected {' or '.join(QUAT_ORDERS)}")
         if self.scale is not None and not (math.isfinite(self.scale) and 1e-6 <= self.scale <= 1e6):
-            raise InputError(f"scale {self.scale}: wanted metres per unit, from 1e-6 to 1e6")
+            raise InputError(f"scale {self.scale}: expected metres per unit, from 1e-6 to 1e6")
         if self.rate is not None and not (math.isfinite(self.rate) and 1e-3 <= self.rate <= 1e6):
-            raise InputError(f"rate {self.rate}: wanted samples per second, from 0.001 to 1e6")
+            raise InputError(f"rate {self.rate}: expected samples per second, from 0.001 to 1e6")
         if self.segment is not None and self.segment < 1:
             raise InputError(f"segment {self.segment}: recordings in a file are counted from 1")

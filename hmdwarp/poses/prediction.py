@@ -27,7 +27,7 @@ def predict(
     """
     predictor = predictors.get(method)
     if horizon_ns < 0:
-        raise InputError(f"prediction horizon {horizon_ns / 1e6:g} ms: wanted 0 or more")
+        raise InputError(f"prediction horizon {horizon_ns / 1e6:g} ms: expected 0 or more")
     now_ns, target_ns = operator.index(now_ns), operator.index(target_ns)
     i = track.index_at(now_ns)
     if i >= 0 and target_ns <= int(track.time_ns[i]):

@@ -34,7 +34,7 @@ def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
 def _times(value: ArrayLike) -> NDArray[np.int64]:
     array = np.asarray(value)
     if array.ndim != 1 or array.dtype.kind not in "iu":
-        raise TraceError(f"time_ns: wanted a row of integers, found {array.dtype} of shape {array.shape}")
+        raise TraceError(f"time_ns: expected a row of integers, found {array.dtype} of shape {array.shape}")
     return array.astype(np.int64, copy=False)
 
 
@@ -95,7 +95,7 @@ class PoseTrack:
         if self.position_m.shape != (n, 3) or self.orientation_xyzw.shape != (n, 4):
             shapes = f"{self.position_m.shape} and {self.orientation_xyzw.shape}"
             raise TraceError(
-                f"{n} instants with positions and orientations of shape {shapes}: wanted ({n}, 3) and ({n}, 4)"
+                f"{n} instants with positions and orientations of shape {shapes}: expected ({n}, 3) and ({n}, 4)"
             )
         steps = np.diff(self.time_ns)
         if n > 1 and steps.min() <= 0:
@@ -108,7 +108,7 @@ class PoseTrack:
                 i = int(np.argmin(np.isfinite(array).all(axis=1)))
                 raise TraceError(f"sample {i} of the head track is not finite: {array[i].tolist()}")
         if any(not 0 <= i < n - 1 for i in self.jumps):
-            raise TraceError(f"jumps {self.jumps}: wanted indices of samples that have a next one, 0 to {n - 2}")
+            raise TraceError(f"jumps {self.jumps}: expected indices of samples that have a next one, 0 to {n - 2}")
 
     def __len__(self) -> int:
         return len(self.time_ns)
@@ -222,7 +222,7 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
     if not abs(np.sqrt(norm_squared[worst]) - 1) <= 1e-2:
         length = np.sqrt(norm_squared[worst])
         raise TraceError(
-            f"sample {worst}: a quaternion of length {length:.4g}, wanted 1 within 0.01: {q[worst].tolist()}"
+            f"sample {worst}: a quaternion of length {length:.4g}, expected 1 within 0.01: {q[worst].tolist()}"
         )
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]

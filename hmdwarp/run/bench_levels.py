@@ -46,12 +46,12 @@ def read_rows(path: Path) -> list[Row]:
         bench = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(
-            f"{path}: {error.strerror or error}; wanted the bench.json that hmdwarp bench wrote"
+            f"{path}: {error.strerror or error}; expected the bench.json that hmdwarp bench wrote"
         ) from error
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: no JSON ({error}); wanted the bench.json that hmdwarp bench wrote") from error
+        raise InputError(f"{path}: no JSON ({error}); expected the bench.json that hmdwarp bench wrote") from error
     if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
-        raise InputError(f"{path}: it has no list of 'rows'; wanted the bench.json that hmdwarp bench wrote")
+        raise InputError(f"{path}: it has no list of 'rows'; expected the bench.json that hmdwarp bench wrote")
     if bench.get("schema") != SCHEMA:
         raise InputError(
             f"{path}: its schema is {bench.get('schema')!r}, this program reads {SCHEMA}: run hmdwarp bench again"

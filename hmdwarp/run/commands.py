@@ -51,7 +51,7 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
     """Return the options after the command. Errors: InputError for a value that makes no sense."""
     name, value = command.control, command.value
     if name not in _STEPS:
-        raise InputError(f"control '{name}' changes nothing of the run: wanted {', '.join(_STEPS)}")
+        raise InputError(f"control '{name}' changes nothing of the run: expected {', '.join(_STEPS)}")
     value = _STEPS[name](options, -1 if command.back else 1) if value is None else _checked(name, value)
     change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
     return attrs.evolve(options, **change)
@@ -62,11 +62,11 @@ def _checked(name: str, value: object) -> object:
     meant = control(name)
     if meant.kind != "number":
         if not isinstance(value, str):
-            raise InputError(f"{name} {value!r}: wanted a word")
+            raise InputError(f"{name} {value!r}: expected a word")
         return value
     least, most = meant.span
     if not isinstance(value, int | float) or not least <= value <= most:
-        raise InputError(f"{name} {value}: wanted a number from {least:g} to {most:g}")
+        raise InputError(f"{name} {value}: expected a number from {least:g} to {most:g}")
     return float(value)
 
 

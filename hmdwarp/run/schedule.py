@@ -57,7 +57,7 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
     """
     length_s = track.duration_ns * 1e-9
     if length_s == 0:
-        raise InputError(f"the trace '{track.name}' has a single sample: wanted head motion over time")
+        raise InputError(f"the trace '{track.name}' has a single sample: expected head motion over time")
     if options.start_s >= length_s:
         raise InputError(
             f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"

@@ -4,8 +4,13 @@ from .moving import moving_parts as moving_parts
 from .moving import stands_still as stands_still
 from .passes import ScenePasses as ScenePasses
 from .passes import clear_depth as clear_depth
+from .projection import boxes_of as boxes_of
+from .projection import clip_from_eye as clip_from_eye
+from .projection import eye_from_scene as eye_from_scene
 from .targets import Framebuffers as Framebuffers
 from .targets import Target as Target
 from .targets import TargetPool as TargetPool
 from .upload import SceneBuffers as SceneBuffers
 from .upload import SceneTextures as SceneTextures
+from .visibility import Visibility as Visibility
+from .visibility import draws_of as draws_of

@@ -106,7 +106,7 @@ def _checked(mesh: Mesh, what: str, values: NDArray) -> NDArray[np.float32]:
     array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
         raise SceneError(
-            f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, wanted {mesh.positions.shape}"
+            f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, expected {mesh.positions.shape}"
         )
     if not np.isfinite(array).all():
         raise SceneError(f"mesh '{mesh.name}': its deformation gives {what} that are not finite numbers")

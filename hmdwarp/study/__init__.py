@@ -1,1 +1,8 @@
-"""Rating studies: plans, sessions through the live loop, a crash-safe store, and statistics."""
+"""Rating studies: plans, sessions through the live loop, a crash-safe store, and statistics.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -24,14 +24,14 @@ def text_of(path: Path, wanted: str) -> str:
     try:
         data = path.read_bytes()
     except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
-        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}: wanted {wanted}") from error
+        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}: expected {wanted}") from error
     if len(data) > _MOST_BYTES:
-        raise InputError(f"{path}: {len(data)} bytes: wanted {wanted}, of at most {_MOST_BYTES} bytes")
+        raise InputError(f"{path}: {len(data)} bytes: expected {wanted}, of at most {_MOST_BYTES} bytes")
     try:
         return data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: wanted {wanted}, in UTF-8") from error
+        raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: expected {wanted}, in UTF-8") from error
 
 
 def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:

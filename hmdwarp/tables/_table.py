@@ -46,7 +46,7 @@ class Table:
         """
         self._path, self._example = path, example
         if not isinstance(data, dict):
-            raise KeyFault(f"{_named(path)} is {quoted(data)}: wanted a table of keys", path)
+            raise KeyFault(f"{_named(path)} is {quoted(data)}: expected a table of keys", path)
         self._data = data
         self._read: dict[str, list[Table]] = {}
         self._known: dict[str, None] = {}  # every key that was requested, in that order
@@ -79,7 +79,7 @@ class Table:
         if not isinstance(value, list):
             raise self.fault(
                 key,
-                f"is {quoted(value)}: wanted an array of tables, each beginning with [[{_named((*self._path, key))}]]",
+                f"is {quoted(value)}: expected tables, each beginning with [[{_named((*self._path, key))}]]",
             )
         if not self._read[key]:
             self._read[key] = [
@@ -117,7 +117,7 @@ class Table:
         """Return a number from least to most; above: greater than least."""
         value = self.number(key, default)
         if value is not default and not (least <= value <= most and (value > least or not above)):
-            raise self.fault(key, f"is {value:g}: wanted a number {_range(least, most, above)}")
+            raise self.fault(key, f"is {value:g}: expected a number {_range(least, most, above)}")
         return value
 
     def whole(self, key: str, least: int, most: int, default: Any = _NEEDED) -> int:
@@ -168,7 +168,7 @@ class Table:
     def _checked(self, key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> Any:
         value = self._get(key, default)
         if value is not default and not is_right(value):
-            raise self.fault(key, f"is {quoted(value)}: wanted {wanted}")
+            raise self.fault(key, f"is {quoted(value)}: expected {wanted}")
         return value
 
     def _get(self, key: str, default: Any = _NEEDED) -> Any:

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.auto.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor
-from hmdwarp.auto.levels import QualityLevel
+from hmdwarp.auto import Governor, QualityLevel
+from hmdwarp.auto.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW
 from hmdwarp.errors import HmdwarpError, InputError
 
 BUDGET = 10.0
@@ -201,7 +201,7 @@ def test_a_ladder_the_benchmark_got_wrong_does_not_keep_the_run_down():
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), -1.0])
 def test_a_time_that_is_none_is_refused(bad):
-    with pytest.raises(HmdwarpError, match="wanted a finite time"):
+    with pytest.raises(HmdwarpError, match="expected a finite time"):
         Governor(LADDER, BUDGET).measured(bad)
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.auto.levels import QualityLevel, choose, levels_from, settings_of
+from hmdwarp.auto import QualityLevel, choose, levels_from, settings_of
 from hmdwarp.errors import InputError
 
 
@@ -127,7 +127,7 @@ def test_nothing_fits():
 
 @pytest.mark.parametrize("budget", [0.0, -1.0, math.nan, math.inf])
 def test_a_budget_that_is_no_time(budget):
-    with pytest.raises(InputError, match="wanted a time above 0 ms"):
+    with pytest.raises(InputError, match="expected a time above 0 ms"):
         choose(ROWS, budget)
 
 

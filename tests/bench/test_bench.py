@@ -19,7 +19,7 @@ from hmdwarp.bench.answer import answer
 from hmdwarp.bench.bench_rows import COLUMNS
 from hmdwarp.bench.displacement_grid import AXES, displaced
 from hmdwarp.bench.traffic import passes_of
-from hmdwarp.client.plan import build_plan
+from hmdwarp.client import build_plan
 from hmdwarp.geometry import Pose
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import OutputFolder, validate_summary

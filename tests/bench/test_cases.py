@@ -8,15 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from replays import small
 
-from hmdwarp.bench import BenchOptions
-from hmdwarp.bench.cases import cases_of, combinations_of, common_start_s, run_options, warps_of
+from hmdwarp.bench import BenchOptions, cases_of, combinations_of
+from hmdwarp.bench.cases import common_start_s, run_options, warps_of
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs, Others
 from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.run import set_up_replay
+from hmdwarp.run import Combination, set_up_replay
 from hmdwarp.run.combination_bench import refreshes
-from hmdwarp.run.combinations import Combination, batches, frames_used, instants_of
+from hmdwarp.run.combinations import batches, frames_used, instants_of
 from hmdwarp.scenes import load_scene
 
 

@@ -14,8 +14,7 @@ import numpy as np
 import pytest
 from display.virtual_screen import VirtualScreen, needs_a_screen
 
-from hmdwarp.poses import load_trace
-from hmdwarp.poses.synth import synthesise
+from hmdwarp.poses import load_trace, synthesise
 
 from .conftest import PROGRAM, ROOT
 
@@ -62,11 +61,11 @@ def test_quiet_is_quiet(tmp_path, command):
 @pytest.mark.parametrize(
     "options, status, told",
     [
-        (["--source", "wii"], 2, "wanted openxr or desktop or synthetic"),
+        (["--source", "wii"], 2, "expected openxr or desktop or synthetic"),
         (["--source", "synthetic", "--kind", "dance"], 2, "unknown kind of motion 'dance'"),
-        (["--source", "synthetic", "--rate", "0.5"], 2, "rate 0.5 Hz: wanted a number of at least 1 Hz"),
+        (["--source", "synthetic", "--rate", "0.5"], 2, "rate 0.5 Hz: expected a number of at least 1 Hz"),
         (["--source", "synthetic", "--seconds", "-1"], 2, "seconds -1 s"),
-        (["--source", "synthetic", "--seconds", "1e9"], 2, "wanted a length from 0.1 to 3600"),
+        (["--source", "synthetic", "--seconds", "1e9"], 2, "expected a length from 0.1 to 3600"),
         (["--source", "desktop", "--scene", "nowhere"], 2, "nowhere"),
     ],
 )

@@ -11,7 +11,7 @@ from worlds import read
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 
 from .rendered_pictures import FOV
 

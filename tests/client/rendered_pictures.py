@@ -11,7 +11,7 @@ from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 

@@ -9,7 +9,7 @@ import numpy as np
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 FAR = 2.0**-20  # 1/m: farther pixels are ordered by their index alone

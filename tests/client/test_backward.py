@@ -18,7 +18,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.backward import BackwardSettings
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 

@@ -17,9 +17,9 @@ from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.geometry.cube import FACES, face_views
-from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
+from hmdwarp.geometry import Fov, Pose, View, face_views
+from hmdwarp.geometry.cube import FACES
+from hmdwarp.gpu import COLOUR, Canvas, allocate
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 

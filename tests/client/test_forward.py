@@ -17,8 +17,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import ATOMIC64, MOST_PIXELS
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Pose, WarpMap
-from hmdwarp.gpu.shaders import flatten
-from hmdwarp.gpu.textures import COLOUR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, Canvas, allocate, flatten
 
 from .scatters import Scatter, numbered
 

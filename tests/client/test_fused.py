@@ -15,8 +15,8 @@ from worlds import World, twin_of
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
-from hmdwarp.geometry import Pose, View
-from hmdwarp.geometry.cube import FACES, face_views
+from hmdwarp.geometry import Pose, View, face_views
+from hmdwarp.geometry.cube import FACES
 from hmdwarp.headsets import Headset, headset_names, load_headset
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]

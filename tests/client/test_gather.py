@@ -14,7 +14,7 @@ from hmdwarp.client import PassInputs
 from hmdwarp.client.warps import warps
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 SIZE = (19, 13)

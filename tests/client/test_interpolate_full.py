@@ -70,5 +70,5 @@ def test_bright_and_negative_colours_stay_between_their_neighbours(gpu):
 
 def test_settings_out_of_range_are_refused():
     for text in ("interpolate_full:reach=0", "interpolate_full:reach=5000"):
-        with pytest.raises(InputError, match="wanted 1 to 1024"):
+        with pytest.raises(InputError, match="expected 1 to 1024"):
             parse_fills(text)

@@ -15,7 +15,7 @@ from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import Needs, Surface
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Scene, load_scene
 from hmdwarp.server import Server
 

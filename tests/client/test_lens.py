@@ -9,7 +9,7 @@ from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
-from hmdwarp.gpu.textures import Canvas
+from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import Headset, headset_names, load_headset
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]

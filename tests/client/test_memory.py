@@ -32,7 +32,7 @@ from hmdwarp.client.warp_kinds import DepthPicture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
-from hmdwarp.gpu.textures import COLOUR, NUMBER, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, Canvas, allocate
 
 SIZE = (120, 96)
 

@@ -12,11 +12,12 @@ from reference.picture import TwinInputs
 from worlds import World, read, twin_of
 
 from hmdwarp.client import PassInputs, parse_warp
-from hmdwarp.client.warp_kinds.mesh import MOST_SIDE, reach, steepest
+from hmdwarp.client.warp_kinds import steepest
+from hmdwarp.client.warp_kinds.mesh import MOST_SIDE, reach
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 SIZE = (64, 48)
 FOV = Fov(*np.deg2rad([-45, 45, -40, 40]))

@@ -14,7 +14,7 @@ from worlds import World, read
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 SIZE = (150, 110)
 FOV = Fov(*np.deg2rad([-45, 45, -40, 40]))

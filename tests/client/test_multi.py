@@ -15,7 +15,7 @@ from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Others
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 from hmdwarp.server import Server, Target
 

@@ -38,8 +38,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.shaders import ShaderLibrary
-from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.gpu import SCALAR, ShaderLibrary, allocate
 from hmdwarp.headsets import load_headset
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,

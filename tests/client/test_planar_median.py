@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from reference.gather import median_inverse_depth
 
-from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.gpu import SCALAR, allocate
 
 GRID = 64
 

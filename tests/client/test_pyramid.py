@@ -142,6 +142,6 @@ def test_bright_and_negative_colours_stay_between_what_they_are_made_of(gpu):
 
 
 def test_settings_out_of_range_are_refused():
-    for text, told in (("pyramid:holes=0", "wanted more than 0"), ("pyramid:tolerance=-1", "must be 0 or more")):
+    for text, told in (("pyramid:holes=0", "expected more than 0"), ("pyramid:tolerance=-1", "must be 0 or more")):
         with pytest.raises(InputError, match=told):
             parse_fills(text)

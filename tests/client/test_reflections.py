@@ -16,7 +16,7 @@ from hmdwarp.client.effect_passes import Closing
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Mirrored, Needs
-from hmdwarp.gpu.textures import COLOUR, allocate
+from hmdwarp.gpu import COLOUR, allocate
 from hmdwarp.server import Server
 
 SIZE = (160, 144)

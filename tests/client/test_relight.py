@@ -18,7 +18,7 @@ from hmdwarp.client.fills.relight import sample_offsets
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
 from hmdwarp.server import Server
 
@@ -124,7 +124,7 @@ def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
         double_sided=True,
     )
     shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
-    from hmdwarp.pipeline.client_scene import ClientScene as OfServer
+    from hmdwarp.pipeline import ClientScene as OfServer
 
     shown.geometry = OfServer(Server(gpu, Scene("wall", "", [wall])))
     assert np.array_equal(shown.fill("model:share=1")[0], shown.colour)
@@ -139,7 +139,7 @@ class Sliding:
 
 
 def test_bodies_are_drawn_where_they_are_when_shown(gpu):
-    from hmdwarp.pipeline.client_scene import ClientScene as OfServer
+    from hmdwarp.pipeline import ClientScene as OfServer
 
     scene = load_scene("planes")
     moving = attrs.evolve(

@@ -22,7 +22,7 @@ from worlds import World, read, twin_of
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.textures import Canvas
+from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import load_headset
 
 FOLLOWING = [name for name in warps.names() if warps.get(name).scans_out]

@@ -12,7 +12,7 @@ from worlds import World, read, twin_of
 
 from hmdwarp.client import Carry, ShownDepth, parse_warp, pictures_read
 from hmdwarp.client.warps import warps
-from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.gpu import SCALAR, allocate
 
 CARRYING = [warp.name for warp in warps if warp.carries]
 SIZE = (67, 53)

@@ -11,7 +11,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server

@@ -20,7 +20,7 @@ from hmdwarp.client.warps.iterative import IterativeSettings
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Surface, Transparent
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 

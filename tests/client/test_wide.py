@@ -18,11 +18,11 @@ from worlds import read
 from client.test_multi import HALF_FLOAT, WALL, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.frames import Needs, frame_bytes
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.geometry.wide import COARSER, wide_fov, wide_size, wide_view
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate
+from hmdwarp.geometry import Fov, Pose, View, wide_fov, wide_size, wide_view
+from hmdwarp.geometry.wide import COARSER
+from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.sizes import eye_sizes
+from hmdwarp.pipeline import eye_sizes
 from hmdwarp.run import RunOptions
 from hmdwarp.server import Server
 

@@ -20,10 +20,9 @@ import numpy as np
 
 from hmdwarp.display import Closed, Display, DisplayOptions, Lost, Status, Tick
 from hmdwarp.geometry import View
-from hmdwarp.gpu.textures import Canvas
+from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import Headset
-from hmdwarp.poses import PoseSource
-from hmdwarp.poses.synth import synthesise
+from hmdwarp.poses import PoseSource, synthesise
 
 SMALL = (48, 60)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from hmdwarp.display import Command, DisplayOptions, Label, Picture, Status, Tick
 from hmdwarp.geometry import Pose
-from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import Origin, PoseSample
 

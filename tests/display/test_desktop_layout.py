@@ -80,7 +80,7 @@ def test_views_of_a_headset(name):
 
 
 def test_another_view_is_refused():
-    with pytest.raises(InputError, match="wanted both or flat"):
+    with pytest.raises(InputError, match="expected both or flat"):
         window_view("left", load_headset("flat-90"), None)
 
 

@@ -57,7 +57,7 @@ def test_a_window_is_preferred_and_either_can_be_insisted_on(extensions, environ
         ({"XR_KHR_opengl_enable"}, {}, MachineError, "DISPLAY is not set"),
         ({"XR_KHR_opengl_enable"}, {**X, VARIABLE: "egl"}, MachineError, "can be drawn for by glx here"),
         (BOTH, {VARIABLE: "glx"}, MachineError, "can be drawn for by egl here"),
-        (BOTH, {**X, VARIABLE: "vulkan"}, InputError, "wanted egl or glx"),
+        (BOTH, {**X, VARIABLE: "vulkan"}, InputError, "expected egl or glx"),
     ],
 )
 def test_no_way_to_draw_is_said(extensions, environ, error, words):
@@ -68,7 +68,7 @@ def test_no_way_to_draw_is_said(extensions, environ, error, words):
 def test_the_best_format_is_taken_in_whatever_order_they_come():
     assert colour_format([RGBA8, RGBA16F, SRGB8_A8]) == SRGB8_A8
     assert colour_format([0x805B, RGBA8, RGBA16F]) == RGBA16F
-    with pytest.raises(MachineError, match="0x805b: wanted one of 0x8c43"):
+    with pytest.raises(MachineError, match="0x805b: expected one of 0x8c43"):
         colour_format([0x805B])
     assert depth_format([DEPTHS[3], DEPTHS[0], RGBA8]) == DEPTHS[0]
     assert depth_format([RGBA8]) is None

@@ -14,9 +14,9 @@ from itertools import count
 import numpy as np
 import pytest
 
-from hmdwarp.display import CONTROLS, Command, control
+from hmdwarp.display import CONTROLS, Command, Status, control
 from hmdwarp.display.desktop import PANEL_REMEDY, installed, make_control_panel
-from hmdwarp.display.status import KEPT, Status
+from hmdwarp.display.status import KEPT
 
 if not installed():
     pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
@@ -248,13 +248,10 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     """Pictures of a scene with blending, culling and depth are the same bits with a panel drawn
     between any two refreshes.
     """
-    from hmdwarp.client.plan import needs_of
+    from hmdwarp.client import needs_of
     from hmdwarp.geometry import Fov, Pose, View
-    from hmdwarp.gpu.textures import download
-    from hmdwarp.pipeline.build import Target, build_pipeline
-    from hmdwarp.pipeline.loop import PoseRequest
-    from hmdwarp.pipeline.options import PipelineOptions
-    from hmdwarp.pipeline.planning import plans_for
+    from hmdwarp.gpu import download
+    from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, plans_for
     from hmdwarp.poses import Origin, PoseSample
     from hmdwarp.scenes import load_scene
 

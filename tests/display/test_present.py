@@ -11,10 +11,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
-from hmdwarp.display import FRAMEBUFFER_SRGB, Presenter, fitted
-from hmdwarp.display.notice import KEPT, Notices, text_ink
+from hmdwarp.display import FRAMEBUFFER_SRGB, Notices, Presenter, fitted, text_ink
+from hmdwarp.display.notice import KEPT
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate, download, upload
+from hmdwarp.gpu import SCALAR, Canvas, allocate, download, upload
 
 SRGB8_ALPHA8 = 0x8C43
 WAYS = pytest.mark.parametrize("hardware", [False, True], ids=["shader", "hardware"])

@@ -13,8 +13,7 @@ import numpy as np
 
 from hmdwarp.display import Closed, DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
-from hmdwarp.gpu.context import Gpu
-from hmdwarp.gpu.textures import Canvas
+from hmdwarp.gpu import Canvas, Gpu
 from hmdwarp.poses import Origin, PoseSource
 
 SMALL = DisplayOptions(size=(32, 40), control_panel=False)

@@ -17,11 +17,9 @@ from hmdwarp.client.warps import Warp, warps
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.frames.layers import Layer, layers
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import download
+from hmdwarp.gpu import download
 from hmdwarp.link.codec import Coding, packed_bytes
-from hmdwarp.pipeline.build import Target, build_pipeline
-from hmdwarp.pipeline.loop import PoseRequest
-from hmdwarp.pipeline.options import PipelineOptions
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
 from hmdwarp.server.parts import Part, parts

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import FOVS, poses
 
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.geometry.cube import FACES, cube_size, face_views, inner_size
+from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
+from hmdwarp.geometry.cube import FACES, inner_size
 
 AHEAD = {
     "left": (-1, 0, 0),

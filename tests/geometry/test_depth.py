@@ -11,8 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres
-from hmdwarp.geometry.depth import metres_from_inverse_depth
+from hmdwarp.geometry import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres, metres_from_inverse_depth
 
 UNIT = 2.0**-53
 PLANES = [0.01, 0.1, 1.0, 50.0, 1e4, math.inf]
@@ -237,7 +236,7 @@ def test_planes_that_are_none(near, far):
     [(0.5, 0.5), (0.7, 0.1), (-1.1, 1), (0, 1.1), (math.nan, 1), (0, math.nan), (-math.inf, 1), (0, math.inf)],
 )
 def test_ranges_that_are_none(low, high):
-    with pytest.raises(InputError, match="wanted min < max"):
+    with pytest.raises(InputError, match="expected min < max"):
         DepthLayer(low, high, 0.1, 10)
 
 

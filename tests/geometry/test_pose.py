@@ -13,7 +13,7 @@ from strategies import QUATERNIONS, UNIFORM_QUATERNIONS, poses, vectors
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses.quaternions import slerp
+from hmdwarp.poses import slerp
 
 UNIT = 2.0**-53
 # Positions here stay below 60 m after three products; a rotation is a sum of three products of unit

@@ -13,9 +13,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import MachineError
-from hmdwarp.gpu import context
-from hmdwarp.gpu.context import Gpu
-from hmdwarp.gpu.textures import SCALAR, Canvas, allocate, download, upload
+from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, context, download, upload
 
 
 def works(gpu: Gpu) -> bool:

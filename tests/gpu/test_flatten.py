@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import ShaderError
-from hmdwarp.gpu.shaders import VERSION, flatten
+from hmdwarp.gpu import VERSION, flatten
 
 
 def tree(root: Path, **files: str) -> Path:
@@ -65,11 +65,11 @@ def test_blanks_around_an_include(tmp_path, line):
 def test_a_missing_include_names_the_line_that_wanted_it(tmp_path):
     root = tree(tmp_path, main_comp='int m;\n#include "lib/a.glsl"\n', lib__a_glsl='\n\n#include "lib/gone.glsl"\n')
     with pytest.raises(
-        ShaderError, match=r"shader file 'lib/gone\.glsl' wanted by lib/a\.glsl:3: No such file"
+        ShaderError, match=r"shader file 'lib/gone\.glsl' included by lib/a\.glsl:3: No such file"
     ) as caught:
         flatten("main.comp", root=root)
     assert "\n" not in str(caught.value)
-    with pytest.raises(ShaderError, match=r"'other\.comp' wanted by the program"):
+    with pytest.raises(ShaderError, match=r"'other\.comp' included by the program"):
         flatten("other.comp", root=root)
 
 

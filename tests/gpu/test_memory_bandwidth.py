@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hmdwarp.gpu import Copier, check_clocks, copy_bandwidth, last_cache_bytes, suitable_bytes
 from hmdwarp.gpu import memory_bandwidth as bandwidth
-from hmdwarp.gpu.memory_bandwidth import Copier, check_clocks, copy_bandwidth, last_cache_bytes, suitable_bytes
 
 SMALL = 1 << 20
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import hmdwarp.gpu.shaders
 from hmdwarp.errors import InputError, ShaderError
-from hmdwarp.gpu.shaders import Compute, Draw, ShaderLibrary
+from hmdwarp.gpu import Compute, Draw, ShaderLibrary
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import MachineError
-from hmdwarp.gpu.raw_gl import depth_framebuffer, gl_function
+from hmdwarp.gpu import depth_framebuffer, gl_function
 
 
 def begin_anew(gl) -> None:

@@ -6,8 +6,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from hmdwarp.gpu.scopes import drawing_into
-from hmdwarp.gpu.textures import COLOUR, allocate, download
+from hmdwarp.gpu import COLOUR, allocate, download, drawing_into
 
 
 @pytest.fixture

@@ -13,26 +13,21 @@ import pytest
 from client_scene import ClientScene
 from worlds import every_choice
 
-from hmdwarp.client.carry import Carry, ShownDepth
+from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import LensPass, lenses
-from hmdwarp.client.variants import every_fill, parse_fills, parse_warp
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.context import Gpu
-from hmdwarp.gpu.memory_bandwidth import Copier
-from hmdwarp.gpu.shaders import ShaderLibrary, flatten
-from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.gpu import SCALAR, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
 from hmdwarp.resources import folder
-from hmdwarp.run.hole_counter import HoleCounter
+from hmdwarp.run import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
-from hmdwarp.server import Server
-from hmdwarp.server.draw import MIRRORS
+from hmdwarp.server import MIRRORS, Server
 
 from .preprocessor import Sides, value_of, walk
 

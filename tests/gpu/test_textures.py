@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.gpu.textures import COLOUR, SCALAR, Canvas, allocate, check_size, download, flip_rows, upload
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, check_size, download, flip_rows, upload
 
 KINDS = [(c, d) for c in (1, 2, 3, 4) for d in ("f1", "f2", "f4", "u4")]
 TYPES = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
@@ -119,7 +119,7 @@ def test_a_scalar_takes_its_axis_or_none(gpu):
 
 @pytest.mark.parametrize("size", [(0, 0), (0, 5), (5, 0), (-1, 5)])
 def test_sizes_below_one_are_refused(gpu, size):
-    with pytest.raises(InputError, match=rf"picture size {size[0]}x{size[1]}: wanted 1 to \d+"):
+    with pytest.raises(InputError, match=rf"picture size {size[0]}x{size[1]}: expected 1 to \d+"):
         allocate(gpu.gl, size, COLOUR)
     with pytest.raises(InputError, match="picture size"):
         Canvas(gpu.gl, size)
@@ -128,7 +128,7 @@ def test_sizes_below_one_are_refused(gpu, size):
 def test_sizes_beyond_the_limit_are_refused_and_the_limit_is_not(gpu):
     limit = gpu.max_texture_size
     for size in ((limit + 1, 1), (1, limit + 1), (10**9, 10**9)):
-        with pytest.raises(InputError, match=rf"wanted 1 to {limit} on each side"):
+        with pytest.raises(InputError, match=rf"expected 1 to {limit} on each side"):
             check_size(gpu.gl, size)
         with pytest.raises(InputError):
             allocate(gpu.gl, size, SCALAR)

@@ -6,8 +6,7 @@ import time
 
 import pytest
 
-from hmdwarp.gpu import timers
-from hmdwarp.gpu.timers import StageTimer, has_real_gpu_timer
+from hmdwarp.gpu import StageTimer, has_real_gpu_timer, timers
 
 
 class FakeQuery:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import hmdwarp
-from hmdwarp.client.plan import PICTURE
-from hmdwarp.client.variants import parse_warp
-from hmdwarp.geometry import Pose, View, inverse_depth_from_clip
-from hmdwarp.geometry.depth import metres_from_inverse_depth
+from hmdwarp.client import PICTURE, parse_warp
+from hmdwarp.geometry import Pose, View, inverse_depth_from_clip, metres_from_inverse_depth
 
 from .motions import SLANTED, stepped_depth
 from .registry import hard_case

@@ -304,7 +304,7 @@ def unnormalised_quaternion(gpu, name):
 
 
 def _entry(name: str):
-    from hmdwarp.client.variants import parse_warp
+    from hmdwarp.client import parse_warp
 
     return parse_warp(name).entry
 

@@ -10,10 +10,8 @@ import pytest
 from hmdwarp.errors import HmdwarpError, InputError, TraceError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import RadialLens, headset_names, load_headset
-from hmdwarp.poses import Origin, PoseTrack
-from hmdwarp.poses.prediction import predict
+from hmdwarp.poses import Origin, PoseTrack, angle_between, predict, slerp
 from hmdwarp.poses.predictors import predictors
-from hmdwarp.poses.quaternions import angle_between, slerp
 
 from .registry import hard_case
 

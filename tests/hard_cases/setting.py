@@ -11,7 +11,7 @@ import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS
 from worlds import World
 
-from hmdwarp.client.variants import parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 
 SQUARE = Fov.from_tangents([-1, 1, -1, 1])

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from properties import ONE_FIXTURE_FOR_ALL
 
 import hmdwarp.gpu.shaders
-from hmdwarp.client.variants import every_warp
+from hmdwarp.client import every_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
-from hmdwarp.gpu.shaders import Compute
+from hmdwarp.gpu import Compute
 from hmdwarp.resources import folder
 
 from .setting import Setting

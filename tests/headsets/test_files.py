@@ -180,14 +180,14 @@ def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("found", "put", "says"),
     [
-        ("eye_size_px = [640, 800]", "eye_size_px = [640]", r"panel\.eye_size_px is \[640\]: wanted a list of 2"),
-        ("eye_size_px = [640, 800]", "eye_size_px = [640, 800.5]", "eye_size_px is 640 x 800.5: wanted whole pixels"),
+        ("eye_size_px = [640, 800]", "eye_size_px = [640]", r"panel\.eye_size_px is \[640\]: expected a list of 2"),
+        ("eye_size_px = [640, 800]", "eye_size_px = [640, 800.5]", "eye_size_px is 640 x 800.5: expected whole pixels"),
         ("eye_size_px = [640, 800]", "eye_size_px = [0, 800]", "eye_size_px is 0 x 800"),
         ("eye_size_px = [640, 800]", 'eye_size_px = "640x800"', "eye_size_px is '640x800'"),
         ("eye_size_m = [0.07488, 0.0936]", "eye_size_m = [0.07488, 0.0]", "eye_height_m is 0"),
         ("eye_size_m = [0.07488, 0.0936]", "eye_size_m = [-1, 0.0936]", "eye_width_m is -1"),
         ("refresh_hz = 60", "refresh_hz = 0", "refresh_hz is 0"),
-        ("refresh_hz = 60", "refresh_hz = nan", r"panel\.refresh_hz is nan: wanted a finite number"),
+        ("refresh_hz = 60", "refresh_hz = nan", r"panel\.refresh_hz is nan: expected a finite number"),
         ("refresh_hz = 60", "refresh_hz = true", "refresh_hz is True"),
         ("refresh_hz = 60", f"refresh_hz = {10**400}", "refresh_hz is 1000"),
         ("ipd_m = 0.064", "ipd_m = -0.064", "ipd_m is -0.064"),
@@ -202,7 +202,7 @@ def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
         (
             "green = [1.0, 0.22, 0.24]",
             "green = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
-            "green has 10 coefficients; wanted 1 to 9",
+            "green has 10 coefficients; expected 1 to 9",
         ),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, nan]", r"lens\.green is \[1\.0, nan\]"),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, -0.3]", "green folds back at r = 1.054"),
@@ -210,7 +210,7 @@ def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
         ('name = "rift-dk1"', 'name = ""', "name is ''"),
         ('name = "rift-dk1"', "name = 3", "name is 3"),
         ("[eyes]\nipd_m = 0.064", "", "the key eyes is missing"),
-        ("[eyes]\nipd_m = 0.064", "[[eyes]]\nipd_m = 0.064", "eyes is .* wanted a table"),
+        ("[eyes]\nipd_m = 0.064", "[[eyes]]\nipd_m = 0.064", "eyes is .* expected a table"),
         ("[panel]", "[panel", "line"),
     ],
 )

@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import Fov, InputError, Pose, View, warp_image
-from hmdwarp.client.plan import PICTURE
+from hmdwarp.client import PICTURE
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
 from hmdwarp.errors import PlanError, UnknownNameError
-from hmdwarp.gpu.context import Gpu
+from hmdwarp.gpu import Gpu
 from hmdwarp.image.warping import checked
 
 # Those that need no more than a picture with depth.
@@ -309,9 +309,9 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
     ("arguments", "told"),
     [
         ({"colour": np.zeros((4, 6))}, r"colour has shape \(4, 6\)"),
-        ({"colour": np.zeros((4, 6, 4))}, r"\(4, 6, 4\): wanted \(h, w, 3\)"),
+        ({"colour": np.zeros((4, 6, 4))}, r"\(4, 6, 4\): expected \(h, w, 3\)"),
         ({"colour": np.zeros((0, 6, 3)), "depth_m": np.zeros((0, 6))}, r"\(0, 6, 3\)"),
-        ({"colour": np.zeros((4, 6, 3), int)}, "colour is int64: wanted uint8"),
+        ({"colour": np.zeros((4, 6, 3), int)}, "colour is int64: expected uint8"),
         ({"colour": np.zeros((4, 6, 3), np.uint16)}, "uint16"),
         ({"colour": np.zeros((4, 6, 3), bool)}, "bool"),
         ({"colour": np.zeros((4, 6, 3), complex)}, "complex"),
@@ -319,11 +319,11 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
         ({"colour": None}, "colour has shape"),
         ({"colour": np.where(np.indices((4, 6, 3))[1] == 5, np.nan, 0.0)}, "row 0, column 5 is not a finite number"),
         ({"colour": np.full((4, 6, 3), np.inf)}, "not a finite number"),
-        ({"depth_m": DEPTH.T}, r"depth_m is float64 \(6, 4\): wanted numbers of shape \(4, 6\)"),
+        ({"depth_m": DEPTH.T}, r"depth_m is float64 \(6, 4\): expected numbers of shape \(4, 6\)"),
         ({"depth_m": DEPTH[..., None]}, "depth_m"),
         ({"depth_m": DEPTH > 0}, "depth_m is bool"),
         ({"depth_m": [["a"] * 6] * 4}, "depth_m is <U1"),
-        ({"rendered": None}, "rendered is a NoneType: wanted a hmdwarp.View"),
+        ({"rendered": None}, "rendered is a NoneType: expected a hmdwarp.View"),
         ({"shown": Pose()}, "shown is a Pose"),
         ({"size": (0, 4)}, "0x4"),
         ({"size": (4, -4)}, "4x-4"),

@@ -355,7 +355,7 @@ def test_close_gives_back_what_is_under_way_and_what_is_shown():
 
 @pytest.mark.parametrize("latency", [-1, -(10**12), math.nan, math.inf, -math.inf])
 def test_latencies_that_are_none(latency):
-    with pytest.raises(InputError, match=r"latency .* ms: wanted 0 or more"):
+    with pytest.raises(InputError, match=r"latency .* ms: expected 0 or more"):
         constant(latency)
 
 

@@ -48,27 +48,27 @@ def test_each_text_says_what_it_should(tmp_path):
     ("given", "message"),
     [
         ({"jitter": "unifrom:20"}, "did you mean 'uniform'"),
-        ({"jitter": "uniform"}, "jitter uniform '': wanted milliseconds"),
+        ({"jitter": "uniform"}, "jitter uniform '': expected milliseconds"),
         ({"jitter": "uniform:-1"}, "jitter uniform '-1'"),
         ({"jitter": "normal:nan"}, "jitter normal 'nan'"),
         ({"jitter": "normal:1e9"}, "from 0 to 60000"),
         ({"jitter": "constant:5"}, "takes no number"),
-        ({"jitter": "trace"}, "wanted a file"),
-        ({"loss": "p=0.1"}, "wanted p=0.02,r=0.3"),
-        ({"loss": "p=0.1,r=1.5"}, "loss r=1.5: wanted a probability from 0 to 1"),
+        ({"jitter": "trace"}, "expected a file"),
+        ({"loss": "p=0.1"}, "expected p=0.02,r=0.3"),
+        ({"loss": "p=0.1,r=1.5"}, "loss r=1.5: expected a probability from 0 to 1"),
         ({"loss": "p=nan,r=1"}, "loss p=nan"),
         ({"loss": "p=-0.1,r=1"}, "loss p=-0.1"),
-        ({"loss": "p=0.1,r=0.2,p=0.3"}, "wanted p="),
-        ({"loss": "p=0.1,r=0.2,q=0.3"}, "wanted p="),
-        ({"loss": "p=0.1;r=0.2"}, "wanted p="),
-        ({"loss": "some"}, "wanted p="),
+        ({"loss": "p=0.1,r=0.2,p=0.3"}, "expected p="),
+        ({"loss": "p=0.1,r=0.2,q=0.3"}, "expected p="),
+        ({"loss": "p=0.1;r=0.2"}, "expected p="),
+        ({"loss": "some"}, "expected p="),
         ({"loss": "1.1"}, "from 0 to 1"),
         ({"loss": "nan"}, "from 0 to 1"),
-        ({"bandwidth": "0"}, "bandwidth 0 Mbit/s: wanted 0.001"),
+        ({"bandwidth": "0"}, "bandwidth 0 Mbit/s: expected 0.001"),
         ({"bandwidth": "-5"}, "bandwidth -5"),
         ({"bandwidth": "nan"}, "bandwidth nan"),
         ({"bandwidth": "inf"}, "leave it out"),
-        ({"bandwidth": "50Mbit"}, "wanted Mbit/s"),
+        ({"bandwidth": "50Mbit"}, "expected Mbit/s"),
         ({"bandwidth": "50,queue=-1"}, "queue -1 ms"),
         ({"bandwidth": "50,queue=nan"}, "queue nan ms"),
         ({"bandwidth": "50,100"}, "queue=100"),
@@ -76,7 +76,7 @@ def test_each_text_says_what_it_should(tmp_path):
     ],
 )  # fmt: skip
 def test_texts_that_cannot_be_meant(given, message):
-    with pytest.raises(InputError, match="wanted|did you mean|takes no number") as caught:
+    with pytest.raises(InputError, match="expected|did you mean|takes no number") as caught:
         LinkOptions.of(given)
     assert message in str(caught.value)
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import hmdwarp.run.live_run as driver
 from hmdwarp.display import Tick
-from hmdwarp.pipeline.loop import Refresh
+from hmdwarp.pipeline import Refresh
 from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, LiveResult
 

@@ -29,7 +29,7 @@ class Screen:
         data = (Path(self._folder.name) / "Xvfb_screen0").read_bytes()
         words = np.frombuffer(data, ">u4", 25).tolist()
         head_size, width, height, order, bits, row_bytes, colours = (words[i] for i in (0, 4, 5, 7, 11, 12, 19))
-        assert bits == 32, f"a screen of {bits} bits a pixel: wanted 32"
+        assert bits == 32, f"a screen of {bits} bits a pixel: expected 32"
         rows = np.frombuffer(data, np.uint8, height * row_bytes, head_size + 12 * colours).reshape(height, row_bytes)
         pixels = rows[:, : 4 * width].reshape(height, width, 4)
         return pixels[..., 1:] if order else pixels[..., 2::-1]  # xRGB, lowest byte last or first

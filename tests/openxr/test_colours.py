@@ -11,8 +11,8 @@ import numpy as np
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.geometry import Fov, Pose
-from hmdwarp.gpu.textures import upload
-from hmdwarp.pipeline.loop import Refresh
+from hmdwarp.gpu import upload
+from hmdwarp.pipeline import Refresh
 
 from .live_runs import Here, quick
 from .monado import ON_SCREEN, REMOTE
@@ -81,7 +81,7 @@ def charts_in(picture: np.ndarray) -> list[np.ndarray]:
     lit = picture.any(axis=-1)
     rows = np.flatnonzero(lit.any(axis=1))
     edges = np.flatnonzero(np.diff(lit.any(axis=0).astype(int), prepend=0, append=0))
-    assert len(edges) == 4, f"lit columns begin and end at {edges}: wanted two charts with black between"
+    assert len(edges) == 4, f"lit columns begin and end at {edges}: expected two charts with black between"
     y = rows[0] + (len(rows) * (np.arange(4) + 0.5) / 4).astype(int)
     found = []
     for left, right in (edges[:2], edges[2:]):

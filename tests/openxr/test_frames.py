@@ -7,7 +7,7 @@ import pytest
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import download
+from hmdwarp.gpu import download
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 

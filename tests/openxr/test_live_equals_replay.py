@@ -18,10 +18,9 @@ from replays import small
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Eyes, Fov, Pose, View
-from hmdwarp.gpu.textures import download
-from hmdwarp.pipeline.loop import Loop
-from hmdwarp.poses import load_trace
-from hmdwarp.poses.quaternions import angle_between
+from hmdwarp.gpu import download
+from hmdwarp.pipeline import Loop
+from hmdwarp.poses import angle_between, load_trace
 from hmdwarp.run import ReplaySetup, set_up_replay
 
 from .live_runs import SMALL, Here, quick

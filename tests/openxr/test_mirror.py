@@ -14,7 +14,7 @@ import pytest
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.display import Closed, Command, DisplayOptions
 from hmdwarp.display.openxr import OpenXrDisplay
-from hmdwarp.gpu.textures import download, flip_rows
+from hmdwarp.gpu import download, flip_rows
 
 from .live_runs import Here, Program, quick
 from .monado import UNSEEN, WOBBLING

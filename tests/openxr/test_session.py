@@ -23,9 +23,8 @@ from hmdwarp.display.openxr.layer import NEAR_M
 from hmdwarp.display.openxr.swapchain import Swapchain
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose
-from hmdwarp.gpu.textures import download, flip_rows
-from hmdwarp.poses import Origin
-from hmdwarp.poses.quaternions import angle_between
+from hmdwarp.gpu import download, flip_rows
+from hmdwarp.poses import Origin, angle_between
 
 from .live_runs import SMALL, Here, quick
 from .monado import REMOTE, UNSEEN

@@ -12,12 +12,8 @@ from hmdwarp.client import build_plan
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import download
-from hmdwarp.gpu.timers import StageTimer
-from hmdwarp.pipeline.build import Target, build_pipeline
-from hmdwarp.pipeline.loop import PoseRequest
-from hmdwarp.pipeline.options import PipelineOptions
-from hmdwarp.pipeline.planning import plans_for
+from hmdwarp.gpu import StageTimer, download
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, plans_for
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
 

@@ -11,7 +11,7 @@ from replays import contents, rows_of, run, small
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.gpu.textures import download
+from hmdwarp.gpu import download
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay

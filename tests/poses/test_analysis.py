@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from hmdwarp.poses import PoseTrack, load_trace
-from hmdwarp.poses.analysis import ERROR_PERCENTILES, LATENCIES_MS, analyse, error_row
+from hmdwarp.poses import ERROR_PERCENTILES, LATENCIES_MS, PoseTrack, analyse, error_row, load_trace
 
 from .traces import head
 

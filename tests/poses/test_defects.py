@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import HmdwarpError, UnknownNameError
-from hmdwarp.poses import Origin, TraceOptions, load_trace
-from hmdwarp.poses.prediction import predict
+from hmdwarp.poses import Origin, TraceOptions, load_trace, predict
 
 from .traces import head, kinds, rows, same_motion, write
 
@@ -317,7 +316,7 @@ def test_8_a_head_that_rests_at_first_is_not_trimmed(tmp_path):
 
 
 def test_9_repeated_poses_are_kept_for_replay_and_left_out_of_speeds(tmp_path):
-    from hmdwarp.poses.analysis import analyse
+    from hmdwarp.poses import analyse
 
     table = [[r[0], *TABLE[i // 6 * 6][1:]] for i, r in enumerate(TABLE)]
     loaded = load_trace(write(tmp_path / "r.csv", table))
@@ -393,7 +392,7 @@ def test_12_of_duplicate_stamps_the_last_is_kept(tmp_path):
 
 
 def test_12_steps_of_30_us_do_no_harm(tmp_path):
-    from hmdwarp.poses.analysis import analyse
+    from hmdwarp.poses import analyse
 
     extra = [repr(float(TABLE[40][0]) + 30e-6), *TABLE[41][1:]]
     loaded = load_trace(write(tmp_path / "s.csv", [*TABLE[:41], extra, *TABLE[41:]]))

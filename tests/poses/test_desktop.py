@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.poses import Origin
+from hmdwarp.poses import Origin, Walker
 from hmdwarp.poses.desktop import (
     DEAF_NS,
     EYE_HEIGHT_M,
@@ -23,7 +23,6 @@ from hmdwarp.poses.desktop import (
     TURN_S,
     WALK_M_S,
     WALK_S,
-    Walker,
 )
 
 MS = 1_000_000

@@ -15,8 +15,7 @@ from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp import resources
 from hmdwarp.errors import InputError
-from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.poses.analysis import analyse
+from hmdwarp.poses import TraceOptions, analyse, load_trace
 from hmdwarp.poses.formats import formats
 
 from .traces import head, rows

@@ -6,8 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.poses.looped import LoopedSource, folded
-from hmdwarp.poses.synth import synthesise
+from hmdwarp.poses import LoopedSource, folded, synthesise
 
 TRACK = synthesise("walk", seed=1, seconds=1)
 

@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import Origin, PoseTrack
-from hmdwarp.poses.prediction import predict, predict_many
+from hmdwarp.poses import Origin, PoseTrack, predict, predict_many
 from hmdwarp.poses.predictors import predictors
 
 from .traces import head

@@ -10,8 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
-from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.poses.analysis import analyse
+from hmdwarp.poses import TraceOptions, analyse, load_trace
 from hmdwarp.poses.formats import formats
 
 from .traces import kinds, same_motion

@@ -15,9 +15,17 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp import resources
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.poses import load_trace
-from hmdwarp.poses.analysis import analyse
-from hmdwarp.poses.synth import DECIMALS, KINDS, minimum_jerk, peak_speed, shift_seconds, synthesise, write_synthetic
+from hmdwarp.poses import (
+    DECIMALS,
+    KINDS,
+    analyse,
+    load_trace,
+    minimum_jerk,
+    peak_speed,
+    shift_seconds,
+    synthesise,
+    write_synthetic,
+)
 
 from .traces import same_motion
 

@@ -13,9 +13,8 @@ from typer.testing import CliRunner
 from hmdwarp import resources
 from hmdwarp.cli.trace import app
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.poses import load_trace
+from hmdwarp.poses import KINDS, load_trace
 from hmdwarp.poses.formats import formats
-from hmdwarp.poses.synth import KINDS
 
 from .traces import head, rows, same_motion, write
 
@@ -163,7 +162,7 @@ def test_places_that_cannot_be_written(tmp_path):
 
 def test_wrong_names_get_the_nearest_known_one(tmp_path):
     assert "did you mean 'euroc'" in refused("convert", "walk", tmp_path / "o", "--to", "eurok")
-    assert "read, not written: wanted one of euroc, native, tum" in refused(
+    assert "read, not written: expected one of euroc, native, tum" in refused(
         "convert", "walk", tmp_path / "o", "--to", "questset"
     )
     assert "did you mean 'reversals'" in refused("synth", "reversal", "--out", tmp_path / "o")

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import Origin, PoseSource, PoseTrack, RecordedSource
-from hmdwarp.poses.track import SHORTEST_GAP_NS
+from hmdwarp.poses import SHORTEST_GAP_NS, Origin, PoseSource, PoseTrack, RecordedSource
 
 from .traces import head
 
@@ -110,7 +109,7 @@ def test_repeats_are_left_out_for_differentiating_with_jumps_kept_in_place():
         ([0, 0], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2, "does not increase at sample 1"),
         ([0, 1], np.zeros((2, 3)), [[0, 0, 0, 1], [0, 0, 0, 0.9]], "sample 1: a quaternion of length 0.9"),
         ([0, 1], [[0, 0, 0], [0, np.nan, 0]], [[0, 0, 0, 1]] * 2, "sample 1 .* not finite"),
-        ([0, 1], np.zeros((2, 2)), [[0, 0, 0, 1]] * 2, r"wanted \(2, 3\)"),
+        ([0, 1], np.zeros((2, 2)), [[0, 0, 0, 1]] * 2, r"expected \(2, 3\)"),
         ([0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2, "integers"),
     ],
 )

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.geometry import View
-from hmdwarp.geometry.cube import FACES, face_views
+from hmdwarp.geometry import View, face_views
+from hmdwarp.geometry.cube import FACES
 from reference._rays import FLOAT32_UNIT, Array, Places, pixel_centres, project
 from reference.picture import ReferencePicture, TwinInputs, sample_covered
 

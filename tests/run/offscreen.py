@@ -14,10 +14,8 @@ import attrs
 import numpy as np
 
 from hmdwarp.display import Closed, Command, DisplayOptions, Label, Lost, Tick, offscreen
-from hmdwarp.gpu.context import Gpu
-from hmdwarp.poses import PoseSample, PoseTrack
-from hmdwarp.poses.looped import LoopedSource
-from hmdwarp.poses.synth import synthesise
+from hmdwarp.gpu import Gpu
+from hmdwarp.poses import LoopedSource, PoseSample, PoseTrack, synthesise
 from hmdwarp.run import LiveOptions
 from hmdwarp.run import live_run as run
 

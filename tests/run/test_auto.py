@@ -15,17 +15,15 @@ import pytest
 from bench_files import AMPLE_MS, PAIRS, a_bench, a_row
 from replays import contents, rows_of, run, small
 
-from hmdwarp.auto.levels import QualityLevel
-from hmdwarp.client.compensator import Compensator
+from hmdwarp.auto import QualityLevel
+from hmdwarp.client import Compensator, build_plan, every_warp
 from hmdwarp.client.effects import effects
-from hmdwarp.client.plan import build_plan
-from hmdwarp.client.variants import every_warp
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.pipeline.planning import build_plan_for
+from hmdwarp.pipeline import build_plan_for
 from hmdwarp.report import validate_summary
-from hmdwarp.run import set_up_replay
-from hmdwarp.run.bench_levels import levels_from_file, read_rows
-from hmdwarp.run.short_bench import FILLS, candidates, lens_ms, levels_by_short_bench
+from hmdwarp.run import levels_by_short_bench, levels_from_file, set_up_replay
+from hmdwarp.run.bench_levels import read_rows
+from hmdwarp.run.short_bench import FILLS, candidates, lens_ms
 
 CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
 
@@ -45,7 +43,7 @@ def auto(path: Path, **options):
         ({"warp": "auto"}, "--budget MS"),
         ({"budget_ms": 5.0}, "only warp 'auto' keeps to a budget; warp 'forward'"),
         ({"bench": "b.json"}, "only warp 'auto' chooses from a benchmark"),
-        ({"warp": "auto", "budget_ms": 0.0}, "wanted a number above 0 ms"),
+        ({"warp": "auto", "budget_ms": 0.0}, "expected a number above 0 ms"),
         ({"warp": "auto", "budget_ms": 5.0, "fused": True}, "fused with warp 'auto'"),
     ],
 )

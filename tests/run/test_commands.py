@@ -8,9 +8,9 @@ from __future__ import annotations
 import pytest
 
 from hmdwarp.display import Command
-from hmdwarp.run import LiveOptions, PipelineHost
+from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
 from hmdwarp.run import commands as handling
-from hmdwarp.run.commands import CommandHandler, choices
+from hmdwarp.run.commands import choices
 
 from .offscreen import OffscreenDisplay, run_on
 

@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.options import parse_guard
+from hmdwarp.pipeline import parse_guard
 from hmdwarp.poses import PoseTrack
-from hmdwarp.run import RunOptions
-from hmdwarp.run.guard import MOST, NEAR_M, Guard, needed_factors, settled
+from hmdwarp.run import Guard, RunOptions, needed_factors
+from hmdwarp.run.guard import MOST, NEAR_M, settled
 
 FLAT = load_headset("flat-90")  # 45 degrees to every side
 
@@ -111,7 +111,7 @@ def test_the_note_is_for_people():
 def test_what_is_no_guard_is_refused():
     assert parse_guard(" auto ") == "auto"
     assert parse_guard("1.5") == 1.5
-    with pytest.raises(InputError, match="'wide': wanted a number of at least 1, or auto"):
+    with pytest.raises(InputError, match="'wide': expected a number of at least 1, or auto"):
         parse_guard("wide")
     for wrong in (0.9, math.nan, "much"):
         with pytest.raises((InputError, ValueError)):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hmdwarp.gpu.textures import Canvas, upload
-from hmdwarp.run.hole_counter import HoleCounter
+from hmdwarp.gpu import Canvas, upload
+from hmdwarp.run import HoleCounter
 
 
 @pytest.fixture

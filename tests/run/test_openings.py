@@ -18,9 +18,8 @@ from display.virtual_screen import VirtualScreen
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.link.codec import Coding
-from hmdwarp.run import LiveOptions
+from hmdwarp.run import LiveOptions, display_options, open_display
 from hmdwarp.run import live_run as run
-from hmdwarp.run.live_run import display_options, open_display
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 120

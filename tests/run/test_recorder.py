@@ -15,9 +15,7 @@ import pytest
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample, load_trace
-from hmdwarp.run import lines
-from hmdwarp.run.lines import Lines
-from hmdwarp.run.recorder import Recorder, origin_of
+from hmdwarp.run import Lines, Recorder, lines, origin_of
 
 ABOUT = {"runtime": "Monado", "runtime_version": "25.0", "headset": "Simulated HMD"}
 

@@ -311,7 +311,7 @@ def test_traces_in_other_formats(name, tmp_path):
 
 
 def test_trace_options_reach_the_reader(tmp_path):
-    from hmdwarp.poses.options import TraceOptions
+    from hmdwarp.poses import TraceOptions
 
     rows = "".join(f"{i} 0 0 {0.001 * i:.4f} 0 0 0 1\n" for i in range(100))
     path = tmp_path / "head.txt"
@@ -373,7 +373,7 @@ def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypa
 
 def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
     """60 s against 2 s: as many textures and buffers ever made, as many frames ever held."""
-    from hmdwarp.poses.synth import synthesise
+    from hmdwarp.poses import synthesise
     from hmdwarp.run import replay
 
     path = tmp_path / "long.csv"

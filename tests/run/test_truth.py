@@ -17,13 +17,13 @@ from replays import run, small
 from scipy.spatial.transform import Rotation
 from strategies import FOVS, poses, vectors
 
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import PassInputs
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import download
-from hmdwarp.pipeline.planning import build_plan_for
-from hmdwarp.run import set_up_replay
-from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of, draw_truth
+from hmdwarp.gpu import download
+from hmdwarp.pipeline import build_plan_for
+from hmdwarp.run import draw_truth, set_up_replay
+from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 

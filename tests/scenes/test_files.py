@@ -13,7 +13,7 @@ from properties import ONE_FIXTURE_FOR_ALL
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import download
+from hmdwarp.gpu import download
 from hmdwarp.scenes import Scene, load_scene
 from hmdwarp.server import Server
 

@@ -10,8 +10,8 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.geometry.cube import FACES, cube_size, face_views
+from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
+from hmdwarp.geometry.cube import FACES
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 

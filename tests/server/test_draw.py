@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.gpu import SCALAR, allocate
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 from hmdwarp.scenes.library.planes import BACKGROUND, QUADS
 from hmdwarp.scenes.library.spheres import BALLS, FLOOR

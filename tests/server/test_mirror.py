@@ -13,7 +13,7 @@ from worlds import read
 
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.frames import Mirrored, Needs
-from hmdwarp.geometry.mirror import image_behind_ball
+from hmdwarp.geometry import image_behind_ball
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.parts import parts

@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.errors import SceneError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu.textures import SCALAR, allocate
-from hmdwarp.scenes import Body, Mesh, Scene, load_scene
-from hmdwarp.scenes.motions import Spinning, Track
+from hmdwarp.gpu import SCALAR, allocate
+from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Track, load_scene
 from hmdwarp.server import Server
 
 MS = 1_000_000
@@ -238,7 +237,7 @@ class Lost(Breathing):
 
 
 @pytest.mark.parametrize(
-    ("kind", "message"), [(Growing, r"positions of shape \(7, 3\), wanted \(4, 3\)"), (Lost, "not finite numbers")]
+    ("kind", "message"), [(Growing, r"positions of shape \(7, 3\), expected \(4, 3\)"), (Lost, "not finite numbers")]
 )
 def test_a_broken_deformation_is_told_by_the_name_of_its_mesh(gpu, kind, message):
     mesh = quad("soft", -2, 0.4, (0, 0, 1))

@@ -7,15 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.server.projection import (
-    NEAR_M,
-    boxes_of,
-    clip_from_eye,
-    eye_from_scene,
-    nearest_first,
-    visible,
-    world_from_ndc,
-)
+from hmdwarp.server import boxes_of, clip_from_eye, eye_from_scene
+from hmdwarp.server.projection import NEAR_M, nearest_first, visible, world_from_ndc
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)

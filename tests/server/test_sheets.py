@@ -17,7 +17,7 @@ from worlds import read
 from hmdwarp.errors import SceneError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
-from hmdwarp.gpu.textures import SCALAR, allocate
+from hmdwarp.gpu import SCALAR, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.scenes import Body, Material, Mesh, Quad, Scene, Texture, load_scene
 from hmdwarp.server import Server

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
-from hmdwarp.server.projection import boxes_of, clip_from_eye, eye_from_scene, visible
-from hmdwarp.server.visibility import KEPT, Chunks, Visibility, draws_of
+from hmdwarp.server import Server, Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
+from hmdwarp.server.projection import visible
+from hmdwarp.server.visibility import KEPT, Chunks
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)

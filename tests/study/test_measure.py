@@ -11,8 +11,9 @@ from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
 from hmdwarp.run import RunOptions, figures, replay, set_up_replay
+from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
-from hmdwarp.study.measure import MeasureOptions, measure_study, run_options
+from hmdwarp.study.measure import run_options
 from hmdwarp.study.store import PERSON, Store
 
 TEXT = """

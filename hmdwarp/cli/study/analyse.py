@@ -81,7 +81,7 @@ def _columns(texts: _Texts) -> dict[str, str]:
     pairs = [text.partition("=") for text in texts or ()]
     for text, (role, _, name) in zip(texts or (), pairs, strict=True):
         if not role or not name:
-            raise InputError(f"--column '{text}': wanted ROLE=NAME, like rating=mos")
+            raise InputError(f"--column '{text}': expected ROLE=NAME, like rating=mos")
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 

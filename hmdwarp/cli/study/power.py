@@ -78,9 +78,9 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
     from ...study.respondents import load_model, model_names
 
     if effect is not None and not math.isfinite(effect):
-        raise InputError(f"--effect {effect:g}: wanted a number, in units of '{scale.name}'")
+        raise InputError(f"--effect {effect:g}: expected a number, in units of '{scale.name}'")
     if sd is not None and not 0 < sd < math.inf:
-        raise InputError(f"--sd {sd:g}: wanted a number above 0, in units of '{scale.name}'")
+        raise InputError(f"--sd {sd:g}: expected a number above 0, in units of '{scale.name}'")
     if name is not None and sd is not None:
         raise InputError("--sd and --model both set how much people differ: leave one out")
     if name is None and sd is None and design.name in model_names():
@@ -90,7 +90,7 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
         return found if effect is None else with_effect(found, design, scale, effect)
     if effect is None or sd is None:
         wanted = "--sd (of one person's difference between two showings)" if effect is not None else "--effect and --sd"
-        raise InputError(f"no response model: wanted {wanted}, or --model FILE.toml")
+        raise InputError(f"no response model: expected {wanted}, or --model FILE.toml")
     return planned_model(design, scale, effect, sd)
 
 
@@ -103,7 +103,7 @@ def _counts(text: str, design: Design) -> list[int]:
     from ...study.statistics import MOST_PAIRS
 
     many = MOST_PAIRS  # a person gives one pair at most
-    wanted = f"wanted numbers of people, from 1 to {many}"
+    wanted = f"expected numbers of people, from 1 to {many}"
     listed = re.fullmatch(r"\d+(,\d+)*", text)
     if listed:
         counts = sorted({int(one) for one in text.split(",")})
@@ -117,7 +117,7 @@ def _counts(text: str, design: Design) -> list[int]:
             balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
         )
     else:
-        raise InputError(f"--n {text}: wanted a range like 6..40, or a list like 10,12,15")
+        raise InputError(f"--n {text}: expected a range like 6..40, or a list like 10,12,15")
     if not counts or counts[0] < 1 or counts[-1] > many:
         raise InputError(f"--n {text}: {wanted}")
     return counts

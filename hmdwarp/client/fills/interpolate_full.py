@@ -28,7 +28,7 @@ class InterpolateFullSettings:
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.reach <= MOST_REACH:
-            raise ValueError(f"reach={self.reach}: wanted 1 to {MOST_REACH}")
+            raise ValueError(f"reach={self.reach}: expected 1 to {MOST_REACH}")
 
 
 @fills.register

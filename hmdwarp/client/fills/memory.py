@@ -46,13 +46,13 @@ class MemorySettings:
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.frames <= MOST_FRAMES:
-            raise ValueError(f"frames is {self.frames}: wanted 1 to {MOST_FRAMES} pictures")
+            raise ValueError(f"frames is {self.frames}: expected 1 to {MOST_FRAMES} pictures")
         if not 1 <= self.use <= MOST_FRAMES:
-            raise ValueError(f"use is {self.use}: wanted 1 to {MOST_FRAMES} pictures")
+            raise ValueError(f"use is {self.use}: expected 1 to {MOST_FRAMES} pictures")
         if not (math.isfinite(self.age) and 0 < self.age <= 3600):
-            raise ValueError(f"age is {self.age:g} s: wanted above 0 and at most 3600")
+            raise ValueError(f"age is {self.age:g} s: expected above 0 and at most 3600")
         if not (math.isfinite(self.mb) and 0 < self.mb <= 1e6):
-            raise ValueError(f"mb is {self.mb:g}: wanted above 0 and at most 1000000")
+            raise ValueError(f"mb is {self.mb:g}: expected above 0 and at most 1000000")
 
 
 @fills.register

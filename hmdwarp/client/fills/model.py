@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def _check_share(_: object, __: attrs.Attribute, value: float) -> None:
     if not 0 < value <= 1:
-        raise ValueError(f"share is {value:g}: wanted more than 0 and at most 1")
+        raise ValueError(f"share is {value:g}: expected more than 0 and at most 1")
 
 
 def share_of_triangles() -> float:

@@ -46,7 +46,7 @@ class PyramidSettings:
         if not all(0 <= value < float("inf") for value in (self.tolerance, self.floor)):
             raise ValueError("tolerance and floor must be 0 or more")
         if not 0 < self.holes < float("inf"):
-            raise ValueError(f"holes={self.holes}: wanted more than 0; from 2 on nothing is preferred")
+            raise ValueError(f"holes={self.holes}: expected more than 0; from 2 on nothing is preferred")
 
 
 @attrs.frozen(eq=False)

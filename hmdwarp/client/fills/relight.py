@@ -49,9 +49,9 @@ class RelightSettings:
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.samples <= 4096:
-            raise ValueError(f"samples is {self.samples}: wanted 1 to 4096")
+            raise ValueError(f"samples is {self.samples}: expected 1 to 4096")
         if not 0 < self.reach <= 2:
-            raise ValueError(f"reach is {self.reach:g}: wanted more than 0 and at most 2")
+            raise ValueError(f"reach is {self.reach:g}: expected more than 0 and at most 2")
 
 
 def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:

@@ -40,7 +40,7 @@ class IterativeSettings:
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
             raise ValueError(
-                f"steps={self.steps}, slanted={self.slanted}: wanted 1 <= slanted <= steps <= {MOST_STEPS}"
+                f"steps={self.steps}, slanted={self.slanted}: expected 1 <= slanted <= steps <= {MOST_STEPS}"
             )
         if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged)):
             raise ValueError("tolerance, floor and converged must be 0 or more")

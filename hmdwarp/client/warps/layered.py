@@ -23,7 +23,7 @@ class LayeredSettings:
 
     def __attrs_post_init__(self) -> None:
         if not 2 <= self.layers <= MOST_LAYERS:
-            raise ValueError(f"layers is {self.layers}: wanted 2 to {MOST_LAYERS}, the visible one included")
+            raise ValueError(f"layers is {self.layers}: expected 2 to {MOST_LAYERS}, the visible one included")
 
 
 @warps.register

@@ -30,9 +30,9 @@ class MultiSettings:
 
     def __attrs_post_init__(self) -> None:
         if not 0 <= self.frames <= MOST_FRAMES:
-            raise ValueError(f"frames is {self.frames}: wanted 0 to {MOST_FRAMES} past frames")
+            raise ValueError(f"frames is {self.frames}: expected 0 to {MOST_FRAMES} past frames")
         if not (math.isfinite(self.spacing) and 0 <= self.spacing <= 60_000):
-            raise ValueError(f"spacing is {self.spacing:g} ms: wanted 0 to 60000")
+            raise ValueError(f"spacing is {self.spacing:g} ms: expected 0 to 60000")
 
 
 @warps.register

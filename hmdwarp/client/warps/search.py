@@ -36,7 +36,7 @@ class SearchSettings:
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.steps <= 65536:
-            raise ValueError(f"steps={self.steps}: wanted 1 to 65536")
+            raise ValueError(f"steps={self.steps}: expected 1 to 65536")
         if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.gap)):
             raise ValueError("tolerance, floor and gap must be 0 or more")
 

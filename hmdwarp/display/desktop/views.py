@@ -51,7 +51,7 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
         width, height = headset.eye_size_m
         return WindowView(headset, 2, size or headset.eye_size_px, width / height, headset)
     if view != FLAT:
-        raise InputError(f"view '{view}': wanted {BOTH} or {FLAT}")
+        raise InputError(f"view '{view}': expected {BOTH} or {FLAT}")
     left, right, down, up = np.abs(headset.left_fov.tangents)
     wide, high = max(left, right), max(down, up)
     aspect = float(wide / high)

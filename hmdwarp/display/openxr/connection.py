@@ -131,7 +131,7 @@ def connect(
         check_requirements(calls, instance, graphics.gpu)
         views = calls.ask(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
         if len(views) != COUNT:
-            raise MachineError(f"{calls.name} has {len(views)} views: wanted {COUNT}")
+            raise MachineError(f"{calls.name} has {len(views)} views: expected {COUNT}")
         modes = [
             int(mode)
             for mode in calls.ask(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)

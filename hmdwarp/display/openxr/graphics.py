@@ -50,7 +50,7 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
     """
     requested = environ.get(VARIABLE, "").lower()
     if requested not in ("", EGL, GLX):
-        raise InputError(f"{VARIABLE} is '{requested}': wanted {EGL} or {GLX}")
+        raise InputError(f"{VARIABLE} is '{requested}': expected {EGL} or {GLX}")
     possible = []
     if GLX_EXTENSION in extensions and environ.get("DISPLAY"):
         possible.append(GLX)

@@ -34,7 +34,7 @@ def colour_format(offered: list[int]) -> int:
             return one
     found = ", ".join(f"{one:#x}" for one in offered) or "none"
     raise MachineError(
-        f"the runtime's pictures have formats {found}: wanted one of {', '.join(f'{one:#x}' for one in COLOURS)}; "
+        f"the runtime's pictures have formats {found}: expected one of {', '.join(f'{one:#x}' for one in COLOURS)}; "
         "update it"
     )
 

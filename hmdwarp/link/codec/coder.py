@@ -75,7 +75,7 @@ class Encoder:
     ) -> None:
         check_quality(crf, bitrate_mbit)
         if key_every_s is not None and not 0 < key_every_s < math.inf:
-            raise InputError(f"key frames every {key_every_s:g} s: wanted a time above 0")
+            raise InputError(f"key frames every {key_every_s:g} s: expected a time above 0")
         self.size = size
         self._colour = ColourEncoder(_coding(codec), size, rate_hz, crf, bitrate_mbit)
         self._depth = DepthEncoder(size)
@@ -138,7 +138,7 @@ def _coding(codec: str | Codec) -> Codec:
     if codec.is_none:
         raise InputError(
             f"codec '{codec.name}' encodes nothing: "
-            f"wanted one of {', '.join(one.name for one in codecs if not one.is_none)}"
+            f"expected one of {', '.join(one.name for one in codecs if not one.is_none)}"
         )
     return codec
 
@@ -147,7 +147,7 @@ def _check_shapes(size: tuple[int, int], colour: NDArray, inverse_depth: NDArray
     width, height = size
     if colour.shape != (height, width, 3) or colour.dtype != np.uint8 or inverse_depth.shape != (height, width):
         found = f"{colour.dtype} colour of shape {colour.shape} and inverse depth of shape {inverse_depth.shape}"
-        raise ValueError(f"{found}: wanted uint8 of shape {(height, width, 3)} and {(height, width)}")
+        raise ValueError(f"{found}: expected uint8 of shape {(height, width, 3)} and {(height, width)}")
 
 
 @functools.cache

@@ -35,8 +35,8 @@ class Coding(Declared):
 def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
     """Check the numbers. Errors: InputError for both at a time, or one that is out of bounds."""
     if crf is not None and bitrate_mbit is not None:
-        raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: wanted a quality or a rate, not both")
+        raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: expected a quality or a rate, not both")
     if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:
-        raise InputError(f"crf {crf}: wanted {_CRFS[0]} (best) to {_CRFS[1]}")
+        raise InputError(f"crf {crf}: expected {_CRFS[0]} (best) to {_CRFS[1]}")
     if bitrate_mbit is not None and not 0.01 <= bitrate_mbit <= 1000:
-        raise InputError(f"bitrate {bitrate_mbit:g} Mbit/s: wanted 0.01 to 1000 for one eye")
+        raise InputError(f"bitrate {bitrate_mbit:g} Mbit/s: expected 0.01 to 1000 for one eye")

@@ -143,7 +143,7 @@ def codes_of(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], in
     values = np.asarray(inverse_depth, np.float32)
     largest = float(values.max(initial=0))
     if not np.isfinite(largest):
-        raise ValueError(f"inverse depth {largest}: wanted finite numbers, below 0 for no depth")
+        raise ValueError(f"inverse depth {largest}: expected finite numbers, below 0 for no depth")
     exponent = _EXPONENT
     while largest > _MOST * 2.0**exponent:
         exponent += 1

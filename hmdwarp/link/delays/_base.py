@@ -34,7 +34,7 @@ class DelayModel(abc.ABC):
     def check(self, latency_ns: int) -> None:
         """Check the latency. Errors: InputError if there are no such delays around it."""
         if not 0 <= latency_ns < math.inf:  # NaN too
-            raise InputError(f"latency {latency_ns / 1e6:g} ms: wanted 0 or more")
+            raise InputError(f"latency {latency_ns / 1e6:g} ms: expected 0 or more")
 
     @abc.abstractmethod
     def longest_ns(self, latency_ns: int) -> int:
@@ -56,5 +56,5 @@ def milliseconds(what: str, text: str) -> float:
     except ValueError:
         value = math.nan
     if not 0 <= value <= LONGEST_MS:
-        raise InputError(f"{what} '{text}': wanted milliseconds, from 0 to {LONGEST_MS:g}")
+        raise InputError(f"{what} '{text}': expected milliseconds, from 0 to {LONGEST_MS:g}")
     return value

@@ -33,7 +33,7 @@ class DelayTrace(DelayModel):
     def parse(cls, argument: str) -> DelayTrace:
         """Read the file `argument`, see `read_delays`."""
         if not argument:
-            raise InputError("jitter 'trace': wanted a file of delays after it (--delay-trace FILE)")
+            raise InputError("jitter 'trace': expected a file of delays after it (--delay-trace FILE)")
         return cls(tuple(read_delays(Path(argument))), Path(argument))
 
     def longest_ns(self, latency_ns: int) -> int:
@@ -58,9 +58,9 @@ def read_delays(path: Path) -> list[float]:
     except OSError as error:
         raise InputError(f"{path}: the delay trace cannot be read ({error.strerror or error})") from error
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file; wanted one delay in milliseconds a line") from error
+        raise InputError(f"{path}: not a text file; expected one delay in milliseconds a line") from error
     if not delays:
-        raise InputError(f"{path}: holds no delay; wanted one number of milliseconds a line")
+        raise InputError(f"{path}: holds no delay; expected one number of milliseconds a line")
     return delays
 
 
@@ -75,7 +75,7 @@ def _numbers(path: Path, lines: Iterator[str]) -> Iterator[float]:
             continue
         found += 1
         if found > _MOST_LINES:
-            raise InputError(f"{path}: line {number}: wanted at most {_MOST_LINES} delays")
+            raise InputError(f"{path}: line {number}: expected at most {_MOST_LINES} delays")
         yield _delay(path, number, text)
 
 
@@ -92,6 +92,6 @@ def _delay(path: Path, number: int, text: str) -> float:
     if not 0 <= value <= LONGEST_MS:
         shown = text if len(text) <= 40 else text[:37] + "..."
         raise InputError(
-            f"{path}: line {number}: '{shown}': wanted one delay in milliseconds, from 0 to {LONGEST_MS:g}"
+            f"{path}: line {number}: '{shown}': expected one delay in milliseconds, from 0 to {LONGEST_MS:g}"
         )
     return value

@@ -32,7 +32,7 @@ class UniformJitter(DelayModel):
         if self._spread_ns > latency_ns:
             found = f"jitter uniform:{self.spread_ms:g} around a latency of {latency_ns / 1e6:g} ms"
             raise InputError(
-                f"{found} would have frames arrive before they were sent: wanted a jitter of at most the latency"
+                f"{found} would have frames arrive before they were sent: expected a jitter of at most the latency"
             )
 
     def longest_ns(self, latency_ns: int) -> int:

@@ -44,7 +44,7 @@ class FrameWxyz(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.width < 6:
             raise TraceError(
-                f"{head.path}: line {head.first_line}: {head.width} columns, wanted 6: time, frame and a quaternion"
+                f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame and a quaternion"
             )
         return Layout(
             time=0, orientation=ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), unit="s", axes=AXES

@@ -67,7 +67,8 @@ def need_columns(head: Head, count: int) -> None:
 
     if head.width < count:
         raise TraceError(
-            f"{head.path}: line {head.first_line}: {head.width} columns, wanted {count}: time, position and quaternion"
+            f"{head.path}: line {head.first_line}: {head.width} columns, expected {count}: "
+            "time, position and quaternion"
         )
 
 

@@ -49,11 +49,11 @@ def from_words(text: str) -> Axes:
     for word in text.split(","):
         sign, letter = (-1.0, word[1:]) if word.startswith("-") else (1.0, word.removeprefix("+"))
         if letter not in _AXES:
-            raise InputError(f"axis '{word}': wanted x, y or z, with or without a sign")
+            raise InputError(f"axis '{word}': expected x, y or z, with or without a sign")
         rows.append(np.array(_AXES[letter]) * sign)
     basis = np.array(rows)
     if basis.shape != (3, 3) or abs(abs(np.linalg.det(basis)) - 1) > 1e-9:
-        raise InputError(f"axes '{text}': wanted three different ones, right,up,forward, for instance x,z,y")
+        raise InputError(f"axes '{text}': expected three different ones, right,up,forward, for instance x,z,y")
     basis[2] *= -1  # OpenXR's z points back
     return Axes(basis, up=text.split(",")[1].removeprefix("+"))
 
@@ -79,7 +79,7 @@ def parse_axes(text: str) -> Axes:
 
 def _refuse(text: str) -> Axes:
     raise InputError(
-        f"up '{text}': wanted an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
+        f"up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
         "(0.04,0.95,0.3)"
     )
 
@@ -87,7 +87,7 @@ def _refuse(text: str) -> Axes:
 def _upright(up: NDArray[np.float64]) -> Axes:
     length = float(np.linalg.norm(up))
     if not (math.isfinite(length) and length > 1e-6):
-        raise InputError(f"up {up.tolist()}: wanted a direction that is not zero")
+        raise InputError(f"up {up.tolist()}: expected a direction that is not zero")
     up = up / length
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])

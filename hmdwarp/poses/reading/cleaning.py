@@ -112,7 +112,7 @@ class Cleaner:
     def need_two_rows(self) -> None:
         """Refuse a single row: one pose is no motion."""
         if len(self.rows) < 2:
-            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: wanted two or more{self._so_far()}")
+            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: expected two or more{self._so_far()}")
 
     def drop_cut_row(self) -> None:
         """Drop a last line that ends in the middle of a number.
@@ -371,7 +371,7 @@ class Cleaner:
         if hopeless.any():
             row = int(hopeless.argmax())
             raise TraceError(
-                f"{self._at(row)}: a quaternion of length {norm[row]:.3g}, wanted 1: {q[row].tolist()}; "
+                f"{self._at(row)}: a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}; "
                 "were the wrong columns read, or is the row damaged?"
             )
         off = np.abs(norm - 1)

@@ -95,9 +95,9 @@ def _first_bytes(path: Path) -> tuple[bytes, int]:
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
-            raise TraceError(f"{path} is a directory: wanted a file of head poses{_inside(path)}")
+            raise TraceError(f"{path} is a directory: expected a file of head poses{_inside(path)}")
         if not stat.S_ISREG(status.st_mode):
-            raise TraceError(f"{path} is a device or a pipe: wanted a plain file of head poses")
+            raise TraceError(f"{path} is a device or a pipe: expected a plain file of head poses")
         with path.open("rb") as file:
             raw = file.read(LOOK_BYTES)
     except FileNotFoundError:
@@ -108,7 +108,7 @@ def _first_bytes(path: Path) -> tuple[bytes, int]:
             raise TraceError(f"{str(path)[:60]}...: {why}") from None
         raise TraceError(f"{path}: cannot be read: {why}") from None
     if not raw.strip():
-        raise TraceError(f"{path} is empty: wanted rows of time, position and orientation")
+        raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
     return raw, status.st_size
 
 
@@ -130,7 +130,7 @@ def _refuse_binary(path: Path, raw: bytes) -> None:
     if found or not raw.rstrip(b"\x00"):
         at = found.start() if found else 0
         raise TraceError(
-            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; wanted rows of "
+            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; expected rows of "
             "numbers"
         )
 

@@ -295,7 +295,7 @@ class RowReader:
             return value
         shown = f"'{field[:40]}'" if field else "empty"
         raise TraceError(
-            f"{where}: {self._names[column]} is {shown}: wanted a finite number; repair or remove that line"
+            f"{where}: {self._names[column]} is {shown}: expected a finite number; repair or remove that line"
         )
 
     def _joined(self, parts: list[Rows]) -> Rows:

@@ -42,7 +42,7 @@ def checked_cube_size(view: View, size: tuple[int, int], limit: int) -> tuple[in
     if max(cube) > limit:
         raise InputError(
             f"a cube map as sharp as a picture of {size[0]}x{size[1]} would have {cube[0]}x{cube[1]} pixels: "
-            f"wanted at most {limit} on each side (this GPU's limit); "
+            f"expected at most {limit} on each side (this GPU's limit); "
             "use a smaller size, a wider field of view or another warp"
         )
     return cube

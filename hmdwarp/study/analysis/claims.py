@@ -62,7 +62,7 @@ def _claim(table: Keys, raw: Mapping[str, Any], step: float | None) -> Claim:
     latency = table.number("latency_ms") if "latency_ms" in table else None
     a, b, where = (table.text(key) if key in table else "" for key in ("a", "b", "where"))
     if latency is None and not (a and b):
-        raise table.fault("difference", "lacks its comparison: wanted latency_ms, or a and b")
+        raise table.fault("difference", "lacks its comparison: expected latency_ms, or a and b")
     last = Decimal(1).scaleb(Decimal(str(raw.get("difference", 1))).as_tuple().exponent)  # type: ignore[arg-type]
     return Claim(table.text("part"), float(last) if step is None else step, difference, latency, a, b, where)
 

@@ -167,7 +167,7 @@ def _requested(text: str, ratings: Ratings) -> list[Family]:
     pairs = [tuple(name.strip() for name in pair.split(":")) for pair in (rest if in_part else text).split(";")]
     if any(len(pair) != 2 or not all(pair) for pair in pairs):
         raise InputError(
-            f"--family '{text}': wanted pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
+            f"--family '{text}': expected pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
         )
     found = []
     for one in parts:

@@ -72,16 +72,16 @@ def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[s
                 continue
             if len(fields) != len(header):
                 raise InputError(
-                    f"{path}:{reader.line_num}: {len(fields)} fields, wanted {len(header)} as in the first line"
+                    f"{path}:{reader.line_num}: {len(fields)} fields, expected {len(header)} as in the first line"
                 )
             # Every column under its own name too, behind a mark that no role has: measures are
             # looked up there.
             own = {f"={name}": field.strip() for name, field in zip(header, fields, strict=True)}
             lines.append(Line(reader.line_num, {role: fields[at].strip() for role, at in roles.items()} | own))
     except csv.Error as error:
-        raise InputError(f"{path}:{reader.line_num}: {error}: wanted a table with one rating per row") from error
+        raise InputError(f"{path}:{reader.line_num}: {error}: expected a table with one rating per row") from error
     if not lines:
-        raise InputError(f"{path}: has no rows below its header: wanted one for each rating")
+        raise InputError(f"{path}: has no rows below its header: expected one for each rating")
     return lines, {role: header[place] for role, place in roles.items()}
 
 
@@ -89,13 +89,13 @@ def _text(path: Path) -> str:
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise InputError(
-                f"{path}: {path.stat().st_size} bytes: wanted a table of ratings, of at most {_MOST_BYTES}"
+                f"{path}: {path.stat().st_size} bytes: expected a table of ratings, of at most {_MOST_BYTES}"
             )
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: byte {error.start} is no UTF-8: save the table as UTF-8") from error
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}: wanted a table of ratings (.csv, .tsv)") from error
+        raise InputError(f"{path}: {error.strerror}: expected a table of ratings (.csv, .tsv)") from error
 
 
 def _delimiter(text: str) -> str:
@@ -109,7 +109,7 @@ def _roles_of(header: Sequence[str], named: Mapping[str, str], path: str) -> dic
     found: dict[str, int] = {}
     for role, name in named.items():
         if role not in ROLES:
-            raise InputError(f"--column {role}={name}: wanted one of {', '.join(ROLES)} before the '='")
+            raise InputError(f"--column {role}={name}: expected one of {', '.join(ROLES)} before the '='")
         if _plain(name) not in plain:
             raise InputError(f"{path}:1: no column '{name}' (--column {role}={name}); there are {', '.join(header)}")
         found[role] = plain.index(_plain(name))
@@ -134,11 +134,11 @@ def _check(found: Mapping[str, int], header: Sequence[str], path: str) -> None:
             known = ", ".join(ROLES[role])
             raise InputError(
                 f"{path}:1: no column for the {role} among {', '.join(header)}: "
-                f"wanted one of {known}; or name it: --column {role}=NAME"
+                f"expected one of {known}; or name it: --column {role}=NAME"
             )
     if "condition" not in found and not set(SETTINGS) & set(found):
         raise InputError(
-            f"{path}:1: no column gives the condition: wanted 'condition', or latency_ms, warp and fill; "
+            f"{path}:1: no column gives the condition: expected 'condition', or latency_ms, warp and fill; "
             "or name it: --column condition=NAME"
         )
 
@@ -162,7 +162,7 @@ def _number(text: str, line: Line, path: Path) -> float | None:
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or "_" in text:
-        wanted = "wanted a number with a decimal point, or an empty field where it is missing"
+        wanted = "expected a number with a decimal point, or an empty field where it is missing"
         raise InputError(f"{path}:{line.number}: rating '{text}': {wanted}")
     return value
 
@@ -174,5 +174,5 @@ def whole_number(line: Line, role: str, path: Path, default: int) -> int:
         return default
     digits = re.fullmatch(r"(?:\w+-)?(\d{1,9})(?:\.0+)?", text)  # ses-01 as in BIDS, 1.0 as in data frames
     if digits is None:
-        raise InputError(f"{path}:{line.number}: {role} '{text}': wanted a whole number")
+        raise InputError(f"{path}:{line.number}: {role} '{text}': expected a whole number")
     return int(digits[1])

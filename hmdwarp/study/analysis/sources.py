@@ -29,7 +29,7 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
         return from_csv(Path(name), options)
     if name.endswith((".csv", ".tsv", ".txt")):
         raise InputError(
-            f"{name}: there is no such file: wanted a table of ratings, a study's .toml file, or a shipped study's name"
+            f"{name}: no such file: expected a table of ratings, a study's .toml file, or a shipped study's name"
         )
     design = load_design(name, checked=False)
     folder = store_folder(design, store)

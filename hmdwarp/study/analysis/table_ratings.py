@@ -201,7 +201,7 @@ def _condition(line: Line, path: Path) -> tuple[str, dict[str, Any]]:
             settings["latency_ms"] = float(settings["latency_ms"])
         except ValueError:
             raise InputError(
-                f"{path}:{line.number}: latency '{settings['latency_ms']}': wanted milliseconds, like 200"
+                f"{path}:{line.number}: latency '{settings['latency_ms']}': expected milliseconds, like 200"
             ) from None
     if fields.get("condition", "").lower() not in MISSING - {"none"}:
         return fields["condition"], settings

@@ -14,7 +14,7 @@ from .condition_settings import DISPLAY, SettingFault, check_settings, live_opti
 from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
-NAME_WANTED = "wanted a name of letters, digits, and . _ + - after the first, 64 at most"
+NAME_WANTED = "expected a name of letters, digits, and . _ + - after the first, 64 at most"
 _MOST_CONDITIONS = 100
 _MOST_TRIALS = 1000  # of one session
 
@@ -89,19 +89,19 @@ def name_of(table: Table, used: Sequence[str]) -> str:
     if not NAME.fullmatch(name):
         raise table.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
     if name.lower() in [one.lower() for one in used]:
-        raise table.fault("name", f"is {name!r} a second time: wanted a name that differs in more than case")
+        raise table.fault("name", f"is {name!r} a second time: expected a name that differs in more than case")
     return name
 
 
 def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
     """Read [[part]] with [[part.condition]], or [[condition]] alone for a study of one part."""
     if "part" in data and "condition" in data:
-        raise data.fault("condition", "beside [[part]]: wanted it within one, as [[part.condition]]")
+        raise data.fault("condition", "beside [[part]]: expected it within one, as [[part.condition]]")
     if "part" not in data:
         return (Part(ONLY_PART, _conditions(data, data, checker)),)
     tables = data.tables("part")
     if not tables:
-        raise data.fault("part", "is empty: wanted one [[part]] at least")
+        raise data.fault("part", "is empty: expected one [[part]] at least")
     parts: list[Part] = []
     for table in tables:
         name = name_of(table, [part.name for part in parts])
@@ -116,25 +116,26 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
         raise within.missing("condition")
     if not 1 <= len(tables) <= _MOST_CONDITIONS:
         raise within.fault(
-            "condition", f"comes {len(tables)} times: wanted 1 to {_MOST_CONDITIONS}, each beginning with {heading}"
+            "condition", f"comes {len(tables)} times: expected 1 to {_MOST_CONDITIONS}, each beginning with {heading}"
         )
     made: list[Condition] = []
     for table in tables:
         name = name_of(table, [condition.name for condition in made])
         reference = table.flag("reference", False)
         if reference and any(condition.reference for condition in made):
-            raise table.fault("reference", "is true a second time in this part: wanted one hidden reference, or none")
+            raise table.fault("reference", "is true a second time in this part: expected one hidden reference, or none")
         own = {key: value for key, value in _all_of(table).items() if key not in ("name", "reference")}
         made.append(Condition(name, checker.settings(table, own, f"condition '{name}'"), reference))
     trial = data.table("trial")
     if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
         raise trial.fault(
             "order",
-            f"is {WILLIAMS} (the default): one condition has no order; wanted two, or order fixed",
+            f"is {WILLIAMS} (the default): one condition has no order; expected two, or order fixed",
         )
     if len(made) * trial.whole("repeats", 1, _MOST_TRIALS, 1) > _MOST_TRIALS:
         raise trial.fault(
-            "repeats", f"makes {len(made)} x {trial.raw('repeats')} trials: wanted {_MOST_TRIALS} at most in a session"
+            "repeats",
+            f"makes {len(made)} x {trial.raw('repeats')} trials: expected {_MOST_TRIALS} at most in a session",
         )
     return tuple(made)
 
@@ -145,7 +146,7 @@ def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
     for table in data.tables("family"):
         name = table.line("name")
         if name in [family.name for family in made]:
-            raise table.fault("name", f"is {name!r} a second time: wanted a name that no other family has")
+            raise table.fault("name", f"is {name!r} a second time: expected a name that no other family has")
         made.append(Family(name, _comparisons(table, _part_of(table, parts))))
     return tuple(made)
 
@@ -159,11 +160,13 @@ def _part_of(table: Table, parts: tuple[Part, ...]) -> Part:
 def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
     pairs, known = table.raw("pairs"), [condition.name for condition in part.conditions]
     if not isinstance(pairs, list) or not pairs:
-        raise table.fault("pairs", 'is no list of pairs: wanted names of conditions, like [["late", "warped"]]')
+        raise table.fault("pairs", 'is no list of pairs: expected names of conditions, like [["late", "warped"]]')
     made: list[Comparison] = []
     for number, pair in enumerate(pairs):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
-            raise table.fault("pairs", f'has {quoted(pair)}: wanted pairs of names, like [["late", "warped"]]', number)
+            raise table.fault(
+                "pairs", f'has {quoted(pair)}: expected pairs of names, like [["late", "warped"]]', number
+            )
         for name in pair:
             if name not in known:
                 raise table.fault(
@@ -172,6 +175,6 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
         a, b = pair
         if a == b or {a, b} in [{one.a, one.b} for one in made]:
             why = "a condition beside itself" if a == b else "the same pair a second time"
-            raise table.fault("pairs", f"has [{a}, {b}]: {why}; wanted each comparison once", number)
+            raise table.fault("pairs", f"has [{a}, {b}]: {why}; expected each comparison once", number)
         made.append(Comparison(part.name, a, b))
     return tuple(made)

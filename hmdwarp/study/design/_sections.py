@@ -38,19 +38,19 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
         if not questionnaires and scale.kind == QUESTIONNAIRE:
             raise table.fault(
                 key,
-                f"has '{name}', a questionnaire of {len(scale.items)} items: wanted a scale that takes a moment",
+                f"has '{name}', a questionnaire of {len(scale.items)} items: expected a scale that takes a moment",
                 number,
             )
         if scale.name in [one.name for one in made]:
-            raise table.fault(key, f"has '{scale.name}' twice: wanted each scale once", number)
+            raise table.fault(key, f"has '{scale.name}' twice: expected each scale once", number)
         made.append(scale)
     if not made and not questionnaires:
-        raise table.fault(key, "is empty: wanted one scale at least; see 'hmdwarp list scales'")
+        raise table.fault(key, "is empty: expected one scale at least; see 'hmdwarp list scales'")
     if not questionnaires and all(scale.kind != RATING for scale in made):
         # Tables of ratings and the analysis hold only that kind.
         raise table.fault(
             key,
-            f"has no rating ({', '.join(names)}): wanted one scale of kind rating at least; the others belong in "
+            f"has no rating ({', '.join(names)}): expected one scale of kind rating at least; the others belong in "
             "[sickness]",
         )
     return tuple(made)
@@ -88,18 +88,18 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
     if scale.kind == QUESTIONNAIRE:
         raise table.fault(
             "scale",
-            f"has '{scale.name}', a questionnaire of {len(scale.items)} items: wanted a scale that takes a moment",
+            f"has '{scale.name}', a questionnaire of {len(scale.items)} items: expected a scale that takes a moment",
         )
     if scale.kind == RATING:
         raise table.fault(
             "scale",
-            f"has '{scale.name}', a rating, and would stand among those of the trials: wanted fms, misc or the like",
+            f"has '{scale.name}', a rating, and would stand among those of the trials: expected fms, misc or the like",
         )
     stop_at = table.within("stop_at", scale.least, scale.most, None)
     if stop_at is not None and scale.badness(stop_at) <= 0:
         raise table.fault(
             "stop_at",
-            f"is {stop_at:g}, the best answer of '{scale.name}': wanted a worse one, or every session stops at once",
+            f"is {stop_at:g}, the best answer of '{scale.name}': expected a worse one, or every session stops at once",
         )
     rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
     return Sickness(scale, table.whole("every", 1, 10_000, 1), stop_at, rise)
@@ -121,7 +121,7 @@ def consent_of(data: Table, folder: Path) -> Consent | None:
     table = data.table("consent")
     version = table.text("version")
     if ("text" in table) == ("file" in table):
-        raise table.fault(None, "wanted either text, or file, a text beside the study file")
+        raise table.fault(None, "needs either text, or file: a text beside the study file")
     return Consent(version, table.text("text") if "text" in table else _text_of(table, folder))
 
 
@@ -132,5 +132,5 @@ def _text_of(table: Table, folder: Path) -> str:
     except InputError as error:
         raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
     if not text.strip():
-        raise table.fault("file", f"is {quoted(str(path))}, which is empty: wanted a text that participants read")
+        raise table.fault("file", f"is {quoted(str(path))}, which is empty: expected a text that participants read")
     return text

@@ -24,7 +24,7 @@ def williams(n: int) -> tuple[tuple[int, ...], ...]:
     treatments, Aust J Sci Res A 2(2).
     """
     if n < 1:
-        raise InputError(f"a Williams design of {n} conditions: wanted 1 or more")
+        raise InputError(f"a Williams design of {n} conditions: expected 1 or more")
     first = _zigzag(n)
     rows = [tuple((one + shift) % n for one in first) for shift in range(n)]
     if n % 2 and n > 1:

@@ -41,7 +41,7 @@ def _path_of(name: str) -> Path:
     if name in study_names():
         return SHIPPED / f"{name}.toml"
     if Path(name).is_file():
-        raise InputError(f"study file {name}: wanted one whose name ends in .toml")
+        raise InputError(f"study file {name}: expected one whose name ends in .toml")
     raise unknown_name("study", name, [*study_names(), "FILE.toml"])
 
 
@@ -56,7 +56,7 @@ def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
 
 def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
-        raise data.fault("schema", f"is {schema}: wanted {SCHEMA}, which this version of hmdwarp reads")
+        raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
     folder = Path(path).parent
     trial = data.table("trial")
     checker = Checker(folder, data.table("common") if "common" in data else None, checked)

@@ -161,7 +161,7 @@ class QuestionDialog:
         self.skipped = self.confirmed = True
 
     def _refuse(self, answer: object) -> None:
-        self._say(f"{answer} is no answer here: wanted {range_text(self.ask.scale)}")
+        self._say(f"{answer} is no answer here: expected {range_text(self.ask.scale)}")
 
     def _say(self, note: str) -> None:
         self._note, self._note_until_s = note, self._now_s() + NOTED_S

@@ -38,7 +38,7 @@ def model_from_text(text: str, path: str) -> Model:
 
 def _model(data: Table, path: str) -> Model:
     if data.raw("schema") != SCHEMA:
-        raise data.fault("schema", f"is {data.raw('schema')!r}: wanted {SCHEMA}, which this version of hmdwarp reads")
+        raise data.fault("schema", f"is {data.raw('schema')!r}: expected {SCHEMA}, which this version of hmdwarp reads")
     ratings = data.table("rating")
     sessions = data.table("sessions") if "sessions" in data else Table({})
     answers = data.table("answers") if "answers" in data else Table({})

@@ -47,7 +47,7 @@ class RatingModel:
         lacking = [one.name for one in part.conditions if not isinstance(table.get(one.name), float)]
         if lacking:
             raise InputError(
-                f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': wanted one for each condition"
+                f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': expected one for each condition"
             )
         return np.array([table[one.name] for one in part.conditions])
 

@@ -57,14 +57,14 @@ def _items(data: Table) -> tuple[Item, ...]:
     tables = data.tables("item")
     if not 1 <= len(tables) <= _MOST_ITEMS:
         raise data.fault(
-            "item", f"comes {len(tables)} times: wanted 1 to {_MOST_ITEMS} questions, each beginning with [[item]]"
+            "item", f"comes {len(tables)} times: expected 1 to {_MOST_ITEMS} questions, each beginning with [[item]]"
         )
     items: list[Item] = []
     for table in tables:
         key = table.text("key")
         if not key.isidentifier():
             raise table.fault(
-                "key", f"is {key!r}: wanted a word of letters, digits and _, as a column of a table can be called"
+                "key", f"is {key!r}: expected a word of letters, digits and _, as a column of a table can be called"
             )
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
@@ -74,17 +74,17 @@ def _items(data: Table) -> tuple[Item, ...]:
 
 def _step(answer: Table, least: float, most: float) -> float:
     if not most > least:
-        raise answer.fault("most", f"is {most:g}: wanted more than answer.least, {least:g}")
+        raise answer.fault("most", f"is {most:g}: expected more than answer.least, {least:g}")
     step = answer.number("step")
     if not step > 0:
-        raise answer.fault("step", f"is {step:g}: wanted a number above 0")
+        raise answer.fault("step", f"is {step:g}: expected a number above 0")
     steps = (most - least) / step
     if not steps <= _MOST_VALUES:
         raise answer.fault(
-            "step", f"is {step:g}: wanted one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}"
+            "step", f"is {step:g}: expected one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}"
         )
     if round(steps) < 1 or not math.isclose(steps, round(steps), abs_tol=1e-6):
-        raise answer.fault("step", f"is {step:g}: wanted one that divides {least:g} to {most:g} into equal steps")
+        raise answer.fault("step", f"is {step:g}: expected one that divides {least:g} to {most:g} into equal steps")
     return step
 
 
@@ -99,14 +99,14 @@ def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
         if not least <= value <= most:
             raise table.fault(
                 key,
-                f"is no answer: wanted a number from {least:g} to {most:g}, in quotes where it has a point or a sign",
+                f"is no answer: expected a number from {least:g} to {most:g}, in quotes where it has a point or a sign",
             )
         if value in anchors:
             raise table.fault(key, "says a second time what this answer means")
         anchors[value] = table.line(key)
     for end in (least, most):
         if end not in anchors:
-            raise answer.fault("anchors", f"has no word for {end:g}: wanted words for both ends at least")
+            raise answer.fault("anchors", f"has no word for {end:g}: expected words for both ends at least")
     return dict(sorted(anchors.items()))
 
 
@@ -118,7 +118,7 @@ def _scores(data: Table, scale: Scale) -> tuple[Score, ...]:
     for table in tables:
         name = table.text("name")
         if not name.isidentifier() or name in [score.name for score in made]:
-            raise table.fault("name", f"is {name!r}: wanted a word of letters, digits and _ that no other score has")
+            raise table.fault("name", f"is {name!r}: expected a word of letters, digits and _ that no other score has")
         made.append(_score(table, name, len(scale.items), [score.name for score in made]))
     return tuple(made)
 
@@ -126,7 +126,7 @@ def _scores(data: Table, scale: Scale) -> tuple[Score, ...]:
 def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
     if ("items" in table) == ("of" in table):
         raise table.fault(
-            None, f"'{name}': wanted either items, numbers of questions from 1 on, or of, names of scores above it"
+            None, f"'{name}': expected either items, numbers of questions from 1 on, or of, names of scores above it"
         )
     weight = table.number("weight", 1.0)
     if "items" in table:
@@ -136,7 +136,7 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
         if one not in before:
             raise table.fault(
                 "of",
-                f"names {one!r}: wanted scores that stand above this one ({', '.join(before) or 'there are none'})",
+                f"names {one!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
             )
     return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
 
@@ -146,7 +146,7 @@ def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
     known = set(range(1, items + 1))
     if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
         raise table.fault(
-            "items", f"is {list(map(_tidy, numbers))}: wanted numbers of questions, from 1 to {items}, each once"
+            "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
         )
     return tuple(map(int, numbers))
 

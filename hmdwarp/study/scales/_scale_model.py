@@ -101,7 +101,7 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
             raise unknown_name(f"item of scale '{scale.name}'", key, known)
         if value is not None and not scale.least <= value <= scale.most:
             where = f"scale '{scale.name}', item '{key}'"
-            raise InputError(f"{where}: {value:g}: wanted an answer from {scale.least:g} to {scale.most:g}")
+            raise InputError(f"{where}: {value:g}: expected an answer from {scale.least:g} to {scale.most:g}")
     values = [answers.get(key) for key in known]
     sums: dict[str, float | None] = {}
     scores: dict[str, float | None] = {}

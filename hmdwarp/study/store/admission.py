@@ -31,8 +31,8 @@ def check_code(code: str) -> None:
     """Raise InputError for an invalid code."""
     if not _CODE.fullmatch(code):
         raise InputError(
-            f"--participant {code!r}: wanted a code of 1 to 32 letters a-z, digits, - and _, as P07; it must not be a "
-            "name, nor identify the person ('new' draws one)"
+            f"--participant {code!r}: expected a code of 1 to 32 letters a-z, digits, - and _, as P07; it must not be "
+            "a name, nor identify the person ('new' draws one)"
         )
 
 

@@ -230,7 +230,7 @@ def test_nothing_is_printed(codec, capfd):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"crf": 60}, "crf 60: wanted 0"),
+        ({"crf": 60}, "crf 60: expected 0"),
         ({"crf": -1}, "crf -1"),
         ({"bitrate_mbit": 0}, "bitrate 0 Mbit/s"),
         ({"bitrate_mbit": float("nan")}, "bitrate nan"),
@@ -247,7 +247,7 @@ def test_frames_of_another_shape_are_refused(codec):
     encoder = Encoder(codec, (64, 48), 60)
     good, depth = np.zeros((48, 64, 3), np.uint8), np.ones((48, 64), np.float32)
     for colour, inverse in ((good[:, :-1], depth), (good.astype(np.float32), depth), (good, depth[:-1])):
-        with pytest.raises(ValueError, match=r"wanted uint8 of shape \(48, 64, 3\)"):
+        with pytest.raises(ValueError, match=r"expected uint8 of shape \(48, 64, 3\)"):
             encoder.encode(colour, inverse)
     assert encoder.encode(good, depth).key  # nothing has gone wrong for the next
 
@@ -257,7 +257,7 @@ def test_names():
     with pytest.raises(UnknownNameError, match="did you mean 'h264'"):
         check_codec("h265")
     assert check_codec("none").is_none
-    with pytest.raises(InputError, match="codec 'none' encodes nothing: wanted one of h264, hevc"):
+    with pytest.raises(InputError, match="codec 'none' encodes nothing: expected one of h264, hevc"):
         Encoder("none", (64, 64), 60)
 
 

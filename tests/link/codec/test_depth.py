@@ -111,7 +111,7 @@ def test_any_negative_number_is_no_depth():
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_numbers_that_are_none_are_refused(bad):
-    with pytest.raises(ValueError, match="wanted finite numbers"):
+    with pytest.raises(ValueError, match="expected finite numbers"):
         encode_depth(np.array([[1, bad]], np.float32))
 
 

@@ -18,8 +18,8 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
+from hmdwarp.study import import_extra
 from hmdwarp.study.analysis import analyse, from_csv, write_analysis
-from hmdwarp.study.extra import import_extra
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 
@@ -138,7 +138,7 @@ WRONG = [
     (("thezis",), "thesis"),
     (("quick",), "there are no data of 'quick' yet"),
     ((PUBLISHED, "--family", "a:b"), "no part has both 'a' and 'b'"),
-    ((PUBLISHED, "--column", "grade"), "wanted ROLE=NAME"),
+    ((PUBLISHED, "--column", "grade"), "expected ROLE=NAME"),
     ((PUBLISHED, "--scale", "acr"), "thesis_ratings.csv:46: rating 6"),
     ((PUBLISHED, "--pilot", "--simulated"), "never mixed"),
     ((PUBLISHED, "--claims", "none.toml"), "none.toml: No such file"),

@@ -53,7 +53,7 @@ def test_a_decimal_comma_is_understood_and_told(tmp_path):
 
 def test_commas_and_points_together_are_not_guessed_at(tmp_path):
     rows = [{**ROWS[0], "Score": "4.5"}, {**ROWS[1], "Score": "3,25"}]
-    with pytest.raises(InputError, match=r"both\.csv:3: rating '3,25': wanted a number with a decimal point"):
+    with pytest.raises(InputError, match=r"both\.csv:3: rating '3,25': expected a number with a decimal point"):
         from_csv(written(tmp_path / "both.csv", rows, ";"))
 
 
@@ -96,7 +96,7 @@ WRONG = [
     ("Subject,Cond,Score\n1,late,good\n", "wrong.csv:2: rating 'good'"),
     ("Subject,Cond,Score\n1,late,1e999\n", "wrong.csv:2: rating '1e999'"),
     ("Subject,Cond,Score\n,late,6\n", "wrong.csv:2: no participant"),
-    ("Subject,Cond,Score\n1,late\n", "wrong.csv:2: 2 fields, wanted 3"),
+    ("Subject,Cond,Score\n1,late\n", "wrong.csv:2: 2 fields, expected 3"),
     ("Subject,Score\n1,6\n", "no column gives the condition"),
     ("Subject,Cond,Score\n", "has no rows below its header"),
     ("", "wrong.csv:1: no column for the participant"),
@@ -153,5 +153,5 @@ def test_families_may_be_asked_for():
     assert (only.part, only.a, only.b) == ("run 1", "none, 200 ms", "none, 800 ms")
     with pytest.raises(InputError, match="no part has both 'a' and 'b'"):
         families_for(found, ["a:b"])
-    with pytest.raises(InputError, match="wanted pairs of conditions"):
+    with pytest.raises(InputError, match="expected pairs of conditions"):
         families_for(found, ["a-b"])

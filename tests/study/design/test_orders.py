@@ -48,7 +48,7 @@ def test_the_square_of_six_as_published():
 
 
 def test_none_is_no_number_of_conditions():
-    with pytest.raises(InputError, match="0 conditions: wanted 1 or more"):
+    with pytest.raises(InputError, match="0 conditions: expected 1 or more"):
         williams(0)
 
 

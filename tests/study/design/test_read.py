@@ -155,26 +155,26 @@ def test_what_windows_writes_is_read(tmp_path):
 
 BROKEN = [
     # found, put, what is said, the line: of `put`, or of the text given
-    ("schema = 1", "schema = 2", "schema is 2: wanted 1", None),
+    ("schema = 1", "schema = 2", "schema is 2: expected 1", None),
     (
         "schema = 1\n",
         "",
         "the key schema is missing; thesis.toml ('hmdwarp study plan thesis' prints its path) has them all",
         1,
     ),
-    ('name = "whole"', 'name = "a whole"', "name is 'a whole': wanted a name of letters, digits", None),
-    ('name = "whole"', 'name = "../whole"', "name is '../whole': wanted a name", None),
+    ('name = "whole"', 'name = "a whole"', "name is 'a whole': expected a name of letters, digits", None),
+    ('name = "whole"', 'name = "../whole"', "name is '../whole': expected a name", None),
     ("title = ", "titel = ", "the key title is missing: is titel meant to be title?", None),
-    ("seed = 7", "seed = -1", "seed is -1: wanted a whole number of at least 0", None),
-    ('blind = "both"', 'blind = "me"', "blind is 'me': wanted both, participant or nobody", None),
+    ("seed = 7", "seed = -1", "seed is -1: expected a whole number of at least 0", None),
+    ('blind = "both"', 'blind = "me"', "blind is 'me': expected both, participant or nobody", None),
     ("seed = 7", "seed = 7\nsede = 8", "unknown key sede: did you mean seed?", "sede"),
     ("[breaks]", "[braeks]", "unknown key braeks: did you mean breaks?", None),
     ("[trial]", "[[trial]]", "trial is [{", None),
-    ("seconds = 20", "seconds = 0", "trial.seconds is 0: wanted a number above 0 and at most 3600", None),
-    ("seconds = 20", 'seconds = "20"', "trial.seconds is '20': wanted a finite number", None),
-    ("repeats = 2", "repeats = 0", "trial.repeats is 0: wanted a whole number", None),
-    ("repeats = 2", "repeats = 400", "trial.repeats makes 3 x 400 trials: wanted 1000 at most", None),
-    ('order = "williams"', 'order = "latin"', "trial.order is 'latin': wanted williams, random or fixed", None),
+    ("seconds = 20", "seconds = 0", "trial.seconds is 0: expected a number above 0 and at most 3600", None),
+    ("seconds = 20", 'seconds = "20"', "trial.seconds is '20': expected a finite number", None),
+    ("repeats = 2", "repeats = 0", "trial.repeats is 0: expected a whole number", None),
+    ("repeats = 2", "repeats = 400", "trial.repeats makes 3 x 400 trials: expected 1000 at most", None),
+    ('order = "williams"', 'order = "latin"', "trial.order is 'latin': expected williams, random or fixed", None),
     (
         'scales = ["grade", "acr"]',
         'scales = ["grade", "grades"]',
@@ -182,7 +182,7 @@ BROKEN = [
         None,
     ),
     ('scales = ["grade", "acr"]', 'scales = ["grade", "grade"]', "trial.scales has 'grade' twice", None),
-    ('scales = ["grade", "acr"]', "scales = []", "trial.scales is empty: wanted one scale at least", None),
+    ('scales = ["grade", "acr"]', "scales = []", "trial.scales is empty: expected one scale at least", None),
     ('scales = ["grade", "acr"]', 'scales = ["ssq"]', "trial.scales has 'ssq', a questionnaire of 16 items", None),
     (
         'scales = ["grade", "acr"]',
@@ -193,34 +193,34 @@ BROKEN = [
     (
         'scales = ["grade", "acr"]',
         'scales = ["misc"]',
-        "trial.scales has no rating (misc): wanted one scale of kind rating",
+        "trial.scales has no rating (misc): expected one scale of kind rating",
         None,
     ),
     ('scales = ["grade", "acr"]', 'scales = ["none.toml"]', "none.toml: No such file or directory", None),
-    ("every = 6", "every = -1", "breaks.every is -1: wanted a whole number of at least 0", None),
-    ("seconds = 30", "seconds = -30", "breaks.seconds is -30: wanted a number of at least 0", None),
+    ("every = 6", "every = -1", "breaks.every is -1: expected a whole number of at least 0", None),
+    ("seconds = 30", "seconds = -30", "breaks.seconds is -30: expected a number of at least 0", None),
     (
         "seconds = 60\nlatency = 10",
         "seconds = 60\nlatency = -10",
-        "practice: latency -10 ms: wanted a number",
+        "practice: latency -10 ms: expected a number",
         "latency = -10",
     ),
-    ("stop_at = 15", "stop_at = 21", "sickness.stop_at is 21: wanted a number of at least 0 and at most 20", None),
+    ("stop_at = 15", "stop_at = 21", "sickness.stop_at is 21: expected a number of at least 0 and at most 20", None),
     ("stop_at = 15", "stop_at = 0", "sickness.stop_at is 0, the best answer of 'fms'", None),
-    ("rise = 8", "rise = 0", "sickness.rise is 0: wanted a number above 0", None),
+    ("rise = 8", "rise = 0", "sickness.rise is 0: expected a number above 0", None),
     ('scale = "fms"', 'scale = "ssq"', "sickness.scale has 'ssq', a questionnaire", None),
     ('scale = "fms"', 'scale = "slider"', "sickness.scale has 'slider', a rating", None),
-    ("every = 1", "every = 0", "sickness.every is 0: wanted a whole number of at least 1", None),
-    ('before = ["ssq"]', 'before = "ssq"', "questionnaires.before is 'ssq': wanted a list of texts", None),
+    ("every = 1", "every = 0", "sickness.every is 0: expected a whole number of at least 1", None),
+    ('before = ["ssq"]', 'before = "ssq"', "questionnaires.before is 'ssq': expected a list of texts", None),
     (
         'before = ["ssq"]',
         'before = ["sqs"]',
         "questionnaires.before has 'sqs': unknown scale 'sqs': did you mean 'ssq'?",
         None,
     ),
-    ('version = "1"', "version = 1", "consent.version is 1: wanted a text", None),
+    ('version = "1"', "version = 1", "consent.version is 1: expected a text", None),
     ('text = "You may stop at any moment."', 'file = "absent.txt"', "absent.txt: No such file", None),
-    ('text = "You may stop at any moment."', "", "consent wanted either text, or file", "[consent]"),
+    ('text = "You may stop at any moment."', "", "consent needs either text, or file", "[consent]"),
     ('name = "run-2"', 'name = "Run-1"', "part.name is 'Run-1' a second time", None),
     ('name = "run-2"', 'nmae = "run-2"', "the key part.name is missing: is nmae meant to be name?", None),
     (
@@ -238,14 +238,14 @@ BROKEN = [
     (
         "latency = 200\nwarp",
         'latency = "200"\nwarp',
-        "condition 'late-200': latency is '200': wanted a number",
+        "condition 'late-200': latency is '200': expected a number",
         'latency = "200"',
     ),
     ('warp = "mesh"', 'warp = "msh"', "condition 'warped-200': unknown warp 'msh': did you mean 'mesh'?", None),
     ('warp = "mesh"', 'warp = "mesh:cut=maybe"', "condition 'warped-200': warp 'mesh:cut=maybe': cut is 'maybe'", None),
     ('warp = "mesh"', 'effects = "foo"', "condition 'warped-200': unknown effect 'foo'", None),
     ('warp = "mesh"', 'warp = "auto"', "condition 'warped-200': warp 'auto' chooses what fits into a budget", None),
-    ('warp = "mesh"', "fused = 1", "condition 'warped-200': fused is 1: wanted true or false", None),
+    ('warp = "mesh"', "fused = 1", "condition 'warped-200': fused is 1: expected true or false", None),
     ('warp = "mesh"', 'size = "96x96"', "part.condition.size is the same for all conditions", None),
     ('warp = "mesh"', "full-screen = true", "part.condition.full-screen is the same for all conditions", None),
     (
@@ -263,19 +263,19 @@ BROKEN = [
         "reference is true a second time in this part",
         "reference = true\n\n[[part]]",
     ),
-    ("loss = 0.02", "loss = 2", "condition 'a': loss '2': wanted a share of the frames", None),
+    ("loss = 0.02", "loss = 2", "condition 'a': loss '2': expected a share of the frames", None),
     ("jitter = 'uniform:20'", "jitter = 'gauss:20'", "condition 'b': unknown delay model 'gauss", None),
     ("jitter = 'uniform:20'", "jitter = 'uniform:2000'", "condition 'b': ", None),
     ("jitter = 'uniform:20'", "codec = 'av2'", "condition 'b': unknown codec 'av2'", None),
-    ("jitter = 'uniform:20'", "crf = 70\ncodec = 'h264'", "condition 'b': crf 70: wanted 0 (best) to 51", "crf = 70"),
-    ("jitter = 'uniform:20'", "mirrors = 'glass'", "condition 'b': mirrors 'glass': wanted geometry or screen", None),
+    ("jitter = 'uniform:20'", "crf = 70\ncodec = 'h264'", "condition 'b': crf 70: expected 0 (best) to 51", "crf = 70"),
+    ("jitter = 'uniform:20'", "mirrors = 'glass'", "condition 'b': mirrors 'glass': expected geometry or screen", None),
     ('scene = "planes"', 'scene = "plains"', "unknown scene 'plains': did you mean 'planes'?", None),
     ('scene = "planes"', 'scene = "absent.glb"', "absent.glb: no such scene file", None),
-    ('size = "96x120"', 'size = "96"', "size '96': wanted WIDTHxHEIGHT", None),
+    ('size = "96x120"', 'size = "96"', "size '96': expected WIDTHxHEIGHT", None),
     ('size = "96x120"', 'headset = "rift"', "unknown headset 'rift'", None),
     ('size = "96x120"', 'lens = "radial"\nheadset = "flat-90"', "headset 'flat-90' has no lens", "headset ="),
     ("[common]", "[common]\nlate = 1", "common: unknown setting 'late'", "late = 1"),
-    ('part = "run-1"\npairs', 'part = "run-3"\npairs', "family.part is 'run-3': wanted run-1 or run-2", "run-3"),
+    ('part = "run-1"\npairs', 'part = "run-3"\npairs', "family.part is 'run-3': expected run-1 or run-2", "run-3"),
     ('part = "run-1"\npairs', "pairs", "the key family.part is missing", "[[family]]"),
     (
         '["late-200", "warped-200"],',
@@ -283,7 +283,7 @@ BROKEN = [
         "family.pairs has an unknown condition 'warped-20': did you mean",
         None,
     ),
-    ('["late-200", "warped-200"],', '["late-200"],', "family.pairs has ['late-200']: wanted pairs of names", None),
+    ('["late-200", "warped-200"],', '["late-200"],', "family.pairs has ['late-200']: expected pairs of names", None),
     ('["late-200", "reference"],', '["late-200", "late-200"],', "a condition beside itself", None),
     ('["late-200", "reference"],', '["warped-200", "late-200"],', "the same pair a second time", None),
     (
@@ -292,7 +292,7 @@ BROKEN = [
         "this is no TOML",
         '[[part.condition]]\nname = "warped',
     ),
-    ("[[family]]", "[[condition]]\nname = 'x'\n[[family]]", "condition beside [[part]]: wanted it within one", None),
+    ("[[family]]", "[[condition]]\nname = 'x'\n[[family]]", "condition beside [[part]]: expected it within one", None),
     ("seed = 7", "seed = ", "this is no TOML: Invalid value (column 8)", None),
 ]
 
@@ -323,20 +323,20 @@ def test_files_that_are_none(tmp_path):
     with pytest.raises(UnknownNameError, match="unknown study 'thsis': did you mean 'thesis'"):
         load_design("thsis")
     with pytest.raises(
-        InputError, match=r"absent\.toml: No such file or directory: wanted a \.toml file, or one of quick, thesis"
+        InputError, match=r"absent\.toml: No such file or directory: expected a \.toml file, or one of quick, thesis"
     ):
         load_design(str(tmp_path / "absent.toml"))
     (tmp_path / "folder.toml").mkdir()
     with pytest.raises(InputError, match="Is a directory"):
         load_design(str(tmp_path / "folder.toml"))
     (tmp_path / "study.txt").write_text("x", encoding="utf-8")
-    with pytest.raises(InputError, match=r"wanted one whose name ends in \.toml"):
+    with pytest.raises(InputError, match=r"expected one whose name ends in \.toml"):
         load_design(str(tmp_path / "study.txt"))
     (tmp_path / "latin.toml").write_bytes(b"# a\n# \xe4\n")
-    with pytest.raises(InputError, match=r"latin\.toml:2: byte 0xe4: wanted a \.toml file, .* in UTF-8"):
+    with pytest.raises(InputError, match=r"latin\.toml:2: byte 0xe4: expected a \.toml file, .* in UTF-8"):
         load_design(str(tmp_path / "latin.toml"))
     (tmp_path / "huge.toml").write_bytes(b"#" * 1_000_001)
-    with pytest.raises(InputError, match=r"huge\.toml: 1000001 bytes: wanted"):
+    with pytest.raises(InputError, match=r"huge\.toml: 1000001 bytes: expected"):
         load_design(str(tmp_path / "huge.toml"))
     with pytest.raises(InputError):
         load_design("a\0b.toml")

@@ -12,16 +12,8 @@ import pytest
 from hmdwarp.cli import live as live_command
 from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions
-from hmdwarp.study.design.condition_settings import (
-    _NOT_SETTINGS,
-    DISPLAY,
-    KINDS,
-    PICTURE,
-    SettingFault,
-    check_settings,
-    live_options,
-    resolve_paths,
-)
+from hmdwarp.study.design import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
+from hmdwarp.study.design.condition_settings import _NOT_SETTINGS, PICTURE
 
 
 def test_every_option_of_live_is_a_setting_or_says_why_not():
@@ -95,14 +87,14 @@ def test_what_the_run_says_comes_beside(tmp_path):
             "record is no setting of a condition: the head's trace of every trial is recorded anyway",
         ),
         ({"images-every": 3}, "images-every", "images-every is no setting of a condition"),
-        ({"latency": True}, "latency", "latency is True: wanted a number"),
-        ({"latency": [1]}, "latency", "latency is [1]: wanted a number"),
-        ({"latency": float("nan")}, "latency", "latency is nan: wanted a number"),
-        ({"latency": 1 << 70}, "latency", "wanted a number"),
-        ({"crf": 2.5}, "crf", "crf is 2.5: wanted a whole number"),
-        ({"vsync": 1}, "vsync", "vsync is 1: wanted true or false"),
-        ({"warp": 3}, "warp", "warp is 3: wanted a text"),
-        ({"guard": True}, "guard", "guard is True: wanted a number or a text"),
+        ({"latency": True}, "latency", "latency is True: expected a number"),
+        ({"latency": [1]}, "latency", "latency is [1]: expected a number"),
+        ({"latency": float("nan")}, "latency", "latency is nan: expected a number"),
+        ({"latency": 1 << 70}, "latency", "expected a number"),
+        ({"crf": 2.5}, "crf", "crf is 2.5: expected a whole number"),
+        ({"vsync": 1}, "vsync", "vsync is 1: expected true or false"),
+        ({"warp": 3}, "warp", "warp is 3: expected a text"),
+        ({"guard": True}, "guard", "guard is True: expected a number or a text"),
         ({"link-seed": 1, "link_seed": 1}, "link_seed", "link_seed comes twice"),
     ],
 )
@@ -125,7 +117,7 @@ def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
         ({"headset": "absent.toml"}, "headset file absent.toml does not exist"),
         ({"warp": "multi", "view": "flat"}, "the flat view has one eye"),
         ({"predict": "guess"}, "unknown predictor 'guess'"),
-        ({"mirrors": "glass"}, "mirrors 'glass': wanted geometry or screen"),
+        ({"mirrors": "glass"}, "mirrors 'glass': expected geometry or screen"),
     ],
     ids=str,
 )

@@ -14,8 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from hmdwarp.display.desktop.views import window_view
-from hmdwarp.display.notice import KEPT, MAX_HEIGHT_M, MAX_WIDTH_M, Notices
+from hmdwarp.display import MAX_HEIGHT_M, MAX_WIDTH_M, Notices
+from hmdwarp.display.desktop import window_view
+from hmdwarp.display.notice import KEPT
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.study.dialogs import (
@@ -85,7 +86,7 @@ def test_nothing_is_cut_off_and_nothing_jumps(scale, hints):
         for edge in (ink[0], ink[-1], ink[:, 0], ink[:, -1]):
             assert not edge.any()
     assert len(shapes) == 1
-    noted = attrs.evolve(panel_of(scale, None, hints), note="3.2 is no answer here: wanted 1 to 6 in steps of 0.25")
+    noted = attrs.evolve(panel_of(scale, None, hints), note="3.2 is no answer here: expected 1 to 6 in steps of 0.25")
     assert noted.ink().shape in shapes
 
 

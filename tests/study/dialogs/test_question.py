@@ -98,7 +98,7 @@ def test_a_number_half_typed_is_no_answer_and_says_so():
     asked = asked_of(load_scale("grade"))
     asked.handle(said(("digit", "3"), ("digit", "."), ("digit", "2"), "confirm"))
     assert not asked.confirmed
-    assert asked.note == "3.2 is no answer here: wanted 1 to 6 in steps of 0.25"
+    assert asked.note == "3.2 is no answer here: expected 1 to 6 in steps of 0.25"
     asked.handle(said("erase", "erase"))
     assert (asked.value, asked.note) == (3, "")
     asked.handle(said("erase"))
@@ -112,7 +112,7 @@ def test_an_answer_that_is_none_is_refused_in_words(number):
     asked = asked_of(load_scale("grade"))
     asked.handle(said(("answer", number)))
     assert not asked.confirmed and asked.value is None
-    assert asked.note.endswith("is no answer here: wanted 1 to 6 in steps of 0.25")
+    assert asked.note.endswith("is no answer here: expected 1 to 6 in steps of 0.25")
 
 
 @given(any_scale, st.data())

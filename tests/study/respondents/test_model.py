@@ -118,17 +118,17 @@ def test_a_file_is_read_with_its_defaults():
 @pytest.mark.parametrize(
     ("was", "now", "line", "says"),
     [
-        ("schema = 1", "schema = 2", 1, "schema is 2: wanted 1"),
-        ("noise_sd = 0.5", "noise_sd = -1", 4, "rating.grade.noise_sd is -1: wanted a number of at least 0"),
+        ("schema = 1", "schema = 2", 1, "schema is 2: expected 1"),
+        ("noise_sd = 0.5", "noise_sd = -1", 4, "rating.grade.noise_sd is -1: expected a number of at least 0"),
         (
             "noise_sd = 0.5",
             "missing = 1.5",
             4,
-            "rating.grade.missing is 1.5: wanted a number of at least 0 and at most 1",
+            "rating.grade.missing is 1.5: expected a number of at least 0 and at most 1",
         ),
         ("noise_sd = 0.5", "noise = 0.5", 4, "unknown key rating.grade.noise: did you mean rating.grade.noise_sd"),
-        ("b = 3.5", 'b = "late"', 7, "rating.grade.means.b is 'late': wanted a finite number"),
-        ("b = 3.5", "b = nan", 7, "wanted a finite number"),
+        ("b = 3.5", 'b = "late"', 7, "rating.grade.means.b is 'late': expected a finite number"),
+        ("b = 3.5", "b = nan", 7, "expected a finite number"),
         ("start = 0.1", "start = 3", 9, "sickness.start is 3"),
         ("dropout = 0.02", "dropout = true", 11, "sessions.dropout is True"),
         ("[sessions]", "[sessions", 10, "no TOML"),

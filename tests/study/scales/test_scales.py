@@ -106,7 +106,7 @@ def test_what_is_not_answered_leaves_its_scores_empty_and_no_others():
 def test_answers_that_cannot_be_are_refused():
     with pytest.raises(UnknownNameError, match="unknown item of scale 'ssq' 'nausia': did you mean 'nausea'"):
         scored(load_scale("ssq"), {"nausia": 1})
-    with pytest.raises(InputError, match="scale 'ssq', item 'nausea': 4: wanted an answer from 0 to 3"):
+    with pytest.raises(InputError, match="scale 'ssq', item 'nausea': 4: expected an answer from 0 to 3"):
         scored(load_scale("ssq"), {"nausea": 4})
 
 
@@ -126,7 +126,7 @@ def test_one_s_own_file(tmp_path):
 def test_unknown_names_and_absent_files(tmp_path):
     with pytest.raises(UnknownNameError, match="unknown scale 'grades': did you mean 'grade'"):
         load_scale("grades")
-    with pytest.raises(InputError, match=r"none\.toml: No such file or directory: wanted a \.toml file"):
+    with pytest.raises(InputError, match=r"none\.toml: No such file or directory: expected a \.toml file"):
         load_scale(str(tmp_path / "none.toml"))
     (tmp_path / "folder.toml").mkdir()
     with pytest.raises(InputError, match="Is a directory"):
@@ -136,24 +136,24 @@ def test_unknown_names_and_absent_files(tmp_path):
 @pytest.mark.parametrize(
     ("text", "found", "put", "says"),
     [
-        (GRADE, "least = 1", "least = 6", "answer.most is 6: wanted more than answer.least, 6"),
+        (GRADE, "least = 1", "least = 6", "answer.most is 6: expected more than answer.least, 6"),
         (GRADE, "least = 1", "leest = 1", "the key answer.least is missing"),
-        (GRADE, "step = 0.25", "step = 0.3", "answer.step is 0.3: wanted one that divides 1 to 6 into equal steps"),
-        (GRADE, "step = 0.25", "step = 7", "answer.step is 7: wanted one that divides"),
-        (GRADE, "step = 0.25", "step = 0", "answer.step is 0: wanted a number above 0"),
-        (GRADE, "step = 0.25", "step = 1e-9", "answer.step is 1e-09: wanted one that makes at most 10000 steps"),
-        (GRADE, "most = 6", "most = inf", "answer.most is inf: wanted a finite number"),
-        (GRADE, "low_is_good = true", 'low_is_good = "yes"', "answer.low_is_good is 'yes': wanted true or false"),
+        (GRADE, "step = 0.25", "step = 0.3", "answer.step is 0.3: expected one that divides 1 to 6 into equal steps"),
+        (GRADE, "step = 0.25", "step = 7", "answer.step is 7: expected one that divides"),
+        (GRADE, "step = 0.25", "step = 0", "answer.step is 0: expected a number above 0"),
+        (GRADE, "step = 0.25", "step = 1e-9", "answer.step is 1e-09: expected one that makes at most 10000 steps"),
+        (GRADE, "most = 6", "most = inf", "answer.most is inf: expected a finite number"),
+        (GRADE, "low_is_good = true", 'low_is_good = "yes"', "answer.low_is_good is 'yes': expected true or false"),
         (GRADE, '6 = "insufficient"', "", "answer.anchors has no word for 6"),
-        (GRADE, '6 = "insufficient"', '7 = "worse"', "answer.anchors.7 is no answer: wanted a number from 1 to 6"),
+        (GRADE, '6 = "insufficient"', '7 = "worse"', "answer.anchors.7 is no answer: expected a number from 1 to 6"),
         (GRADE, '2 = "good"', 'two = "good"', "answer.anchors.two is no answer"),
         (GRADE, '2 = "good"', '2 = "good"\n"2.0" = "fine"', "says a second time what this answer means"),
-        (GRADE, '2 = "good"', '2 = ""', "answer.anchors.2 is '': wanted a text"),
-        (GRADE, '2 = "good"', '2 = "a\\nb"', "wanted a text of one line"),
-        (GRADE, 'kind = "rating"', 'kind = "slider"', "kind is 'slider': wanted rating, sickness or questionnaire"),
-        (GRADE, "[[item]]", "[item]", "wanted an array of tables, each beginning with [[item]]"),
-        (GRADE, "[[item]]", "[[items]]", "item comes 0 times: wanted 1 to 500 questions"),
-        (GRADE, 'key = "grade"', 'key = "the grade"', "item.key is 'the grade': wanted a word"),
+        (GRADE, '2 = "good"', '2 = ""', "answer.anchors.2 is '': expected a text"),
+        (GRADE, '2 = "good"', '2 = "a\\nb"', "expected a text of one line"),
+        (GRADE, 'kind = "rating"', 'kind = "slider"', "kind is 'slider': expected rating, sickness or questionnaire"),
+        (GRADE, "[[item]]", "[item]", "expected tables, each beginning with [[item]]"),
+        (GRADE, "[[item]]", "[[items]]", "item comes 0 times: expected 1 to 500 questions"),
+        (GRADE, 'key = "grade"', 'key = "the grade"', "item.key is 'the grade': expected a word"),
         (GRADE, 'title = "School grade"', 'titel = "School grade"', "the key title is missing"),
         (GRADE, 'title = "School grade"', 'title = "School grade"\nfoo = 1', "unknown key foo: known are"),
         (GRADE, "step = 0.25", "step = 0.25\nsteps = 1", "unknown key answer.steps: did you mean answer.step?"),
@@ -169,7 +169,7 @@ def test_unknown_names_and_absent_files(tmp_path):
             SSQ,
             "[1, 6, 7, 8, 9, 15, 16]",
             "[1, 17]",
-            "score.items is [1, 17]: wanted numbers of questions, from 1 to 16",
+            "score.items is [1, 17]: expected numbers of questions, from 1 to 16",
         ),
         (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1, 1]", "score.items is [1, 1]"),
         (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1.5]", "score.items is [1.5]"),
@@ -178,21 +178,21 @@ def test_unknown_names_and_absent_files(tmp_path):
             SSQ,
             'name = "oculomotor"',
             'name = "nausea"',
-            "score.name is 'nausea': wanted a word of letters, digits and _ that no other",
+            "score.name is 'nausea': expected a word of letters, digits and _ that no other",
         ),
         (
             SSQ,
             'of = ["nausea", ',
             'of = ["nausia", ',
-            "score.of names 'nausia': wanted scores that stand above this one (nausea, ocu",
+            "score.of names 'nausia': expected scores that stand above this one (nausea, ocu",
         ),
         (
             SSQ,
             'of = ["nausea", "oculomotor", "disorientation"]',
             "",
-            "'total': wanted either items, numbers of questions from 1 on, or of",
+            "'total': expected either items, numbers of questions from 1 on, or of",
         ),
-        (SSQ, "weight = 3.74", "weight = 3.74\nof_what = 3", "score.of_what is 3: wanted sums or scores"),
+        (SSQ, "weight = 3.74", "weight = 3.74\nof_what = 3", "score.of_what is 3: expected sums or scores"),
     ],
 )
 def test_a_bad_value_is_named_with_its_line(tmp_path, text, found, put, says):

@@ -101,7 +101,7 @@ def test_a_session_answered_at_the_console_line_by_line(tmp_path):
 @pytest.mark.parametrize(
     ("words", "status", "told"),
     [
-        (("--source", "nowhere"), 2, "source 'nowhere': wanted auto or openxr or desktop or offscreen"),
+        (("--source", "nowhere"), 2, "source 'nowhere': expected auto or openxr or desktop or offscreen"),
         (("--source", "offscreen"), 2, "name a recorded one by --trace"),
         (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
         (("--source", "offscreen", "--trace", "walk", "--simulate", "quick"), 2, "no mean for plainly-late"),

@@ -183,7 +183,7 @@ def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkey
 
 def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
     """The recording meets it first; the same words, whatever does."""
-    from hmdwarp.run.lines import Lines
+    from hmdwarp.run import Lines
 
     path, put = study(tmp_path), Lines._put
 

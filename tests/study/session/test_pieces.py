@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.study.actual import NOTHING, NUMBERS, actual_of
+from hmdwarp.study import actual_of
+from hmdwarp.study.actual import NOTHING, NUMBERS
 from hmdwarp.study.session import SessionOptions, first_picture_wait_s, head_angles_deg
 
 from .conftest import SETTLED_S
@@ -112,7 +113,7 @@ def test_what_nobody_measured_is_nothing_and_no_nan():
         ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
         ({"source": "offscreen", "pilot": True}, "--trace"),
         ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
-        ({"console": "chair"}, "wanted auto or terminal or lines or none"),
+        ({"console": "chair"}, "expected auto or terminal or lines or none"),
     ],
 )
 def test_options_that_cannot_be_meant(options, told):

@@ -1,0 +1,12 @@
+from .build import Target as Target
+from .build import build_pipeline as build_pipeline
+from .client_scene import ClientScene as ClientScene
+from .loop import Loop as Loop
+from .loop import PoseRequest as PoseRequest
+from .loop import Refresh as Refresh
+from .options import PipelineOptions as PipelineOptions
+from .options import parse_guard as parse_guard
+from .planning import build_plan_for as build_plan_for
+from .planning import plans_for as plans_for
+from .sizes import eye_sizes as eye_sizes
+from .sizes import memory_bytes as memory_bytes
