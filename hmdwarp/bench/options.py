@@ -13,6 +13,7 @@ from ..options import Declared, Number, Option, group, names_in, option, same_as
 from ..pipeline.options import parse_size
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
+from ..scenes.options import SceneOptions
 
 Size = tuple[int, int]
 
@@ -98,6 +99,7 @@ class BenchOptions(Declared):
         parse=_listed,
         convert=_several("scene"),
     )
+    scene_options: SceneOptions = group(SceneOptions)
     latencies_ms: tuple[float, ...] = option(
         (_RUN.latency_ms.default,),
         f"From drawing a frame to showing it; by default {_RUN.latency_ms.default:g}. {_REPEAT}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import typer
@@ -36,13 +37,15 @@ def plan(said: Said) -> None:
     if options.chooses_warp:
         _auto(options, told)
         return
-    built = build_plan_for(options, headset, load_scene(options.scene), **told)
+    scene = load_scene(*options.scene_key)
+    built = build_plan_for(options, headset, scene, **told)
     weights = _weights(options, headset, [built])
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
     in_columns([*weights, *_assumed(source, options.headset)])
+    _print_notes(scene.notes)
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
@@ -102,10 +105,16 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
         ),
         indent=2,
     )
-    for note in found.notes:
+    headset, scene = load_headset(options.headset), load_scene(*options.scene_key)
+    _print_notes([*found.notes, *scene.notes])
+    in_columns(_weights(options, headset, plans_for(options, headset, scene, found.levels, **told)))
+
+
+def _print_notes(notes: Iterable[str]) -> None:
+    from ._show import paragraph
+
+    for note in notes:
         paragraph(f"note: {note}")
-    headset = load_headset(options.headset)
-    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.levels, **told)))
 
 
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:

@@ -66,10 +66,8 @@ def place_at(triangles: Triangles, eye: Array, yaw_deg: float, size: Array) -> P
 
 
 def is_inside(triangles: Triangles, eye: Array) -> bool:
-    """Return whether most of what is seen from there is seen from behind."""
-    distance, behind = triangles.first_hits(eye, _AROUND)
-    seen = np.isfinite(distance)
-    return bool(seen.any() and behind[seen].mean() > 0.5)
+    """Return whether surfaces are seen from behind in most directions."""
+    return bool(triangles.first_hits(eye, _AROUND)[1].mean() > 0.5)
 
 
 def _turn(yaw_deg: float) -> Array:
