@@ -19,6 +19,9 @@ _ARM_M, _BODY_M = 0.4, 0.3
 _FLAT, _LOW, _FLOOR_SHARE = 0.7, 0.5, 0.25
 _LEVEL_M = 0.5
 _GRID, _TRIED = 15, 60
+# Shares seen from behind: of all directions inside a thing, and of what is seen in a free place,
+# where single sheets may turn their backs.
+_MOST_BEHIND, _FEW_BEHIND = 0.4, 0.25
 _ANGLE_DEG = 25.0  # half of what an object fills
 _AROUND = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)])
 _AROUND /= np.linalg.norm(_AROUND, axis=1, keepdims=True)
@@ -50,7 +53,7 @@ def free_place(triangles: Triangles, low: Array, high: Array) -> Place:
     if size[0] >= 3 and size[2] >= 3 and size[1] >= 2:
         for eye in itertools.islice(_places(triangles, low, high), _TRIED):
             if _is_free(triangles, eye):
-                return place_at(triangles, eye[:3], _open_side(triangles, eye[:3]), size)
+                return place_at(triangles, eye[:3], _open_side(triangles, eye[:3], float(size.max())), size)
     distance = max(float(max(size[0], size[1])) / (2 * np.tan(np.radians(_ANGLE_DEG))), 0.05)
     eye = np.array([*((low + high) / 2)[:2], high[2] + distance])
     return Place(eye, 0.0, np.array([[-distance / 2] * 3, [distance / 2] * 3]))
@@ -67,7 +70,7 @@ def place_at(triangles: Triangles, eye: Array, yaw_deg: float, size: Array) -> P
 
 def is_inside(triangles: Triangles, eye: Array) -> bool:
     """Return whether surfaces are seen from behind in most directions."""
-    return bool(triangles.first_hits(eye, _AROUND)[1].mean() > 0.5)
+    return bool(triangles.first_hits(eye, _AROUND)[1].mean() > _MOST_BEHIND)
 
 
 def _turn(yaw_deg: float) -> Array:
@@ -120,15 +123,18 @@ def _is_free(triangles: Triangles, place: Array) -> bool:
         return False
     body = np.array([eye[0], (eye[1] + floor) / 2, eye[2]])
     near = triangles.near(body - 0.5, body + 0.5)
-    return not (near.first_hits(body, _RING)[0] < _BODY_M).any() and not is_inside(triangles, eye)
+    if (near.first_hits(body, _RING)[0] < _BODY_M).any():
+        return False
+    distance, behind = triangles.first_hits(eye, _AROUND)
+    return float(behind.sum()) <= _FEW_BEHIND * np.isfinite(distance).sum()
 
 
-def _open_side(triangles: Triangles, eye: Array) -> float:
-    """Return a yaw at which something is seen, not too near: 0 if it is so there."""
+def _open_side(triangles: Triangles, eye: Array, size: float) -> float:
+    """Return a yaw at which something is seen, not too near; 0 if it is so there."""
     seen = {}
     for yaw in (0.0, 90.0, 180.0, -90.0):
         distance, _ = triangles.first_hits(eye, _AHEAD @ _turn(yaw).T)
-        seen[yaw] = float(((distance >= 1) & (distance <= 100)).mean())
+        seen[yaw] = float(((distance >= 1) & (distance <= size)).mean())
         if seen[yaw] >= 0.5:
             return yaw
     return max(seen, key=lambda yaw: seen[yaw])

@@ -204,6 +204,13 @@ def test_a_room_with_a_thick_floor_is_stood_on_not_in(tmp_path):
     assert eye[1] == pytest.approx(1.6, abs=1e-4) and is_in(eye, (-4, 0, -4), (4, 3, 4))
 
 
+def test_a_hollow_thing_is_not_stood_in(tmp_path):
+    """It has a floor inside, and its top is seen from behind: as in a model of a board."""
+    hollow = cube((-4, 0, -4), (4, 5, 4)), cube((-4, 0.2, -4), (4, 0.5, 4))
+    glb = boxes(*hollow)
+    assert eye_in_file(glb.load(tmp_path, options=FREE), glb)[2] > 4
+
+
 def test_an_object_is_looked_at_from_its_front(tmp_path):
     glb = boxes(cube((-0.1, -0.1, -0.1), (0.1, 0.1, 0.1)))
     eye = eye_in_file(glb.load(tmp_path, options=FREE), glb)
