@@ -44,6 +44,7 @@ LEFT = {
     "live.md": ("out/offscreen/report.html", "rehearsal.csv"),
     "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "mine.csv", "mine.tum"),
     "rgbd.md": ("frame.npz", "warped.png"),
+    "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
     "study-analysis.md": ("out/thesis/report.html", "out/power/power.json"),
 }
