@@ -18,6 +18,11 @@ PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
 VIDEO, DEPTH, PACKED = "video", "inverse depth", "packed"
 
 
+def readable(name: str) -> str:
+    """Return the name by which passes read a layer."""
+    return f"rendered.{name}"
+
+
 class Layer:
     """One kind of content of a frame; a file of its own with a subclass is its declaration.
 
@@ -48,7 +53,7 @@ class Layer:
     @classmethod
     def readable(cls) -> str:
         """Return the name by which passes read it."""
-        return f"rendered.{cls.name}"
+        return readable(cls.name)
 
     @classmethod
     def size(cls, sizes: EyeSizes) -> Size:
