@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 
+import attrs
 import typer
 
 from ..options import Declared, Option, options_of
@@ -24,7 +25,7 @@ def takes(
     The function becomes a command with these options, and gets what was said.
 
     What was said: values by option name. renamed: flags that this command calls otherwise, by
-    option name.
+    option name. The command's attribute `options` has them as the command line does.
     """
     renamed = renamed or {}
     options = [option for one in declared for option in ([one] if isinstance(one, Option) else options_of(one))]
@@ -33,8 +34,10 @@ def takes(
         def command(**said: Any) -> None:
             run({one.name: said.get(renamed.get(one.name, one.name), one.default) for one in options})
 
-        parameters = [_parameter(option, renamed.get(option.name, option.name)) for option in options]
+        called = [attrs.evolve(option, name=renamed.get(option.name, option.name)) for option in options]
+        parameters = [_parameter(option) for option in called]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
+        command.options = called  # type: ignore[attr-defined]
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         command.__annotations__ = {one.name: one.annotation for one in parameters}
         return command
@@ -42,19 +45,20 @@ def takes(
     return decorate
 
 
-def _parameter(option: Option, name: str) -> inspect.Parameter:
+def _parameter(option: Option) -> inspect.Parameter:
     kind: Any = list[str] if option.kind is list else option.kind
     default = inspect.Parameter.empty if option.required else option.default
     about: dict[str, Any] = {"help": option.help, "metavar": option.metavar}
     if default in (None, ""):
         kind, about["show_default"] = (kind | None if default is None else kind), False
-    flag = f"--{name.replace('_', '-')}"
     info = (
         typer.Argument(**about)
         if option.positional
-        else typer.Option(f"{flag}/{option.off}" if option.off else flag, **about)
+        else typer.Option(f"{option.flag}/{option.off}" if option.off else option.flag, **about)
     )
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
+    return inspect.Parameter(
+        option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
+    )
 
 
 def command_line() -> str:

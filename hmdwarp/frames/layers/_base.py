@@ -17,6 +17,9 @@ PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
 # without loss. What is packed is only counted: the client gets what the server drew.
 VIDEO, DEPTH, PACKED = "video", "inverse depth", "packed"
 
+# Whose size a layer has: the rendered picture's, the shown one's, or its own.
+RENDERED, SHOWN, OWN = "rendered", "shown", "own"
+
 
 def readable(name: str) -> str:
     """Return the name by which passes read a layer."""
@@ -37,6 +40,8 @@ class Layer:
     summary: ClassVar[str]
     # The texture formats of one unit of the layer, keys of PIXEL_BYTES.
     formats: ClassVar[tuple[str, ...]] = ()
+    # RENDERED, SHOWN, or OWN where the layer overrides `size`.
+    size_class: ClassVar[str] = RENDERED
     # The server's part that draws it, "" for what the server draws anyway or not at all.
     drawn_by: ClassVar[str] = ""
     # VIDEO, DEPTH or PACKED.
@@ -58,7 +63,7 @@ class Layer:
     @classmethod
     def size(cls, sizes: EyeSizes) -> Size:
         """Return its (w, h) in pixels."""
-        return sizes.rendered
+        return sizes.shown if cls.size_class == SHOWN else sizes.rendered
 
     @classmethod
     def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
