@@ -99,7 +99,6 @@ def test_options_are_those_of_every_command(command):
             listed[name] |= {row["flag"]} if row["flag"].startswith("-") else set()
     assert listed == parsed
     assert {"--participant", "--simulate", "--console"} <= listed["study run"]
-    assert "--rate" in listed["trace info"] and "--trace-rate" in listed["replay"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
