@@ -15,6 +15,8 @@ from ..options import Declared, Option, options_of
 
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
+# Options of each command as the command line has them, by its name; `_app` fills it.
+commands: dict[str, list[Option]] = {}
 
 
 def takes(
