@@ -171,7 +171,7 @@ class Governor:
         return self._change(to, time_ms, reason)
 
     def _expected(self, k: int, time_ms: float) -> tuple[float, float]:
-        """Return the expected time of level k now, by the benchmark and by this run's measurements."""
+        """Return the expected time of level k now: by the benchmark, and by this run's times."""
         by_bench = time_ms * self.levels[k].total_ms / self.levels[self._at].total_ms
         if not {k, self._at} <= self._own.keys():
             return by_bench, by_bench

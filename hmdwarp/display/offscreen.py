@@ -1,9 +1,7 @@
-"""A display without a screen.
+"""A display without a screen: framebuffers, a recording as head, and a simulated clock.
 
-Framebuffers instead of pictures, a recording as head, a clock of its own.
-
-Time advances by one refresh for each picture. The same code does everything a run does, and nothing
-is visible. Two runs are equal, whatever else the machine does.
+The clock advances by one refresh for each picture. The code is that of any run, but nothing is
+visible, and two runs are identical whatever the load of the machine.
 """
 
 from __future__ import annotations
@@ -26,16 +24,16 @@ if TYPE_CHECKING:
     from ..headsets import Headset
     from . import Picture
 
-AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
+AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 
 
 class OffscreenDisplay:
-    """display.Display like a window's: hmdwarp corrects the lens.
+    """A display.Display like a window's: hmdwarp corrects the lens.
 
     Its clock stands still between pictures.
 
-    gpu: None for one of its own.
-    Errors: InputError without a trace, or for an unknown headset; MachineError without OpenGL.
+    gpu: None to create one. Errors: InputError without a trace, or for an unknown headset;
+    MachineError without OpenGL.
     """
 
     name = "offscreen"
@@ -58,12 +56,12 @@ class OffscreenDisplay:
 
     @property
     def eyes(self) -> Eyes:
-        """Eyes of the present view."""
+        """Eyes of the current view."""
         return self._views.current.eyes
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) of one eye's picture in the present view."""
+        """(w, h) of one eye's picture in the current view."""
         return self._views.current.size
 
     @property
@@ -72,7 +70,7 @@ class OffscreenDisplay:
         return self._views.current.headset
 
     def now_ns(self) -> int:
-        """Return the number of ticks, in nanoseconds."""
+        """Return the simulated time in nanoseconds."""
         return self._at_ns
 
     def look(self, view: str) -> None:
@@ -80,7 +78,7 @@ class OffscreenDisplay:
         self._views.look(view)
 
     def restart(self) -> None:
-        """Begin the recording anew."""
+        """Restart the recording."""
         self.source.restart()
 
     def wait(self) -> Tick | None:
@@ -89,7 +87,7 @@ class OffscreenDisplay:
         return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
-        """Draw what a window would, invisibly."""
+        """Draw the contents of a window into a framebuffer."""
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
         count = self._views.current.count
         into, notice = self._framebuffer((w * count, h)), self._presenter.notice(label)

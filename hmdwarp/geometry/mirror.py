@@ -1,4 +1,4 @@
-"""Mirrors, plane and spherical: position, reflectivity, and where mirrored things appear to be."""
+"""Mirrors, plane and spherical: position, reflectivity, and where their images appear."""
 
 from __future__ import annotations
 

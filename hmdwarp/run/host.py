@@ -106,7 +106,7 @@ class PipelineHost:
             raise
 
     def fit(self) -> None:
-        """Rebuild if the shown field of view has changed so much that rendered frames change size."""
+        """Rebuild if the shown field of view has changed enough to resize the rendered frames."""
         options, sizes = self.options, self.pipeline.sizes
         if (
             options.guard_factor > 1

@@ -1,4 +1,4 @@
-"""Passes that several effects share, and their parts."""
+"""Passes and parts that several effects share."""
 
 from .closing import Closing
 from .motion import REACH_M, REACH_S, MotionPass

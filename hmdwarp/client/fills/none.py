@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @fills.register
 class NoFill(Fill):
-    """Leaves every hole as it is; the plan leaves this pass out."""
+    """Leave every hole as it is; the plan leaves this pass out."""
 
     name = "none"
     summary = "holes stay black, so that they can be seen and counted"

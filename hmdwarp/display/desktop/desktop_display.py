@@ -1,4 +1,4 @@
-"""The window as a display.
+"""The desktop window as a display.
 
 Pictures in it, a head moved by mouse and keys, commands by keys and control panel.
 """
@@ -32,9 +32,9 @@ MINIMISED_S = 0.1
 
 
 class DesktopDisplay:
-    """display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
+    """A display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
 
-    Errors: MachineError that says why there is no window; InputError for an unknown headset.
+    Errors: MachineError with the reason why there is no window; InputError for an unknown headset.
     """
 
     name = "desktop"
@@ -98,12 +98,12 @@ class DesktopDisplay:
 
     @property
     def eyes(self) -> Eyes:
-        """Eyes of the present view."""
+        """Eyes of the current view."""
         return self._views.current.eyes
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) of one eye's picture in the present view."""
+        """(w, h) of one eye's picture in the current view."""
         return self._views.current.size
 
     @property
@@ -113,7 +113,7 @@ class DesktopDisplay:
 
     @property
     def rate_hz(self) -> float:
-        """Rate of the screen the window is on; 60 where it does not say."""
+        """Refresh rate of the window's screen; 60 where unknown."""
         return self._pacer.rate_hz
 
     def now_ns(self) -> int:
@@ -125,7 +125,7 @@ class DesktopDisplay:
         self._views.look(view)
 
     def restart(self) -> None:
-        """Begin a recorded head anew."""
+        """Restart a recorded head."""
         if isinstance(self.source, LoopedSource):
             self.source.restart()
 
@@ -143,7 +143,7 @@ class DesktopDisplay:
         self._screens.update(self.now_ns())
         now = self.now_ns()
         due = self._pacer.due(now)
-        if due > now:  # a sleep of nothing takes 60 us
+        if due > now:  # even a sleep of zero takes 60 us
             time.sleep((due - now) * 1e-9)
         self._begun_ns = self.now_ns()
         return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
@@ -161,11 +161,11 @@ class DesktopDisplay:
         return handed_over_ns
 
     def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
-        """Return the text panel's (u, v) at a position in the window's own units."""
+        """Return (u, v) on the text panel of a position in the window's own units."""
         return self._painter.uv_at(*self._window.pixel_of(x, y))
 
     def commands(self) -> Sequence[Command]:
-        """Return the requests that change the run; the window has handled its own."""
+        """Return the commands that change the run; the window has handled its own."""
         return self._commands.take()
 
     def tell(self, status: Status) -> None:
@@ -177,5 +177,5 @@ class DesktopDisplay:
         return False
 
     def close(self) -> None:
-        """Release everything, in the opposite order."""
+        """Release everything, in reverse order."""
         self._closers.close()

@@ -1,4 +1,4 @@
-"""A headset through OpenXR. The binding loads with the first name: it needs libGL and a moment."""
+"""A headset through OpenXR. The binding loads with the first name: it needs libGL and some time."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load the binding. Errors: MachineError where it does not load."""
+    """Load the binding. Errors: MachineError if it does not load."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .binding import load_binding

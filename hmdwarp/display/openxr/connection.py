@@ -1,4 +1,4 @@
-"""Everything that lives and dies with the runtime's service, from the instance to the pictures."""
+"""Everything that is lost with the runtime's service, from the instance to the swapchains."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from .session import Session
 from .swapchain import Swapchain, colour_format, depth_format
 from .tracking import HeadTracker, Spaces
 
-READY_S = 5.0  # for a session that was just made to become ready; runtimes take fractions of a second
-IDLE_S = 0.01  # between two looks at a session that does not run
-SEEN = 4  # frames with should_render on; before that the period is a guess (Monado: 16 ms for up to two of them)
-UNSEEN_S = 1.0  # a headset that is not worn may never ask for a picture
+READY_S = 5.0  # for a new session to become ready; runtimes take fractions of a second
+IDLE_S = 0.01  # between two polls of a session that is not running
+SEEN = 4  # frames with should_render before the period counts as known (Monado reports 16 ms for up to two of them)
+UNSEEN_S = 1.0  # a headset that is not worn may never request a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
 @attrs.frozen(eq=False)
 class Pictures:
-    """The runtime's pictures of both eyes, and the layer that hands them over."""
+    """The swapchains of both eyes, and the layer that submits them."""
 
     colours: list[Swapchain]
-    depths: list[Swapchain]  # empty where the runtime takes none
+    depths: list[Swapchain]  # empty where the runtime accepts none
     layer: Projection
 
 
 @attrs.define(eq=False)
 class Connection:
-    """A session with its pictures. Close it in any state: errors no longer matter then."""
+    """A session with its swapchains. Safe to close in any state: errors are then ignored."""
 
     instance: Instance
     session: Session
@@ -56,7 +56,7 @@ class Connection:
     _pictures: Pictures | None = attrs.field(default=None, init=False)
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
-        """Go through the first frames, empty, until session, period and eyes are known.
+        """Submit empty frames until session, period and eyes are known.
 
         Errors: MachineError if that takes too long.
         """
@@ -80,7 +80,7 @@ class Connection:
             seen += self.frames.state.should_render
 
     def make_pictures(self, calls: Calls, graphics: Graphics, size: tuple[int, int], with_depth: bool) -> None:
-        """Make pictures of that size for each eye.
+        """Create swapchains of that size for each eye.
 
         Errors: InputError for a size too large for the runtime.
         """
@@ -94,7 +94,7 @@ class Connection:
         self._pictures = Pictures(colours, depths, Projection(self.spaces.world, colours, depths))
 
     def pictures(self) -> Pictures:
-        """Return the pictures that make_pictures() made."""
+        """Return the swapchains that make_pictures() created."""
         if self._pictures is None:
             raise HmdwarpError("the session has no pictures: make_pictures() first")
         return self._pictures
@@ -119,10 +119,10 @@ def _unready(name: str, running: bool) -> str:
 def connect(
     calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
 ) -> Connection:
-    """Return a session with pictures.
+    """Return a session with swapchains.
 
-    graphics_for: returns the graphics for a runtime. controls: those of them with buttons are read.
-    Errors: MachineError.
+    graphics_for: returns the graphics for a runtime. controls: those with buttons are read. Errors:
+    MachineError.
     """
     with ExitStack() as stack:
         instance = open_instance(calls, WITH_PICTURES)

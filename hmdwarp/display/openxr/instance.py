@@ -1,4 +1,4 @@
-"""The runtime and its headset, before anything is drawn."""
+"""The OpenXR instance and its system, before anything is drawn."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Instance:
 
     handle: xr.Instance
     system: int
-    extensions: frozenset[str]  # those that are on
+    extensions: frozenset[str]  # the enabled ones
     about: dict[str, str]  # runtime, runtime_version, headset
     _convert: Callable[..., int]  # xrConvertTimespecTimeToTimeKHR
     _timespec: xr.timespec
@@ -63,8 +63,7 @@ class Instance:
 def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     """Connect to the runtime's service and find the headset.
 
-    wanted: extensions to enable if offered.
-    Errors: MachineError that says what is missing.
+    wanted: extensions to enable if offered. Errors: MachineError naming what is missing.
     """
     offered = offered_extensions(calls)
     words, remedy = missing_extensions(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
@@ -91,7 +90,7 @@ def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instanc
     calls.stage, calls.name = (
         "headset",
         runtime if version in runtime else f"{runtime} {version}",
-    )  # Monado's name says it
+    )  # Monado's name includes it
     system = calls.ask(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
     headset = _text(calls.ask(xr.get_system_properties, handle, system).system_name)
     pointer = calls.ask(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")

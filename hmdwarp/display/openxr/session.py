@@ -22,9 +22,8 @@ _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 class Session:
     """An OpenXR session.
 
-    binding: the graphics to draw with; None for a session without pictures. It is kept: the runtime
-    may read it again.
-    Source: OpenXR 1.1 specification, Session Lifecycle.
+    binding: the graphics to draw with; None for a session without pictures. It is kept referenced,
+    because the runtime may read it again. Source: OpenXR 1.1 specification, Session Lifecycle.
     """
 
     def __init__(self, calls: Calls, instance: Instance, binding: ctypes.Structure | None) -> None:
@@ -67,5 +66,5 @@ class Session:
 
     def destroy(self) -> None:
         """Destroy it in any state; frames must have been ended."""
-        with suppress(Exception):  # of a session that is lost; every destroy is allowed all the same
+        with suppress(Exception):  # of a lost session; destroying is allowed all the same
             xr.destroy_session(self.handle)

@@ -2,7 +2,7 @@
 
 
 class Undecodable(Exception):
-    """A frame that cannot be decoded: it is damaged, or what it builds on is missing.
+    """A frame that cannot be decoded, because it is damaged or a frame it refers to is missing.
 
-    Neither the program nor the user is at fault: it is counted.
+    No fault of program or user: such frames are counted.
     """

@@ -1,4 +1,4 @@
-"""Holes at the border: the part of the holes that no warp could have known."""
+"""Holes at the border: the part that no warp could have filled from the frame."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """EuRoC (ASL) ground truth.
 
-Ns, position, quaternion with w first, perhaps velocities and biases.
+Columns: ns, position, quaternion with w first, optionally velocities and biases.
 """
 
 from __future__ import annotations

@@ -32,8 +32,8 @@ class Tum(TraceFormat):
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if has(head, *COLUMNS):
             return 90
-        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well
-        # come first.
+        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w might as
+        # well come first.
         bare = (
             head.names is None
             and head.separator is None
@@ -45,8 +45,8 @@ class Tum(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="s")
-        # Asked for by name, the file is what the format says; found by its shape alone, the order
-        # has to be told.
+        # If the format was named, the file follows it; if it was detected by its shape alone, the
+        # order must be stated.
         order = options.quat_order or ("xyzw" if options.format == self.name else None)
         need_columns(head, 8)
         return Layout(

@@ -1,4 +1,4 @@
-"""Everything around an eye, whichever way it turns."""
+"""A cube map: everything around an eye, whichever way it turns."""
 
 from __future__ import annotations
 
