@@ -187,7 +187,7 @@ class Display(Protocol):
         label: text or a text panel over it. Return the time of submission. Errors: Closed; Lost.
         """
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """Switch to another view, see DisplayOptions.view.
 
         Eyes, size and headset may change. A headset has only one view.
@@ -199,7 +199,7 @@ class Display(Protocol):
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show the status in the window's title and the control panel."""
 
     def reopen(self) -> bool:

@@ -73,9 +73,9 @@ class OffscreenDisplay:
         """Return the simulated time in nanoseconds."""
         return self._at_ns
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """Switch the view like a window."""
-        self._views.look(view)
+        self._views.set_view(view)
 
     def restart(self) -> None:
         """Restart the recording."""
@@ -114,7 +114,7 @@ class OffscreenDisplay:
         """Return nothing: it has no user."""
         return ()
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Do nothing: it has no user."""
 
     def reopen(self) -> bool:

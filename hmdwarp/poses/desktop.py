@@ -109,7 +109,7 @@ class Walker:
 
     def turn(self, time_ns: int, yaw_rad: float, pitch_rad: float) -> None:
         """Turn this much further to the left and up."""
-        state = self._told(time_ns)
+        state = self._state_for_input(time_ns)
         state.yaw_goal += yaw_rad
         state.pitch_goal = _clamped(state.pitch_goal + pitch_rad)
 
@@ -125,7 +125,7 @@ class Walker:
         wish = (pace * right / length, pace * up, pace * forward / length)
         self.advance(time_ns)
         if wish != self._states[-1].wish:
-            self._told(time_ns).wish = wish
+            self._state_for_input(time_ns).wish = wish
 
     def recentre(self, time_ns: int) -> None:
         """Jump back to the start, looking ahead; walking continues."""
@@ -138,7 +138,7 @@ class Walker:
     def advance(self, now_ns: int) -> None:
         """Note that there was no input until now."""
         if now_ns - self._now_ns > DEAF_NS:
-            self._told(self._now_ns).wish = (0.0, 0.0, 0.0)
+            self._state_for_input(self._now_ns).wish = (0.0, 0.0, 0.0)
         self._now_ns = max(now_ns, self._now_ns)
         last = self._states[-1]
         while not last.at_rest and (tick_ns := (last.time_ns // GRID_NS + 1) * GRID_NS) <= self._now_ns:
@@ -170,7 +170,7 @@ class Walker:
     def _known(self, time_ns: int) -> _State:
         return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)
 
-    def _told(self, time_ns: int) -> _State:
+    def _state_for_input(self, time_ns: int) -> _State:
         """Return the state at that instant, for its input to be changed."""
         if time_ns > self._now_ns:
             self.advance(time_ns)

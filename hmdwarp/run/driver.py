@@ -90,7 +90,7 @@ class Driver:
                             number += 1
                             after(number)
                             if log is not None:
-                                self._display.tell(log.status)
+                                self._display.show_status(log.status)
                         garbage.between()
                     if handler.handle(self._display.commands()) and log is not None:
                         log.changed(self._host)

@@ -98,11 +98,11 @@ class PipelineHost:
         before = self.options.view
         if options.view == before:
             return self._build(options, scene)
-        self._display.look(options.view)
+        self._display.set_view(options.view)
         try:
             return self._build(options, scene)
         except BaseException:
-            self._display.look(before)
+            self._display.set_view(before)
             raise
 
     def fit(self) -> None:

@@ -172,7 +172,7 @@ class FrameFates:
             self._past.update(self._channel.link.tally.as_dict())
         self._channel = channel
 
-    def look(self, refresh: Refresh) -> None:
+    def add(self, refresh: Refresh) -> None:
         """Add the response time of a refresh whose times are known."""
         if self._seen % _RESPONSE_EVERY == 0:
             response = refresh.response

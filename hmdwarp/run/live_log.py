@@ -201,7 +201,7 @@ class LiveLog:
         figures = self._figures
         figures.counts.busy(render_ms + passes_ms > self.status.budget_ms)
         figures.times.add(_numbers(moment, (period_ms, render_ms, render_ms + passes_ms), stages, holes))
-        figures.fates.look(refresh)
+        figures.fates.add(refresh)
         if self._files is not None:
             self._files.rows.add(rows_text(moment, stages, holes))
 

@@ -64,7 +64,7 @@ class Probe:
         """Return whether refresh `number` is measured, or precedes a measured one."""
         return number % self._every == 0 or (number + 1) % self._every == 0
 
-    def look(self, number: int, refresh: Refresh) -> None:
+    def read(self, number: int, refresh: Refresh) -> None:
         """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
         for eye in range(len(refresh.eyes)):
             rendered = refresh.frame.eyes[eye]
@@ -78,9 +78,9 @@ class Probe:
             if depth is not None:
                 self._count_filled(result)
             if self._against is not None:
-                self._look_against(self._against, (number, eye), refresh, picture, depth)
+                self._read_comparison(self._against, (number, eye), refresh, picture, depth)
 
-    def _look_against(
+    def _read_comparison(
         self,
         against: Compensator,
         where: tuple[int, int],

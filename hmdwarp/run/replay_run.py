@@ -79,7 +79,7 @@ def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: P
             if refresh is not None:
                 log.add(refresh)
                 if probe.wants(count):
-                    probe.look(count, refresh)
+                    probe.read(count, refresh)
                 if video is not None:
                     video.add(_panels(refresh))
                 count += 1

@@ -120,9 +120,9 @@ class DesktopDisplay:
         """Return time.monotonic_ns."""
         return time.monotonic_ns()
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """Switch to another view."""
-        self._views.look(view)
+        self._views.set_view(view)
 
     def restart(self) -> None:
         """Restart a recorded head."""
@@ -168,7 +168,7 @@ class DesktopDisplay:
         """Return the commands that change the run; the window has handled its own."""
         return self._commands.take()
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show a Status in the title line and the control panel."""
         self._status.update(status, shows_help=self._painter.help)
 

@@ -67,8 +67,8 @@ class ViewChoice:
 
     def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
         self._headset, self._size = headset, size
-        self.look(view)
+        self.set_view(view)
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another name."""
         self.current = window_view(view, self._headset, self._size)

@@ -50,14 +50,14 @@ class Actions:
         self._calls, self._session = calls, session
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
         self._pressing, self._commands = Pressing(), list[Command]()
-        handle = calls.ask(
+        handle = calls.call_once(
             xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0)
         )
         hands = [self._path(instance, path) for path in HANDS]
         actions = {name: self._create(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
         actions |= {name: self._create(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
         self._suggest(instance, actions)
-        calls.ask(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
+        calls.call_once(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
         # Kept referenced: the next line only points to it.
         self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
@@ -68,7 +68,7 @@ class Actions:
 
     def _create(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
         info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, _WORDS.get(name, name))
-        return self._calls.ask(xr.create_action, handle, info)
+        return self._calls.call_once(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
         self.refused: list[str] = []  # controller profiles that the runtime does not know
@@ -77,12 +77,12 @@ class Actions:
             suggested = [xr.ActionSuggestedBinding(action, path) for action, path in paths]
             info = xr.InteractionProfileSuggestedBinding(self._path(instance, profile), len(suggested), suggested)
             try:
-                self._calls.ask(xr.suggest_interaction_profile_bindings, instance.handle, info)
+                self._calls.call_once(xr.suggest_interaction_profile_bindings, instance.handle, info)
             except MachineError:  # the controller has no such input
                 self.refused.append(profile)
 
     def _path(self, instance: Instance, text: str) -> int:
-        return self._calls.ask(xr.string_to_path, instance.handle, text)
+        return self._calls.call_once(xr.string_to_path, instance.handle, text)
 
     def sync(self, now_ns: int) -> None:
         """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""

@@ -35,7 +35,7 @@ class Calls:
         """Reset the stage."""
         self.stage, self.name = "runtime", "the runtime"
 
-    def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:
+    def call_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call a pyopenxr function that is used once.
 
         Errors: MachineError; Lost during a session.
@@ -50,7 +50,7 @@ class Calls:
     def __call__(self, call: str, *arguments: Any) -> int:
         """Call a loader function by its C name, at every refresh: 2 us instead of 10.
 
-        Returns its result, 0 or above. Errors: as ask.
+        Returns its result, 0 or above. Errors: as call_once.
         """
         function = self._functions.get(call) or self._load(call)
         with self._watching(call):

@@ -129,12 +129,12 @@ def connect(
         stack.callback(instance.destroy)
         graphics = graphics_for(instance)
         check_requirements(calls, instance, graphics.gpu)
-        views = calls.ask(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
+        views = calls.call_once(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
         if len(views) != COUNT:
             raise MachineError(f"{calls.name} has {len(views)} views: expected {COUNT}")
         modes = [
             int(mode)
-            for mode in calls.ask(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
+            for mode in calls.call_once(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
         ]
         opaque = xr.EnvironmentBlendMode.OPAQUE.value
         session = Session(calls, instance, graphics.binding)
@@ -143,7 +143,7 @@ def connect(
         spaces = Spaces(calls, instance, session.handle)
         tracker.attach(calls, instance, spaces)
         frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
-        formats = [int(one) for one in calls.ask(xr.enumerate_swapchain_formats, session.handle)]
+        formats = [int(one) for one in calls.call_once(xr.enumerate_swapchain_formats, session.handle)]
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
         largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
         has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None

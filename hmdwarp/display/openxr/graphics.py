@@ -90,7 +90,7 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
     """
     if GLX_EXTENSION not in instance.extensions:
         return
-    needs = calls.ask(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
+    needs = calls.call_once(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
     least = xr.Version(needs.min_api_version_supported)
     found = gpu.gl.version_code
     if least.major * 100 + least.minor * 10 > max(found, WANTED):

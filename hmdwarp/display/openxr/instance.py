@@ -27,7 +27,7 @@ NS = 1_000_000_000
 def offered_extensions(calls: Calls) -> list[str]:
     """Return the runtime's extensions. Errors: MachineError where there is no runtime."""
     calls.begin()
-    return sorted(_text(entry.extension_name) for entry in calls.ask(xr.enumerate_instance_extension_properties))
+    return sorted(_text(entry.extension_name) for entry in calls.call_once(xr.enumerate_instance_extension_properties))
 
 
 @attrs.define(eq=False)
@@ -74,7 +74,7 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     application = xr.ApplicationInfo(
         application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0)
     )
-    handle = calls.ask(
+    handle = calls.call_once(
         xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on)
     )
     try:
@@ -85,15 +85,15 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
 
 
 def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
-    properties = calls.ask(xr.get_instance_properties, handle)
+    properties = calls.call_once(xr.get_instance_properties, handle)
     runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
     calls.stage, calls.name = (
         "headset",
         runtime if version in runtime else f"{runtime} {version}",
     )  # Monado's name includes it
-    system = calls.ask(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
-    headset = _text(calls.ask(xr.get_system_properties, handle, system).system_name)
-    pointer = calls.ask(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
+    system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+    headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
+    pointer = calls.call_once(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
     convert = ctypes.cast(pointer, xr.PFN_xrConvertTimespecTimeToTimeKHR)
     calls.stage = "session"
     about = {"runtime": runtime, "runtime_version": version, "headset": headset}

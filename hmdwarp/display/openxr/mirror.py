@@ -73,7 +73,7 @@ class Mirror:
         commands, self._commands = self._commands, []
         return commands
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show the status in the window's title, four times a second."""
         now_ns = time.monotonic_ns()
         if now_ns - self._titled_ns >= TITLE_NS:

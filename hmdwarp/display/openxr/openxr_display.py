@@ -184,7 +184,7 @@ class OpenXrDisplay:
             return [eye.view for eye in refresh.eyes]
         return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """Do nothing: a headset has one view."""
 
     def restart(self) -> None:
@@ -196,10 +196,10 @@ class OpenXrDisplay:
         by_controllers = made.actions.commands() if made is not None and made.actions is not None else ()
         return [*(mirror.commands() if mirror is not None else ()), *by_controllers]
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show the status in the mirror's title."""
         if self._mirror is not None:
-            self._mirror.tell(status)
+            self._mirror.show_status(status)
 
     def reopen(self) -> bool:
         """Release the old session and connect again, as Display.reopen.

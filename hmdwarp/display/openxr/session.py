@@ -31,7 +31,7 @@ class Session:
         self.state = State.UNKNOWN  # the newest one
         self.running = False  # between xrBeginSession and xrEndSession
         pointer = None if binding is None else ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
-        self.handle = calls.ask(
+        self.handle = calls.call_once(
             xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
         )
         self._event = xr.EventDataBuffer()
@@ -54,11 +54,11 @@ class Session:
     def _enter(self, state: xr.SessionState) -> None:
         self.state = state
         if state == State.READY:
-            self._calls.ask(xr.begin_session, self.handle, xr.SessionBeginInfo(_STEREO))
+            self._calls.call_once(xr.begin_session, self.handle, xr.SessionBeginInfo(_STEREO))
             self.running = True
         elif state == State.STOPPING:
             self.running = False
-            self._calls.ask(xr.end_session, self.handle)
+            self._calls.call_once(xr.end_session, self.handle)
         elif state == State.LOSS_PENDING:
             raise Lost(f"{self._calls.name} is losing the headset")
         elif state == State.EXITING:

@@ -53,11 +53,11 @@ class Swapchain:
             usage_flags=_DEPTH if self.is_depth else _DRAWN, format=kind, sample_count=1,
             width=size[0], height=size[1], face_count=1, array_size=1, mip_count=1,
         )  # fmt: skip
-        self.handle = calls.ask(xr.create_swapchain, session, info)
+        self.handle = calls.call_once(xr.create_swapchain, session, info)
         self._textures: list[moderngl.Texture] = []
         self._framebuffers: list[moderngl.Framebuffer] = []
         try:
-            for image in calls.ask(xr.enumerate_swapchain_images, self.handle, xr.SwapchainImageOpenGLKHR):
+            for image in calls.call_once(xr.enumerate_swapchain_images, self.handle, xr.SwapchainImageOpenGLKHR):
                 self._framebuffers.append(self._framebuffer(gpu, image.image, kind))
         except BaseException:
             self.destroy()

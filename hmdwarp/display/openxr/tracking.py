@@ -26,14 +26,14 @@ class Spaces:
     """Reference spaces of a session."""
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
-        offered = {int(one) for one in calls.ask(xr.enumerate_reference_spaces, session)}
+        offered = {int(one) for one in calls.call_once(xr.enumerate_reference_spaces, session)}
         self.name, kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
         self.world = self._made(calls, session, kind, -height)
         self.head = self._made(calls, session, _Space.VIEW, 0.0)
 
     def _made(self, calls: Calls, session: xr.Session, kind: xr.ReferenceSpaceType, y: float) -> xr.Space:
         origin = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, y, 0))
-        return calls.ask(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, origin))
+        return calls.call_once(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, origin))
 
 
 def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, float]:
