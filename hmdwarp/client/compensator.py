@@ -12,11 +12,11 @@ from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, ShownDepth, images_read, pictures_read
+from .client_geometry import ClientGeometry
 from .effects import RenderedPass, ShownPass, Tools
-from .geometry import ClientGeometry
 from .inputs import PassInputs
-from .picture import ShownPicture
 from .plan import SHOWN_DEPTH, Plan
+from .shown_picture import ShownPicture
 from .warps import Output
 
 Stages = Sequence[tuple[str, float]]

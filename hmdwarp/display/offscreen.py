@@ -16,7 +16,7 @@ from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.looped import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
-from .desktop.views import ViewChoice
+from .desktop.window_views import ViewChoice
 from .present import Presenter
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from ..errors import HmdwarpError, InputError
 from ..geometry import View
 from .flip_map import flip
 from .metric_inputs import Input
-from .pictures import check_pair, error_image
+from .picture_pairs import check_pair, error_image
 
 T = TypeVar("T")
 

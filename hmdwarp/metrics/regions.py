@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .pictures import check_pair, db_of
+from .picture_pairs import check_pair, db_of
 
 REGIONS = ("holes", "edges", "elsewhere")
 SUMS = ("pixels", "squared_error", "flip")

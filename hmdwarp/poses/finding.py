@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..errors import TraceError
 from .formats import TraceFormat, formats, ordered
 from .options import TraceOptions
-from .reading.head import Head
+from .reading.file_head import Head
 
 
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:

@@ -39,7 +39,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     UnknownNameError with the nearest known recording or format.
     """
     from .finding import find_format
-    from .reading.head import read_head
+    from .reading.file_head import read_head
 
     options = options or TraceOptions()
     path = trace_path(name_or_path)

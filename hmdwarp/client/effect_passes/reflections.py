@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
 

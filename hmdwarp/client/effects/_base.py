@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...scenes import Mesh, Scene
     from ..carry import Carry
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 @attrs.frozen

@@ -11,7 +11,7 @@ from ._base import Effect, ShownPass
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 class OverlayPass(ShownPass):

@@ -17,7 +17,7 @@ from ._base import Effect, ShownPass
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 # The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncation
 # makes things farther away). A sheet that lies on a surface must not flicker; in exchange, a sheet

@@ -12,7 +12,7 @@ from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, DepthGuesses, DepthPictur
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 _RENDERED = 1  # texture unit
 _SHOWN, _FILLED, _SHOWN_DEPTH, _FILLED_DEPTH, _BEST, _DEPTH = range(6)  # image units

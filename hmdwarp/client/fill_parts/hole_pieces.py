@@ -15,7 +15,7 @@ from ...errors import InputError
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
 _HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three work-group counts, one count of pieces

@@ -10,9 +10,9 @@ from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
-    from ..geometry import ClientGeometry, ClientModel
+    from ..client_geometry import ClientGeometry, ClientModel
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 class Fill(ABC):

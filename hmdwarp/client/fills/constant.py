@@ -11,7 +11,7 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 _HEADER_BYTES = 32  # three work-group counts and one spare, then the mean
 

@@ -9,7 +9,7 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 # A pixel with fewer covered neighbours lies inside a hole, not in a crack: filling it would smear.
 MINIMUM_COUNT = 3

@@ -16,7 +16,7 @@ from .interpolate import MINIMUM_COUNT
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 MOST_REACH = 1024
 

@@ -28,7 +28,7 @@ from ._base import Fill
 if TYPE_CHECKING:
     from ...geometry import View
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 MOST_FRAMES = 64
 CELL = 2  # side, in shown pixels, of squares that share first guesses, which come from every second pixel

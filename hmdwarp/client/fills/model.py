@@ -11,7 +11,7 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 def _check_share(_: object, __: attrs.Attribute, value: float) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
 # Up to texels of 2^LOCAL_LEVELS pixels, the farthest surface is preferred if it makes up

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
-from ..picture import ShownPicture
+from ..shown_picture import ShownPicture
 from . import fills
 from ._base import Fill
 from .model import share_of_triangles

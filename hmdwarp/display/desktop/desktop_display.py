@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 from ...gpu.context import Gpu
 from ...headsets import Headset, load_headset
 from ...poses import PoseSource
-from ...poses.desktop import Walker
 from ...poses.looped import LoopedSource
+from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Tick
 from ..status import Status
 from .control_panel import column_width
 from .opening import start
 from .pacing import Pacer
-from .views import ViewChoice
 from .window import Window
+from .window_views import ViewChoice
 
 if TYPE_CHECKING:
     from ...geometry import Eyes
@@ -90,7 +90,7 @@ class DesktopDisplay:
         }
 
     def _source(self, options: DisplayOptions, walker: Walker) -> PoseSource:
-        from .input import WalkerSource
+        from .window_input import WalkerSource
 
         if options.trace is not None:
             return LoopedSource(options.trace, self.now_ns)

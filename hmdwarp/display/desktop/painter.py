@@ -11,7 +11,7 @@ from ..controls import Control, help_closes
 from ..notice import Notice
 from ..present import Presenter
 from .layout import Rectangle, Size, beside, viewports
-from .views import WindowView
+from .window_views import WindowView
 
 REMARK_NS = 4_000_000_000  # how long a remark stays
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from ...poses.desktop import Walker
+from ...poses.walker import Walker
 from .. import Command
-from .input import WindowInput
 from .keys import Keys
 from .pacing import Pacer
 from .painter import Painter
 from .status_views import NO_PANEL, StatusViews
 from .window import Window
+from .window_input import WindowInput
 
 
 class WindowCommands:

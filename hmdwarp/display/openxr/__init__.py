@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
-    from .head import OpenXrHead
     from .openxr_display import OpenXrDisplay
+    from .openxr_head import OpenXrHead
 
 __all__ = [
     "INSTALL",
@@ -32,7 +32,7 @@ def __getattr__(name: str) -> Any:
 
     load_binding()
     if name == "OpenXrHead":
-        from .head import OpenXrHead
+        from .openxr_head import OpenXrHead
 
         return OpenXrHead
     from .openxr_display import OpenXrDisplay

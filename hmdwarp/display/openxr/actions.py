@@ -14,9 +14,9 @@ import xr
 from ...errors import MachineError
 from .. import Command
 from ..controls import Control
+from .button_repeat import ButtonRepeat
 from .calls import Calls
 from .instance import Instance
-from .pressing import Pressing
 from .profiles import AXES, BUTTONS, HANDS, PROFILES
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Actions:
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
         self._calls, self._session = calls, session
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
-        self._pressing, self._commands = Pressing(), list[Command]()
+        self._repeat, self._commands = ButtonRepeat(), list[Command]()
         handle = calls.call_once(
             xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0)
         )
@@ -87,14 +87,14 @@ class Actions:
     def sync(self, now_ns: int) -> None:
         """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""
         if self._calls("xrSyncActions", self._session, ctypes.byref(self._sync)) != _SYNCED:
-            self._pressing.forget()
+            self._repeat.forget()
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
         axes = {
             name: max((self._state("xrGetActionStateFloat", one) for one in ones), key=abs)
             for name, ones in self._axes.items()
         }
-        for button in self._pressing.step(buttons, axes, now_ns):
+        for button in self._repeat.step(buttons, axes, now_ns):
             control = self._controls.get(button)
             if control is not None:
                 self._commands.append(Command(control.name, control.value))

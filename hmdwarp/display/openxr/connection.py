@@ -18,8 +18,8 @@ from .eyes import COUNT, RuntimeEyes
 from .frame_calls import FrameCalls
 from .graphics import Graphics, check_requirements
 from .instance import DEPTH_EXTENSION, WITH_PICTURES, Instance, open_instance
-from .layer import Projection
-from .session import Session
+from .openxr_session import Session
+from .projection_layer import Projection
 from .swapchain import Swapchain, colour_format, depth_format
 from .tracking import HeadTracker, Spaces
 

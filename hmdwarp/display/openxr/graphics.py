@@ -18,7 +18,7 @@ from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
 from .instance import Instance
 
 if TYPE_CHECKING:
-    from .mirror import Mirror
+    from .mirror_window import Mirror
 
 VARIABLE = "HMDWARP_OPENXR_GRAPHICS"
 GLX, EGL = "glx", "egl"
@@ -103,7 +103,7 @@ def _windowed(controls: tuple[Control, ...]) -> Graphics:
     os.environ.setdefault(
         "PYGLFW_LIBRARY_VARIANT", "x11"
     )  # GLX belongs to X11; this is read when glfw is first imported, which is now
-    from .mirror import Mirror
+    from .mirror_window import Mirror
 
     mirror = Mirror(controls)
     try:

@@ -23,13 +23,13 @@ from .diagnosis import RUNTIME_LABEL
 from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
 from .instance import Instance
-from .layer import NEAR_M
+from .projection_layer import NEAR_M
 from .swapchain import Swapchain
 from .tracking import HeadTracker
 
 if TYPE_CHECKING:
     from .. import EyePicture, Picture
-    from .mirror import Mirror
+    from .mirror_window import Mirror
 
 LOST = "tracking lost"
 

@@ -13,10 +13,10 @@ from ...colour import linear_from_srgb
 from ...errors import InputError
 from .codecs import Codec, codecs
 from .coding import check_quality
-from .depth import DepthDecoder, DepthEncoder
-from .errors import Undecodable
+from .depth_codec import DepthDecoder, DepthEncoder
 from .holes import covered
 from .stream import ColourDecoder, ColourEncoder
+from .undecodable import Undecodable
 
 
 @attrs.frozen

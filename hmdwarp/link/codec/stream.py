@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import Codec
-from .errors import Undecodable
+from .undecodable import Undecodable
 
 _BT709, _SRGB, _LIMITED = 1, 13, 1  # FFmpeg's numbers: matrix and primaries, transfer, range
 _SMALLEST = 64  # x265 rejects pictures smaller than a block

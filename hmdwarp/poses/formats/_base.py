@@ -13,7 +13,7 @@ from ..reading.columns import Columns, find_columns
 
 if TYPE_CHECKING:
     from ..reading.cleaning import Cleaned
-    from ..reading.head import Head
+    from ..reading.file_head import Head
     from ..reading.rows import Layout
     from ..track import PoseTrack
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import TraceError
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from . import formats
 from ._base import TraceFormat, ordered

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import IO, TYPE_CHECKING
 
 from ..options import TraceOptions
-from ..reading.head import Head
+from ..reading.file_head import Head
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats

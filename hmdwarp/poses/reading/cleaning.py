@@ -15,7 +15,7 @@ from ..defects import Defect
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
 from .axes import Axes, parse_axes
-from .motion import find_jumps, gravity_axis
+from .motion_faults import find_jumps, gravity_axis
 from .rows import Layout, Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 

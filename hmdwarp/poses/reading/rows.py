@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from ..defects import Defect
-from .head import COMMENT_SIGNS, Head, is_number, split
+from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024

@@ -8,7 +8,7 @@ import moderngl
 
 from ...frames import Mirrored, Reflection, Surface
 from ...gpu.textures import COLOUR
-from ..mirror import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
+from ..mirror_drawing import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
 from ..targets import Target, TargetPool
 from . import parts
 from ._base import DrawContext, Drawing, Part
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ...scenes import Scene
-    from ..mirror import Bounds
+    from ..mirror_drawing import Bounds
 
 
 @parts.register

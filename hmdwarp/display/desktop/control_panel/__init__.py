@@ -71,6 +71,6 @@ def column_width() -> int:
     """Return the width of the control panel at a content scale of 1; 0 without its package."""
     if not installed():
         return 0
-    from .style import WIDTH
+    from .panel_style import WIDTH
 
     return WIDTH

@@ -11,7 +11,7 @@ from imgui_bundle import imgui, implot
 from ... import Command
 from ...controls import CONTROLS, Control
 from ...status import Status
-from . import style
+from . import panel_style as style
 from .imgui_input import ImGuiInput, NoInput
 from .plots import Stages, draw_plots, right_aligned
 from .renderer import PanelRenderer

@@ -11,7 +11,7 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from ...status import KEPT, Status
-from . import style
+from . import panel_style as style
 
 HEIGHT = 34.0  # of a plot, at a content scale of 1
 CALM = 15  # refreshes averaged in a printed number: a quarter of a second, to be readable

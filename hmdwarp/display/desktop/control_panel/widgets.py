@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from ... import Command
 from ...controls import CONTROLS, Control
 from ...status import Status
-from . import style
+from . import panel_style as style
 
 LABEL, KEY = 60.0, 50.0  # widths of the columns, at a content scale of 1
 STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a typed number (ctrl and click) is taken as it is

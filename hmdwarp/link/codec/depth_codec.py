@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import require
-from .errors import Undecodable
+from .undecodable import Undecodable
 
 STEP = 2.0**-10
 _EXPONENT = -10

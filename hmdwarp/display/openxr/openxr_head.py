@@ -19,7 +19,7 @@ from .connection import IDLE_S, READY_S, Connection, connect
 from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
 from .instance import HEADLESS_EXTENSION, RATE_EXTENSION, WITHOUT_PICTURES, Instance, offered_extensions, open_instance
-from .session import Session
+from .openxr_session import Session
 from .tracking import HeadTracker, Spaces
 
 DEFAULT_HZ = 90.0  # the rate of most headsets

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import glfw
 
 from ...poses import PoseSample
-from ...poses.desktop import Walker
+from ...poses.walker import Walker
 from .. import Command
 from .keys import FASTER, MOVES, Keys, direction
 

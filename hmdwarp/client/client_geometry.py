@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from ..geometry import View
-    from .picture import ShownPicture
+    from .shown_picture import ShownPicture
 
 
 class ClientModel(Protocol):

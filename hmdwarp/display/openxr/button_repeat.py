@@ -10,7 +10,7 @@ DIRECTIONS = {"left": ("across", -1), "right": ("across", 1), "up": ("along", 1)
 PAD = "pad_"  # prefix of an axis that counts only while the pad is pressed
 
 
-class Pressing:
+class ButtonRepeat:
     """Buttons and sticks of one user. One that is down at the start counts after its release."""
 
     def __init__(self) -> None:
