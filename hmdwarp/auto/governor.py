@@ -76,9 +76,11 @@ class Governor:
     a level is that of the current one, times the ratio of the two by the benchmark, or by what this
     run has measured of both. A move down uses the worse of the two, to be safe; a move up uses the
     benchmark unless the measurement is clearly better, so that one bad moment does not count for
-    ever. Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes,
-    Biometrika 41, eq. 1. Errors: InputError for a budget in which no level fits; HmdwarpError for
-    empty or unsorted levels.
+    ever.
+    Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes,
+    Biometrika 41, eq. 1.
+    Errors: InputError for a budget in which no level fits; HmdwarpError for empty or unsorted
+    levels.
     """
 
     def __init__(self, levels: tuple[QualityLevel, ...], budget_ms: float) -> None:

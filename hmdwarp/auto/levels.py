@@ -42,8 +42,8 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
 
     Each is slower and better than the last. rows: as in bench.json. Figures are means over the
     cases (trace, scene, latency, ..) that every combination was measured in; of several sizes the
-    largest counts, where time is scarcest. Rows without a time or a FLIP are ignored. Errors:
-    InputError if no combination was measured, or no case is common to all.
+    largest counts, where time is scarcest. Rows without a time or a FLIP are ignored.
+    Errors: InputError if no combination was measured, or no case is common to all.
     """
     combined, shared = _compared(rows)
     return _front([_level(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()])
@@ -74,8 +74,8 @@ def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
     """Return the `choice` entry of bench.json: the most accurate combination within the budget.
 
     Includes the next level up. budget_ms: per eye. sizes, cases: the size (several only if they
-    have as many pixels) and the number of cases that the means are taken over. Errors: as
-    levels_from; InputError for a budget that is not positive, or in which nothing fits.
+    have as many pixels) and the number of cases that the means are taken over.
+    Errors: as levels_from; InputError for a budget that is not positive, or in which nothing fits.
     """
     rows = list(rows)
     levels, (_, shared) = levels_from(rows), _compared(rows)

@@ -178,13 +178,15 @@ class Display(Protocol):
         """Wait until it is time to make the next picture.
 
         None: nothing to do now (not running, minimised); call again. Answer every tick by one
-        show(). Errors: Closed; Lost.
+        show().
+        Errors: Closed; Lost.
         """
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Submit the picture of the tick that wait() returned; None for an empty one.
 
-        label: text or a text panel over it. Return the time of submission. Errors: Closed; Lost.
+        label: text or a text panel over it. Return the time of submission.
+        Errors: Closed; Lost.
         """
 
     def set_view(self, view: str) -> None:

@@ -32,8 +32,8 @@ class OffscreenDisplay:
 
     Its clock stands still between pictures.
 
-    gpu: None to create one. Errors: InputError without a trace, or for an unknown headset;
-    MachineError without OpenGL.
+    gpu: None to create one.
+    Errors: InputError without a trace, or for an unknown headset; MachineError without OpenGL.
     """
 
     name = "offscreen"

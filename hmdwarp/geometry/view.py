@@ -139,7 +139,8 @@ def guarded_eyes(
     """Return the fields of view of all eyes with a guard band, and the one size they share.
 
     Symmetric pairs have one size anyway; otherwise the smaller one is padded on the right and at
-    the top. Errors: as Fov.guarded.
+    the top.
+    Errors: as Fov.guarded.
     """
     return _guarded_fovs(tuple(view.fov for view in views), factor, size)
 

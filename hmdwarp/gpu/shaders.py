@@ -51,8 +51,8 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
     """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
     path: relative to shaders/, or absolute for a shader of another package. `#include NAME`
-    includes the file that the define NAME holds; such a define does not appear in the text. Errors:
-    ShaderError for a missing file or include, naming the including line.
+    includes the file that the define NAME holds; such a define does not appear in the text.
+    Errors: ShaderError for a missing file or include, naming the including line.
     """
     defines = dict(defines or {})
     root = root or folder("shaders")

@@ -58,8 +58,9 @@ def warp_image(
     along -z; inf is infinitely far; 0, negative or NaN marks a hole, which is counted and never
     spread. size: (w, h) of the result, by default the size of `colour`. gpu: a context made in the
     calling thread; by default one is made at the first call and shared by all threads, one at a
-    time. Errors: InputError for arguments that do not fit; PlanError for a warp that needs more
-    than a picture with depth; UnknownNameError; MachineError without OpenGL 4.3.
+    time.
+    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a
+    picture with depth; UnknownNameError; MachineError without OpenGL 4.3.
     """
     linear, inverse_depth = checked(colour, depth_m)
     for name, view in (("rendered", rendered), ("shown", shown)):

@@ -19,9 +19,9 @@ class GilbertElliott:
 
     Each frame is lost with the probability of the state; then the state may change. It starts in
     the good one. In the long run (r good + p bad) / (p + r) of all frames are lost. r = 1 - p with
-    bad = 1 loses each frame independently with probability p. Errors: InputError. Source: Gilbert
-    1960, Capacity of a burst-noise channel; Elliott 1963, Estimates of error rates for codes on
-    burst-noise channels.
+    bad = 1 loses each frame independently with probability p. Errors: InputError.
+    Source: Gilbert 1960, Capacity of a burst-noise channel; Elliott 1963, Estimates of error rates
+    for codes on burst-noise channels.
     """
 
     # Probability of good to bad after a frame.

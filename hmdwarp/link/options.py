@@ -122,7 +122,8 @@ class LinkOptions(Declared):
         said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15.
         delay_trace: a file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
         `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
-        Mbit/s, and optionally the longest wait in the queue: 50,queue=100. Errors: InputError.
+        Mbit/s, and optionally the longest wait in the queue: 50,queue=100.
+        Errors: InputError.
         """
         path = said.get("delay_trace")
         if path is None:

@@ -16,8 +16,9 @@ def flip(shown: NDArray, truth: NDArray, pixels_per_degree: float) -> tuple[floa
 
     shown, truth: (h, w, 3), as metrics.picture_pairs. pixels_per_degree: of the display that shows
     the picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would
-    blur fine error away. Errors: InputError if it is not positive, and for pictures that cannot be
-    compared. Source: Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images;
+    blur fine error away.
+    Errors: InputError if it is not positive, and for pictures that cannot be compared.
+    Source: Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images;
     flip-evaluator's implementation, which takes RGB in this order and, with inputsRGB=True,
     sRGB-encoded values.
     """

@@ -44,8 +44,8 @@ class SharedSurface:
     nearest pixel is the same.
 
     left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of
-    one size, top row first, in 1/m, 0 or NaN = infinitely far. Errors: InputError unless the two
-    have one size.
+    one size, top row first, in 1/m, 0 or NaN = infinitely far.
+    Errors: InputError unless the two have one size.
     """
 
     def __init__(self, left: View, right: View, left_inverse_depth: NDArray, right_inverse_depth: NDArray) -> None:

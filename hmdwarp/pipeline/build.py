@@ -144,8 +144,8 @@ def build_pipeline(
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level. Errors: InputError for sizes beyond the GPU's limits,
-    MachineError for too little memory.
+    plans: one, or one for each quality level.
+    Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)

@@ -69,8 +69,8 @@ def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | N
     Uses the rows of the run's size if there are any; otherwise those of the largest size, with
     times scaled by the number of pixels. If they were measured with another lens, the time of the
     run's lens replaces theirs; lens_ms measures it here (None: leave it out). Combinations that
-    this run cannot use are left out, with a note. Errors: InputError for a file that is no
-    benchmark, and if none of its combinations can run.
+    this run cannot use are left out, with a note.
+    Errors: InputError for a file that is no benchmark, and if none of its combinations can run.
     """
     headset = load_headset(options.headset)
     build_plan_for(options.with_pair("none", "none"), headset, None)

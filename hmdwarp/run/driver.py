@@ -73,9 +73,9 @@ class Driver:
     ) -> None:
         """Run until `handler` is over or a signal arrives.
 
-        after(number): called after each refresh that showed a picture, counted from 1. Errors:
-        Closed, when the window or session was closed; Lost, when the display did not come back in
-        time.
+        after(number): called after each refresh that showed a picture, counted from 1.
+        Errors: Closed, when the window or session was closed; Lost, when the display did not come
+        back in time.
         """
         number = 0
         with GarbageControl(self._host.options.collect and (handler.pictures or handler.ahead)) as garbage:

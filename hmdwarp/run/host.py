@@ -40,8 +40,8 @@ class PipelineHost:
 
     A change of latency alone affects the link: frames in transit arrive as scheduled. A change of
     warp or fill whose frames carry the same exchanges the passes. Any other change builds a new
-    pipeline, which shows nothing until its first frame arrives. Errors: InputError and its
-    subclasses for options that cannot run; the old pipeline then stays.
+    pipeline, which shows nothing until its first frame arrives.
+    Errors: InputError and its subclasses for options that cannot run; the old pipeline then stays.
     """
 
     def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:

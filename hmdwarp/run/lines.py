@@ -20,8 +20,8 @@ class Lines:
     """A new file; a thread of its own writes lines to the disk every half second.
 
     path: must not exist yet. synced: whether to fsync each time, so that even a power cut costs no
-    more than a second. The file always holds whole lines, also after the disk was full. Errors:
-    InputError for a path that cannot be written; FileExistsError.
+    more than a second. The file always holds whole lines, also after the disk was full.
+    Errors: InputError for a path that cannot be written; FileExistsError.
     """
 
     def __init__(self, path: Path, *, synced: bool = False) -> None:

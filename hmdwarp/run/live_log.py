@@ -100,8 +100,8 @@ class LiveLog:
 
     The times of a refresh are read at the next one, so nothing here waits for the GPU. A refresh
     costs some 50 us, half of that only with an output folder. Memory is bounded for runs of any
-    length; frames.csv grows on the disk. Errors: InputError for a folder that cannot be written;
-    from add, MachineError for a full disk.
+    length; frames.csv grows on the disk.
+    Errors: InputError for a folder that cannot be written; from add, MachineError for a full disk.
     """
 
     def __init__(self, options: LiveOptions) -> None:

@@ -26,9 +26,10 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     """Run until the window, the runtime or Ctrl-C ends it, or as long as the options say.
 
     say: called with a sentence for the user. after(number): called after each refresh that showed a
-    picture, counted from 1. Errors: InputError and its subclasses for wrong options; MachineError
-    where there is neither headset nor window, and where a lost headset does not come back.
-    Recording and log up to that point are written in any case.
+    picture, counted from 1.
+    Errors: InputError and its subclasses for wrong options; MachineError where there is neither
+    headset nor window, and where a lost headset does not come back. Recording and log up to that
+    point are written in any case.
     """
     scene = checked_scene(options)
     with ExitStack() as stack:
@@ -112,8 +113,9 @@ def open_display(
     For "auto": the headset if one answers, else the window.
 
     say: called with the reason for the window. controls: offered to the user. briefly: give that
-    reason in a clause, and leave the rest to the doctor. Errors: MachineError (and its subclasses)
-    that names what is missing and what to do: for "auto" of both.
+    reason in a clause, and leave the rest to the doctor.
+    Errors: MachineError (and its subclasses) that names what is missing and what to do: for "auto"
+    of both.
     """
     wanted = display_options(options, watching, controls)
     if options.source == OFFSCREEN:

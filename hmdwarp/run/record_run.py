@@ -26,9 +26,10 @@ Say = Callable[[str], None]
 def record(options: RecordOptions, say: Say = lambda text: None) -> None:
     """Record until Ctrl-C, the runtime or the window ends it, or for the seconds in the options.
 
-    say: called with a sentence for the user. Errors: InputError for wrong options, including an
-    existing file; MachineError for missing hardware or software, and for a headset without any
-    pose. The recording up to that point is kept in any case.
+    say: called with a sentence for the user.
+    Errors: InputError for wrong options, including an existing file; MachineError for missing
+    hardware or software, and for a headset without any pose. The recording up to that point is kept
+    in any case.
     """
     {OPENXR: _of_headset, DESKTOP: _of_window, SYNTHETIC: _made_up}[options.source](options, say)
 

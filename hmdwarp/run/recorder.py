@@ -23,9 +23,9 @@ class Recorder:
 
     The file is created at once, so that a path that cannot be written fails at the start. Poses
     held while tracking is lost are left out, which leaves a gap; so are those whose time does not
-    increase. With fewer than two poses the file is removed again. Errors: InputError for an
-    existing file or a path that cannot be written; MachineError, from add and at the end, for a
-    full disk: the lines written before stay, whole.
+    increase. With fewer than two poses the file is removed again.
+    Errors: InputError for an existing file or a path that cannot be written; MachineError, from add
+    and at the end, for a full disk: the lines written before stay, whole.
     """
 
     def __init__(self, path: Path, say: Callable[[str], None] = lambda text: None, by: str = "hmdwarp live") -> None:

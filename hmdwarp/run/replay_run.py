@@ -35,8 +35,9 @@ def replay(
     """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
 
     progress(done, total): called after each refresh. say: called with a sentence before warp "auto"
-    measures its candidates. Errors: InputError and its subclasses for wrong options, MachineError
-    for missing hardware or software.
+    measures its candidates.
+    Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
+    software.
     """
     options, guard_notes = settled(options)
     choice = levels_for(options, say)

@@ -50,8 +50,8 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
     """Return the refreshes of a run.
 
     The first is at the requested start, or when the first frame can have arrived if that is later.
-    There are as many as fit into the requested seconds and into the trace, at least one. Errors:
-    InputError if the run would show nothing of the trace.
+    There are as many as fit into the requested seconds and into the trace, at least one.
+    Errors: InputError if the run would show nothing of the trace.
     """
     length_s = track.duration_ns * 1e-9
     if length_s == 0:

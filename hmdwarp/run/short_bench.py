@@ -38,8 +38,8 @@ Say = Callable[[str], None]
 def levels_for(options: RunOptions, say: Say = lambda text: None) -> LevelSet:
     """Return the levels that warp "auto" chooses from; empty for any other warp.
 
-    say: called with a sentence before a short bench starts. Errors: as levels_from_file; as
-    set_up_replay; InputError if nothing fits the budget.
+    say: called with a sentence before a short bench starts.
+    Errors: as levels_from_file; as set_up_replay; InputError if nothing fits the budget.
     """
     if not options.chooses_warp:
         return LevelSet()

@@ -27,8 +27,8 @@ class EffectRegistry(Registry[Effect]):
 
         text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each
         forced, or forbidden by a leading "no-". Forcing an effect without content costs its pass
-        and changes no picture. Errors: UnknownNameError for a name; InputError for one that is both
-        forced and forbidden.
+        and changes no picture.
+        Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
         """
         known = self.names()
         forced, forbidden = set[str](), set[str]()

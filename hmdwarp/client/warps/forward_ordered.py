@@ -68,10 +68,10 @@ class ForwardOrdered(OrderedScatter):
 def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int64], int]:
     """Return the rendered pixel (x, y) that holds the shown eye, and 1 or -1.
 
-    1: the shown eye lies ahead of the rendered one (run towards it); -1: behind. e: the shown eye
-    in homogeneous pixels, WarpMap.between(shown, rendered).e. An epipole at infinity or beyond
-    FARTHEST pixels is put that far away in its direction. Without a baseline any order is right,
-    and the picture's middle is used.
+    1: the shown eye lies ahead of the rendered one (run towards it); -1: behind.
+    e: the shown eye in homogeneous pixels, WarpMap.between(shown, rendered).e. An epipole at
+    infinity or beyond FARTHEST pixels is put that far away in its direction. Without a baseline any
+    order is right, and the picture's middle is used.
     """
     middle = np.array(size) / 2
     sense = -1 if e[2] < 0 else 1

@@ -14,8 +14,9 @@ WHOLE = 8  # pictures of whole work groups, which also suit video encoders
 def viewports(framebuffer: Size, count: int, aspect: float) -> tuple[Rectangle, ...]:
     """Return (x, y, w, h) of `count` equal pictures side by side, as large as fits, centred.
 
-    The left eye comes first. framebuffer: (w, h) in pixels, not in the window's units. aspect:
-    width over height of one picture; kept within a pixel.
+    The left eye comes first.
+    framebuffer: (w, h) in pixels, not in the window's units. aspect: width over height of one
+    picture; kept within a pixel.
     """
     width, height = framebuffer
     each = max(1, min(width // count, round(height * aspect)))

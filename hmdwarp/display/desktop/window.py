@@ -50,8 +50,8 @@ class WindowContext:
 class Window:
     """A window for pictures of (w, h) `wanted` pixels, with a column beside them.
 
-    column: its width in pixels at a content scale of 1. Errors: MachineError with the reason why
-    there is no window, or no OpenGL 4.3 in it.
+    column: its width in pixels at a content scale of 1.
+    Errors: MachineError with the reason why there is no window, or no OpenGL 4.3 in it.
     """
 
     def __init__(

@@ -121,8 +121,8 @@ def connect(
 ) -> Connection:
     """Return a session with swapchains.
 
-    graphics_for: returns the graphics for a runtime. controls: those with buttons are read. Errors:
-    MachineError.
+    graphics_for: returns the graphics for a runtime. controls: those with buttons are read.
+    Errors: MachineError.
     """
     with ExitStack() as stack:
         instance = open_instance(calls, WITH_PICTURES)

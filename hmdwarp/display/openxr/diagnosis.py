@@ -99,7 +99,8 @@ def manifest(environ: Mapping[str, str]) -> Path | None:
 
     None where it finds none.
 
-    The file may not exist. Source: OpenXR loader design, "Runtime discovery" on Linux.
+    The file may not exist.
+    Source: OpenXR loader design, "Runtime discovery" on Linux.
     """
     if environ.get("XR_RUNTIME_JSON"):
         return Path(environ["XR_RUNTIME_JSON"])

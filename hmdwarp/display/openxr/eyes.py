@@ -43,7 +43,8 @@ class RuntimeEyes:
     def locate(self, calls: Calls, session: xr.Session, head: xr.Space, time: int) -> None:
         """Locate the eyes in head space at an instant of the runtime's clock.
 
-        Invalid values are ignored. Errors: Lost.
+        Invalid values are ignored.
+        Errors: Lost.
         """
         self._info.display_time, self._info.space = time, head
         calls("xrLocateViews", session, *self._arguments)

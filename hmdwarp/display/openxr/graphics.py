@@ -45,8 +45,8 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
     """Return the ways to draw for that runtime here, the best first.
 
     GLX: a window's context, which mirrors the left eye on the desktop. EGL: one without a window.
-    The environment variable HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one. Errors: InputError for
-    another value of it; MachineError if none is left.
+    The environment variable HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one.
+    Errors: InputError for another value of it; MachineError if none is left.
     """
     requested = environ.get(VARIABLE, "").lower()
     if requested not in ("", EGL, GLX):

@@ -63,7 +63,8 @@ class Instance:
 def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     """Connect to the runtime's service and find the headset.
 
-    wanted: extensions to enable if offered. Errors: MachineError naming what is missing.
+    wanted: extensions to enable if offered.
+    Errors: MachineError naming what is missing.
     """
     offered = offered_extensions(calls)
     words, remedy = missing_extensions(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)

@@ -30,7 +30,8 @@ ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 class Mirror:
     """The mirror window. Its context draws the headset's pictures.
 
-    controls: that its keys request. Errors: MachineError if there is no window.
+    controls: that its keys request.
+    Errors: MachineError if there is no window.
     """
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:

@@ -52,8 +52,8 @@ class OpenXrDisplay:
 
     Times are on CLOCK_MONOTONIC, which outlives the runtime's service; the runtime's own times are
     converted. With an X display it has a window that mirrors the left eye; the environment variable
-    HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one way to draw. Errors: MachineError naming which
-    of loader, runtime, service, headset or extension is missing.
+    HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one way to draw.
+    Errors: MachineError naming which of loader, runtime, service, headset or extension is missing.
     """
 
     # Thirteen attributes, seven of them members of Display.

@@ -30,8 +30,8 @@ class OpenXrHead:
 
     Call poll() at least every tenth of a second. Use as a context manager, or call close(). about:
     runtime, runtime_version, headset, graphics ("none" where none was needed), space. rate_hz: of
-    the display, 90 where the runtime does not report it. watching: as in DisplayOptions. Errors:
-    MachineError naming which of loader, runtime, service, headset or extension is missing.
+    the display, 90 where the runtime does not report it. watching: as in DisplayOptions.
+    Errors: MachineError naming which of loader, runtime, service, headset or extension is missing.
     """
 
     name = "openxr"
@@ -102,7 +102,8 @@ class OpenXrHead:
         """Process the runtime's events; return whether poses are available.
 
         Where frames are needed for that it submits an empty one, which takes until the next
-        refresh. Errors: Closed; Lost.
+        refresh.
+        Errors: Closed; Lost.
         """
         if self._graphics is not None and self._graphics.mirror is not None:
             self._graphics.mirror.poll()

@@ -23,7 +23,8 @@ class Session:
     """An OpenXR session.
 
     binding: the graphics to draw with; None for a session without pictures. It is kept referenced,
-    because the runtime may read it again. Source: OpenXR 1.1 specification, Session Lifecycle.
+    because the runtime may read it again.
+    Source: OpenXR 1.1 specification, Session Lifecycle.
     """
 
     def __init__(self, calls: Calls, instance: Instance, binding: ctypes.Structure | None) -> None:

@@ -51,8 +51,8 @@ class HeadTracker:
     While tracking is lost the head is HELD: at the runtime's last known pose, if it still reports
     that (valid but not tracked, as the specification has it), else at the last pose read here.
     Tracked poses of the past are MEASURED, of the future PREDICTED. Only the orientation counts: an
-    invalid position, as of 3-DoF headsets, is held while the orientation is tracked. Source: OpenXR
-    1.0, XrSpaceLocationFlagBits.
+    invalid position, as of 3-DoF headsets, is held while the orientation is tracked.
+    Source: OpenXR 1.0, XrSpaceLocationFlagBits.
     """
 
     def __init__(self) -> None:

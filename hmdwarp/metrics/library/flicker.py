@@ -23,8 +23,8 @@ def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: 
     Interpolation softens the previous error under rotation, so pixel-sharp error counts a little
     even when it is steady.
 
-    error, previous_error: (h, w, 3), top row first, from error_image. Errors: InputError if either
-    is not (h, w, 3); the two may differ in size.
+    error, previous_error: (h, w, 3), top row first, from error_image.
+    Errors: InputError if either is not (h, w, 3); the two may differ in size.
     """
     from scipy.ndimage import map_coordinates
 

@@ -13,8 +13,8 @@ def psnr_db(shown: NDArray, truth: NDArray) -> float:
     """Return the ratio in dB over all pixels and channels, at most 100 dB (identical pictures too).
 
     shown, truth: (h, w, 3), as metrics.picture_pairs. For uint8 the squared error is summed in
-    integers, so the figure is exact and independent of the order of summation. Errors: InputError
-    for pictures that cannot be compared.
+    integers, so the figure is exact and independent of the order of summation.
+    Errors: InputError for pictures that cannot be compared.
     """
     check_pair(shown, truth)
     if shown.dtype == np.uint8:

@@ -24,8 +24,8 @@ class FrameWxyz(TraceFormat):
     """Six bare columns: the second a non-decreasing frame number, the last four of length 1.
 
     Only this shape identifies the format. Its order is w first by definition; a file of this shape
-    whose own motion contradicts that is refused. Source: Corbillon et al. 2017, 360-degree video
-    head movement dataset (MMSys).
+    whose own motion contradicts that is refused.
+    Source: Corbillon et al. 2017, 360-degree video head movement dataset (MMSys).
     """
 
     name = "frame_wxyz"

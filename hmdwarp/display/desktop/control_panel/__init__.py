@@ -30,9 +30,10 @@ def make_control_panel(
     """Return a control panel for a glfw window with the context `gl`.
 
     None if its package is missing: PANEL_REMEDY names the remedy. Make it after the window has set
-    its callbacks: it chains them, and all are still called. window: None for a panel without input,
-    at that content scale. into: framebuffer, by default the window's. clock: running seconds; by
-    default glfw's, or without a window a sixtieth more at each call. controls: those it shows.
+    its callbacks: it chains them, and all are still called.
+    window: None for a panel without input, at that content scale. into: framebuffer, by default the
+    window's. clock: running seconds; by default glfw's, or without a window a sixtieth more at each
+    call. controls: those it shows.
     """
     if not installed():
         return None
