@@ -16,8 +16,8 @@ from ._options import Said, takes
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..poses.analysis import Analysis
     from ..poses.load import LoadedTrace
+    from ..poses.track_statistics import Analysis
 
 app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
@@ -35,8 +35,8 @@ def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
-    from ..poses.analysis import analyse
     from ..poses.load import load_trace
+    from ..poses.track_statistics import analyse
 
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
@@ -138,7 +138,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
 def _speed_table(figures: Analysis) -> Table:
     from rich.table import Table
 
-    from ..poses.analysis import SPEED_PERCENTILES
+    from ..poses.track_statistics import SPEED_PERCENTILES
 
     table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
     table.add_column("")

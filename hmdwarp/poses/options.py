@@ -1,4 +1,4 @@
-"""What a user may state about a trace file in place of what its reader finds."""
+"""Options of a trace file: facts that the user states in place of what its reader detects."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ QUAT_ORDERS = ("xyzw", "wxyz")
 
 @attrs.frozen
 class TraceOptions(Declared):
-    """Overrides for reading a trace; None leaves the matter to the file.
+    """Overrides for reading a trace; None leaves the fact to the file.
 
-    Errors: InputError for values that are wrong whatever the file holds.
+    Errors: InputError for values that no file can have.
     """
 
     # Name of a trace format.
@@ -39,7 +39,7 @@ class TraceOptions(Declared):
     rate: float | None = option(
         None, "Samples per second, in place of the file's clock.", kind=float, name="trace_rate", unit="Hz"
     )
-    # Which recording, counted from 1.
+    # Number of the recording, from 1.
     segment: int | None = option(None, "Which recording of a file that holds several, from 1.", kind=int)
 
     def __attrs_post_init__(self) -> None:

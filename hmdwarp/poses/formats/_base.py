@@ -1,4 +1,4 @@
-"""What every trace format is made of: recognise it, find its columns, perhaps write it."""
+"""The base class of trace formats: detect one, find its columns, optionally write it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..reading.columns import Columns, find_columns
 
 if TYPE_CHECKING:
     from ..reading.cleaning import Cleaned
-    from ..reading.head import Head
+    from ..reading.file_head import Head
     from ..reading.rows import Layout
     from ..track import PoseTrack
 
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 class TraceFormat:
     """One layout of head-motion files. A new one is one file in this package."""
 
-    name = ""  # as the file is called
+    name = ""  # the name of the format
     summary = ""  # one line for people
     writes = False  # whether `write` works
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        """Return how surely the file is of this format: 0 not at all, 100 certainly.
+        """Return how likely the file is of this format: 0 not at all, 100 certainly.
 
         The highest wins.
         """
         raise NotImplementedError
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        """Return which columns hold what. Errors: TraceError when a needed one is missing."""
+        """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
         raise NotImplementedError
 
     def read(self, head: Head, options: TraceOptions) -> Cleaned:
@@ -53,7 +53,7 @@ class TraceFormat:
         return cleaner.clean(head.path.stem, self.origin(head))
 
     def origin(self, head: Head) -> str:
-        """Return where the motion comes from, if the file says so."""
+        """Return the origin of the motion, if the file states it."""
         return ""
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
@@ -145,10 +145,10 @@ def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[in
 
 
 def has(head: Head, *names: str) -> bool:
-    """Tell whether the header holds all these names."""
+    """Return whether the header has all these names."""
     return head.names is not None and set(names) <= set(head.names)
 
 
 def whole_number(field: str, digits: int) -> bool:
-    """Tell whether the field is an integer of exactly so many digits."""
+    """Return whether the field is an integer of exactly so many digits."""
     return len(field) == digits and field.isdigit()

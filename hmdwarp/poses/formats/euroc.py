@@ -1,6 +1,6 @@
 """EuRoC (ASL) ground truth.
 
-Ns, position, quaternion with w first, perhaps velocities and biases.
+Columns: ns, position, quaternion with w first, optionally velocities and biases.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..options import TraceOptions
-from ..reading.head import Head
+from ..reading.file_head import Head
 from ..reading.rows import Layout
 from . import formats
 from ._base import TraceFormat, has, named_layout

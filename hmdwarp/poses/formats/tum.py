@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats
@@ -32,8 +32,8 @@ class Tum(TraceFormat):
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if has(head, *COLUMNS):
             return 90
-        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well
-        # come first.
+        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w might as
+        # well come first.
         bare = (
             head.names is None
             and head.separator is None

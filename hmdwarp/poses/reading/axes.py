@@ -12,8 +12,8 @@ from ...errors import InputError
 from .. import quaternions
 
 _AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
-# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves as
-# little else as it can.
+# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves
+# everything else as little as possible.
 _LIFTS = {"y": "x,y,-z", "-y": "x,-y,z", "z": "x,z,y", "-z": "x,-z,-y", "x": "-y,x,-z", "-x": "y,-x,-z"}
 
 

@@ -1,6 +1,6 @@
 """From rows to one clean track.
 
-Each step looks for one kind of defect, repairs or refuses it, and notes what it did.
+Each step looks for one kind of defect, repairs or refuses it, and records what it did.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ..defects import Defect
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
 from .axes import Axes, parse_axes
-from .motion import find_jumps, gravity_axis
+from .motion_faults import find_jumps, gravity_axis
 from .rows import Layout, Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
@@ -25,7 +25,7 @@ _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
 _DAY_S = 86400
 _TILT_SHOWN_DEG = 10.0
-_SEGMENTS_LISTED = 1000  # a clock that jitters can fall a million times
+_SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
 
 
 @attrs.frozen
@@ -37,7 +37,7 @@ class Segment:
     last_line: int
     rows: int
     duration_s: float
-    taken: bool  # whether it was chosen
+    taken: bool  # whether it was used
 
 
 @attrs.frozen(eq=False)
@@ -51,7 +51,7 @@ class Cleaned:
 
 
 class Cleaner:
-    """Runs the steps over the rows of one file; `where` names the file in messages."""
+    """Run the cleaning steps over the rows of one file; `where` names the file in messages."""
 
     def __init__(self, where: str, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
         self.where, self.rows, self.layout, self.options = where, rows, layout, options
@@ -62,7 +62,7 @@ class Cleaner:
         self.epoch_ns = 0
 
     def clean(self, name: str, origin: str) -> Cleaned:
-        """Run all steps, in the order in which each can trust the one before."""
+        """Run all steps, each after those that it relies on."""
         self.drop_cut_row()
         self.take_one_device()
         self.drop_zero_quaternions()
@@ -96,7 +96,7 @@ class Cleaner:
         return Cleaned(track, self.defects, self.segments, self.time_unit)
 
     def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
-        """Note a defect and its repair."""
+        """Record a defect and its repair."""
         self.defects.append(Defect(kind, what, done, count, line))
 
     def _line(self, row: int) -> int:
@@ -117,7 +117,7 @@ class Cleaner:
     def drop_cut_row(self) -> None:
         """Drop a last line that ends in the middle of a number.
 
-        It lacks its newline, and its norm is off or its time falls.
+        It lacks its newline, and its norm is off or its time decreases.
         """
         rows = self.rows
         if not self.cut_possible or len(rows) < 2:
@@ -205,9 +205,9 @@ class Cleaner:
         self.layout = attrs.evolve(self.layout, unit="ns")
 
     def take_one_segment(self) -> None:
-        """Cut where time falls; keep the longest recording, or the chosen one.
+        """Split where time decreases; keep the longest recording, or the chosen one.
 
-        Never sort across a fall.
+        Rows are never sorted across a split.
         """
         stamps = self._midnights(self._stamps)
         self.rows.stamps = stamps
@@ -252,7 +252,7 @@ class Cleaner:
             self.rows.keep(slice(starts[taken], ends[taken]))
 
     def _midnights(self, stamps: Stamps) -> Stamps:
-        """Unwrap a clock of day at midnight: it falls by a day and starts no new recording."""
+        """Unwrap a time-of-day clock at midnight, where it falls by a day in one recording."""
         if not stamps.clock:
             return stamps
         steps = np.diff(stamps.whole)
@@ -294,7 +294,7 @@ class Cleaner:
     def times(self) -> NDArray[np.int64]:
         """Return nanoseconds since the segment's first row.
 
-        That is subtracted before anything is scaled.
+        That row's time is subtracted before anything is scaled.
         """
         unit = self._unit(self._stamps)
         try:
@@ -310,7 +310,7 @@ class Cleaner:
         return time_ns
 
     def trim_default_start(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Drop the default pose that some recorders write until tracking begins."""
+        """Drop the default pose that some recorders write until tracking starts."""
         q, p = self.rows.orientation, self.rows.position
         differs = (q != q[0]).any(axis=1)
         if p is not None:
@@ -342,7 +342,7 @@ class Cleaner:
         return self.options.scale if self.options.scale is not None else self.layout.scale
 
     def drop_duplicate_stamps(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Keep the last of several rows at one instant: it is the newest."""
+        """Keep the last of several rows at one instant, which is the newest."""
         same = np.diff(time_ns) == 0
         count = int(same.sum())
         if not count:
@@ -364,7 +364,10 @@ class Cleaner:
         return time_ns[keep]
 
     def normalise(self) -> None:
-        """Normalise coarse values silently, bad ones with a warning; refuse hopeless ones."""
+        """Normalise quaternions: slightly off ones silently, bad ones with a warning.
+
+        Refuse the rest.
+        """
         q = self.rows.orientation
         norm = np.linalg.norm(q, axis=1)
         hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
@@ -409,7 +412,7 @@ class Cleaner:
         return own if self.options.up.strip().lower().removeprefix("+") == own.up else asked
 
     def join_hemispheres(self) -> None:
-        """Make signs continuous: q and -q are one rotation, but not one to interpolate between."""
+        """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
         before = self.rows.orientation[:, 3].copy()
         count = quaternions.make_continuous(self.rows.orientation)
         if count:
@@ -440,7 +443,7 @@ class Cleaner:
             )
 
     def report_gaps(self, time_ns: NDArray[np.int64]) -> None:
-        """Report gaps in time, and steps so short that dividing by them gives nonsense."""
+        """Report gaps in time, and steps too short to divide by."""
         if len(time_ns) < 2:
             return
         steps = np.diff(time_ns)
@@ -466,7 +469,7 @@ class Cleaner:
             )
 
     def find_jumps(self, time_ns: NDArray[np.int64]) -> list[int]:
-        """Find teleports: steps no head can make."""
+        """Find teleports: steps that no head can make."""
         jumps = find_jumps(time_ns, self.rows.orientation, self.rows.position)
         if len(jumps):
             self.note(

@@ -1,7 +1,7 @@
-"""Which column is which, by name and never by position.
+"""Meaning of columns, by name and never by position.
 
 A name is cut into words (`HeadOrientationW` -> head orientation w, `p_RS_R_x [m]` -> p rs r x m);
-the last of x y z w among them is the axis, the rest says whose position or orientation it is.
+the last of x y z w among them is the axis, the rest identifies the position or orientation.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def words(name: str) -> list[str]:
 
 
 def find_columns(names: list[str]) -> Columns:
-    """Return all that the names say."""
+    """Return everything that the names say."""
     split = [words(n) for n in names]
     groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
     lengths: dict[tuple[str, ...], float] = {}

@@ -1,7 +1,8 @@
 """From the text of a trace to columns of numbers.
 
-A fast C parser chunk by chunk, and a tolerant reader for the chunks it refuses. Memory stays at the
-size of the result plus one chunk. Every row keeps the number of its line, for messages.
+A fast C parser reads chunk by chunk, and a tolerant reader takes the chunks that it refuses. Memory
+stays at the size of the result plus one chunk. Every row keeps the number of its line, for
+messages.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from ..defects import Defect
-from .head import COMMENT_SIGNS, Head, is_number, split
+from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024
@@ -27,13 +28,13 @@ _FARTHEST = 1e9  # in the file's units: a position or component beyond this is n
 
 @attrs.frozen
 class Layout:
-    """Which columns to read, and what they mean."""
+    """Which columns to read, and their meaning."""
 
     time: int | None  # column index
     orientation: tuple[int, int, int, int]  # columns of x y z w
     position: tuple[int, int, int] | None = None  # columns of x y z
     unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
-    device: int | None = None  # a column that says which of several devices a row is of
+    device: int | None = None  # column that identifies the device of each row
     axes: str = "y"  # what `parse_axes` takes
     scale: float = 1.0  # metres per unit
     clock_ignored: bool = False  # --rate replaces the time column
@@ -54,7 +55,7 @@ class Rows:
         return len(self.line)
 
     def keep(self, which: NDArray[np.bool_] | slice) -> None:
-        """Keep only these rows, column by column so that no second copy of the whole lives."""
+        """Keep only these rows; one column at a time, to avoid a second copy of everything."""
         self.orientation = self.orientation[which]
         self.line = self.line[which]
         if self.stamps is not None:
@@ -164,7 +165,7 @@ class RowReader:
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
         """Parse the whole chunk by numpy's C parser.
 
-        Return None if anything about it is unusual.
+        Return None for anything unusual.
         """
         text, count = self._prepared(chunk.text), chunk.count
         if not self._regular(text, count):
@@ -199,7 +200,7 @@ class RowReader:
         return Rows(stamps, np.ascontiguousarray(values[:, :4]), position, device, line)
 
     def _regular(self, text: bytes, count: int) -> bool:
-        """Tell whether every line has as many fields.
+        """Return whether every line has the same number of fields.
 
         loadtxt with usecols would not notice longer ones.
         """
@@ -313,7 +314,7 @@ class RowReader:
         columns: dict[str, Any] = {}
         for name in ("orientation", "position", "device", "line"):
             columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
-            for p in parts:  # let go of the pieces at once: the peak is the result and one column
+            for p in parts:  # free the pieces at once: the peak is the result and one column
                 setattr(p, name, None)
         return Rows(stamps, **columns)
 
@@ -323,9 +324,9 @@ def _taken(parts: list[Rows], get) -> NDArray:
 
 
 def _looks_cut(text: str) -> bool:
-    """Tell whether a last line breaks off: fewer fields, or a field that ends in the middle.
+    """Return whether a last line is truncated: fewer fields, or a field that ends in the middle.
 
-    NaN and words are faults, not cuts.
+    NaN and words are faults, not truncation.
     """
     return not any(
         f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")

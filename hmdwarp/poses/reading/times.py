@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 BILLION = 1_000_000_000
-WIDTH = 32  # bytes kept of a time field; anything longer is read the slow way
+WIDTH = 32  # bytes kept of a time field; longer ones take the slow path
 _LARGEST = 2**62
 _CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}):(\d\d):(\d\d)(?:[.,](\d+))?(?:Z|[+-]\d\d:?\d\d)?$")
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
@@ -68,7 +68,7 @@ def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
 
 
 class BadStamp(ValueError):
-    """A time field that is none; `index` is its row."""
+    """A malformed time field; `index` is its row."""
 
     def __init__(self, index: int, why: str) -> None:
         super().__init__(why)
@@ -90,8 +90,7 @@ def parse_one(text: str) -> tuple[int, int, bool]:
         value = decimal.Decimal(text)
     except decimal.InvalidOperation:
         raise ValueError(f"'{text}' is no time") from None
-    # The exponent is looked at before anything is computed: int(Decimal("1e999999999")) would not
-    # end.
+    # Check the exponent before computing: int(Decimal("1e999999999")) would not end.
     if not value.is_finite() or value.adjusted() > 18:
         raise ValueError(f"'{text}' is no time")
     if value.adjusted() < -30:
@@ -121,7 +120,7 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
     for j, c in enumerate(text):
         if not c.any():
             break
-        digit = c - np.uint8(ord("0"))  # wraps: anything that is no digit is above 9
+        digit = c - np.uint8(ord("0"))  # wraps around: any non-digit is above 9
         is_digit = digit <= 9
         point = c == ord(".")
         if (point & pointed).any() or not (is_digit | point | (c == 0) | (negative if j == 0 else False)).all():
@@ -133,7 +132,7 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
         weight = np.where(after, weight // 10, weight)
         parts += np.where(after, weight * digit, 0)
         pointed |= point
-    # ".5" takes the slow way, and so does what might not fit: 19 digits (nanoseconds since 1970)
+    # ".5" takes the slow path, and so does what might overflow: 19 digits (nanoseconds since 1970)
     # wrap from 9.2e18 on.
     if (digits == 0).any() or (digits > 19).any() or ((digits == 19) & (negative | (text[0] > ord("3")))).any():
         return None
@@ -145,7 +144,7 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
 
 
 def guess_unit(stamps: Stamps, median_step: float) -> str:
-    """Return the unit whose implied rate is most like a tracker's.
+    """Return the unit whose implied rate is most plausible for a tracker.
 
     Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs).
     Otherwise the unit whose rate is nearest, as a ratio, to 75 Hz, the middle of what recorders

@@ -1,4 +1,4 @@
-"""First look at a trace file: is it text, its separator, its header, its first rows."""
+"""First look at a trace file: text or not, separator, header, first rows."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COMMENT_SIGNS = ("#", "%", "//")
 
 @attrs.frozen
 class Head:
-    """What the first part of a trace file shows."""
+    """The findings from the first part of a trace file."""
 
     path: Path
     size: int
@@ -60,12 +60,12 @@ def split(text: str, separator: str | None) -> list[str]:
 
 
 def is_number(field: str) -> bool:
-    """Tell whether the field is a number, with decimal point or comma."""
+    """Return whether the field is a number, with decimal point or comma."""
     return _NUMBER.match(field) is not None
 
 
 def read_head(path: Path) -> Head:
-    """Look at the file. Errors: TraceError for anything that cannot be a text of rows."""
+    """Inspect the file. Errors: TraceError for anything but a text of rows."""
     raw, size = _first_bytes(path)
     _refuse_binary(path, raw)
     newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
