@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies,
+    kind: warps, fills, effects, lenses, scenes, headsets, axes, formats, recordings, scales, studies,
     options.
     """
     return _MAKERS[kind]()
@@ -93,6 +93,15 @@ def _headsets() -> list[dict[str, str]]:
     from ..headsets import headset_names, load_headset
 
     return [_headset_row(load_headset(name)) for name in headset_names()]
+
+
+def _axes() -> list[dict[str, str]]:
+    from ..poses.reading.axes import load_preset, preset_names
+
+    return [
+        {"name": p.name, "summary": p.summary, "axes": p.axes.words(), "source": p.source}
+        for p in map(load_preset, preset_names())
+    ]
 
 
 def _headset_row(headset: Headset) -> dict[str, str]:
@@ -219,6 +228,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "lenses": _lenses,
     "scenes": _scenes,
     "headsets": _headsets,
+    "axes": _axes,
     "formats": _formats,
     "recordings": _recordings,
     "scales": _scales,

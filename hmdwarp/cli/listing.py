@@ -13,6 +13,7 @@ KINDS = (
     "lenses",
     "scenes",
     "headsets",
+    "axes",
     "formats",
     "recordings",
     "scales",

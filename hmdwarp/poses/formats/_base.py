@@ -6,10 +6,11 @@ from typing import IO, TYPE_CHECKING
 
 import attrs
 
-from ...errors import TraceError
+from ...errors import InputError, TraceError
 from ..defects import Defect
 from ..options import TraceOptions
 from ..reading.columns import Columns, find_columns
+from ..reading.head import is_number
 
 if TYPE_CHECKING:
     from ..reading.cleaning import Cleaned
@@ -39,9 +40,12 @@ class TraceFormat:
     def read(self, head: Head, options: TraceOptions) -> Cleaned:
         """Return the clean track of a file. Errors: TraceError, InputError."""
         from ..reading.cleaning import Cleaner
-        from ..reading.rows import RowReader
+        from ..reading.rows import BY_FILE, RowReader
 
         layout = self.layout(head, options)
+        stated = axes_stated(head)
+        if stated is not None:
+            layout = attrs.evolve(layout, axes=stated, axes_by=BY_FILE)
         if layout.time is None and options.rate is None:
             raise TraceError(f"{head.path} has no time ({head.describe()}): give the samples per second with --rate")
         if options.rate is not None:
@@ -59,6 +63,27 @@ class TraceFormat:
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         """Write a track so that reading it gives the same poses bit for bit."""
         raise TraceError(f"format {self.name} is read, not written")
+
+
+def axes_stated(head: Head) -> str | None:
+    """Return the axes that a comment of the file states, as `parse_axes` takes them.
+
+    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
+    """
+    from ..reading.axes import OPENXR, parse_axes
+
+    for _, text in head.comments:
+        key, _, value = text.partition(":")
+        if key.strip().lower() != "axes":
+            continue
+        if OPENXR in value.lower():
+            return OPENXR
+        try:
+            parse_axes(value)
+        except InputError:
+            continue
+        return value
+    return None
 
 
 def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
@@ -87,8 +112,16 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
         "position": found.position,
         "device": found.device,
         "scale": found.length_m or 1.0,
+        "gravity_down": _mean_of(head, found.gravity),
     }
     return Layout(**(facts | known))
+
+
+def _mean_of(head: Head, columns: tuple[int, int, int] | None) -> tuple[float, ...]:
+    """Return the mean of three columns over the first rows; zeros where one holds no number."""
+    rows = [[row[c] for c in columns] for row in head.rows if len(row) > max(columns)] if columns else []
+    numbers = [[float(f) for f in row] for row in rows if all(is_number(f) and "," not in f for f in row)]
+    return tuple(sum(column) / len(numbers) for column in zip(*numbers, strict=True)) if numbers else (0.0, 0.0, 0.0)
 
 
 def _order_ignored(order: str) -> Defect:

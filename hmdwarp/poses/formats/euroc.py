@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
+from ..reading.axes import OPENXR
 from ..reading.head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
@@ -49,6 +50,7 @@ class Euroc(TraceFormat):
         )
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write(f"# axes: {OPENXR}\n")
         stream.write(HEADER + "\n")
         write_rows(track, stream, ",", stamp=str, order="wxyz")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
+from ..reading.axes import OPENXR
 from ..reading.head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
@@ -57,6 +58,7 @@ class Tum(TraceFormat):
         )
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write(f"# axes: {OPENXR}\n")
         stream.write("# " + " ".join(COLUMNS) + "\n")
         write_rows(track, stream, " ", stamp=_seconds, order="xyzw")
 

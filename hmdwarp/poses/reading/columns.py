@@ -102,6 +102,7 @@ class Columns:
     length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
     euler: tuple[str, ...] = ()
+    gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
 
 
 def words(name: str) -> list[str]:
@@ -156,7 +157,13 @@ def find_columns(names: list[str]) -> Columns:
         length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
         euler=_find_euler(names, split, groups),
+        gravity=_find_gravity(groups),
     )
+
+
+def _find_gravity(groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
+    found = next((g for key, g in groups.items() if "gravity" in key and {"x", "y", "z"} <= set(g)), None)
+    return None if found is None else (found["x"], found["y"], found["z"])
 
 
 def _is_position(key: tuple[str, ...]) -> bool:

@@ -25,6 +25,13 @@ _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
 
+ASSUMED = "assumed"
+BY_FORMAT = "by the format"
+BY_FILE = "stated by the file"
+BY_USER = "as --axes or --up says"
+BY_MOTION = "by --axes auto, from the motion"
+
+
 @attrs.frozen
 class Layout:
     """Which columns to read, and what they mean."""
@@ -34,7 +41,9 @@ class Layout:
     position: tuple[int, int, int] | None = None  # columns of x y z
     unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
     device: int | None = None  # a column that says which of several devices a row is of
-    axes: str = "y"  # what `parse_axes` takes
+    axes: str = "openxr"  # what `parse_axes` takes
+    axes_by: str = ASSUMED  # who says so
+    gravity_down: tuple[float, float, float] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
     clock_ignored: bool = False  # --rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
