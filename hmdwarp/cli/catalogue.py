@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, axes, formats, recordings, scales, studies,
-    options.
+    kind: warps, fills, effects, lenses, scenes, headsets, axes, formats, recordings, scales,
+    studies, options.
     """
     return _MAKERS[kind]()
 

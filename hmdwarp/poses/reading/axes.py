@@ -110,7 +110,7 @@ def load_preset(name: str) -> Preset:
         raise unknown_name("axes preset", name, preset_names())
     data = Table(tomllib.loads((_PRESETS / f"{name}.toml").read_text(encoding="utf-8")))
     scale = data.number("metres_per_unit") if "metres_per_unit" in data else None
-    axes = Axes(_basis(data.text("world")), _basis(data.text("head")), name=name, metres_per_unit=scale)
+    axes = Axes(_basis(str(data.text("world"))), _basis(str(data.text("head"))), name=name, metres_per_unit=scale)
     preset = Preset(name, data.text("summary"), axes, data.text("source"))
     data.refuse_unread()
     return preset
