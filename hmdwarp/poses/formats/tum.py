@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import IO
 
+from ..defects import Defect
 from ..options import TraceOptions
 from ..reading.axes import OPENXR
 from ..reading.head import Head, is_number
@@ -16,6 +17,11 @@ from . import formats
 from ._base import TraceFormat, has, named_layout, ordered
 from ._writing import write_rows
 
+_ORDER = Defect(
+    "order-assumed",
+    "nothing in the file says whether w comes first or last in its quaternions",
+    "w last taken, as in TUM files; --quat-order wxyz says otherwise",
+)
 COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
 
 
@@ -33,8 +39,7 @@ class Tum(TraceFormat):
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if has(head, *COLUMNS):
             return 90
-        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well
-        # come first.
+        # Eight bare numbers: the layout of a TUM file that has lost its comment.
         bare = (
             head.names is None
             and head.separator is None
@@ -46,21 +51,31 @@ class Tum(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="s")
-        # Asked for by name, the file is what the format says; found by its shape alone, the order
-        # has to be told.
-        order = options.quat_order or ("xyzw" if options.format == self.name else None)
         need_columns(head, 8)
-        return Layout(
-            time=0,
-            position=(1, 2, 3),
-            orientation=ordered(head, (4, 5, 6, 7), order),
-            unit="s" if options.format else None,
-        )
+        return bare_layout(head, options, unit="s" if options.format else None)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write(f"# axes: {OPENXR}\n")
         stream.write("# " + " ".join(COLUMNS) + "\n")
         write_rows(track, stream, " ", stamp=_seconds, order="xyzw")
+
+
+def bare_layout(head: Head, options: TraceOptions, unit: str | None) -> Layout:
+    """Return the layout of eight columns without names: time, position, quaternion.
+
+    Blank-separated they are TUM's, w last, as evo and others write and read them; with any other
+    separator the order cannot be known. Errors: TraceError.
+    """
+    stated = options.quat_order or ("xyzw" if options.format is not None else None)
+    assumed = stated is None and head.separator is None
+    return Layout(
+        time=0,
+        position=(1, 2, 3),
+        orientation=ordered(head, (4, 5, 6, 7), "xyzw" if assumed else stated),
+        unit=unit,
+        order_assumed=assumed,
+        caveats=(_ORDER,) if assumed else (),
+    )
 
 
 def need_columns(head: Head, count: int) -> None:

@@ -18,7 +18,7 @@ from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
 from .motion import find_jumps, gravity_axis
-from .plausibility import Verdict, evidence_of, judge, place_fault, rate_fault
+from .plausibility import CLEAR, Evidence, Verdict, best_points, evidence_of, judge, place_fault, rate_fault
 from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
@@ -455,6 +455,8 @@ class Cleaner:
         if what:
             self.note("place-implausible", what, f"kept; {remedy}")
         evidence = evidence_of(time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
+        if self.layout.order_assumed:
+            self._check_order(time_ns, evidence)
         verdict = judge(evidence, self.axes)
         self.leaves_open = verdict.leaves_open
         auto = self.options.axes == AUTO
@@ -467,6 +469,15 @@ class Cleaner:
             what = f"read as {self.axes.label()}, {self.axes_by}: {', '.join(verdict.faults)}"
             self.note("axes-contradicted", what, _advice(verdict, auto))
             self._axes_wrong = True
+
+    def _check_order(self, time_ns: NDArray[np.int64], evidence: Evidence) -> None:
+        """Refuse an assumed order of quaternions if only the other one shows a person."""
+        other = evidence_of(time_ns, np.roll(self.rows.orientation, -1, axis=1), self.rows.position, evidence.gravity)
+        if best_points(other) > best_points(evidence) + CLEAR:
+            raise TraceError(
+                f"{self.where}: read with w last, as in TUM files, its quaternions make no person's motion; "
+                "with w first they do: say --quat-order wxyz, or xyzw if it is right as it is"
+            )
 
     def _is_tilted(self) -> bool:
         """Tell whether up lies between the file's axes: `report_tilt` then says by how much."""

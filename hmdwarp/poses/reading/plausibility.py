@@ -42,7 +42,7 @@ _MOST_STEPS = 20_000
 _LEAST_STEPS = 8
 # Heights of eyes over a floor, sitting children to standing adults.
 _HEIGHTS_M = (0.4, 2.4)
-_CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
+CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
 _SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -152,18 +152,23 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     ranked = sorted(_READINGS, key=evidence.score, reverse=True)
     best = ranked[0]
     own, top = evidence.score(here), evidence.score(best)
-    if not faults or best.same(here) or top - own < _CLEAR / 2:
+    if not faults or best.same(here) or top - own < CLEAR / 2:
         return Verdict(faults, None, [], False, (own, own), leaves_open=_open(evidence, here, own))
     fitting = [p for p in (load_preset(name) for name in preset_names()) if reading_of(p.axes).same(best)]
     better = fitting[0].axes if fitting else _right_handed(best)
-    clear = top - evidence.score(ranked[1]) > _CLEAR and not evidence.faults(best)
+    clear = top - evidence.score(ranked[1]) > CLEAR and not evidence.faults(best)
     alone = np.array_equal(best.crown, here.crown) and np.array_equal(best.gaze, here.gaze)
     return Verdict(faults, better, [p.name for p in fitting[1:]], clear, (own, top), alone)
 
 
+def best_points(evidence: Evidence) -> float:
+    """Return the points of the axes that fit best."""
+    return max(map(evidence.score, _READINGS))
+
+
 def _open(evidence: Evidence, here: Reading, points: float) -> str:
     """Return what differs between a reading and others that fit nearly as well."""
-    near = [r for r in _READINGS if evidence.score(r) > points - _CLEAR and not r.same(here) and not evidence.faults(r)]
+    near = [r for r in _READINGS if evidence.score(r) > points - CLEAR and not r.same(here) and not evidence.faults(r)]
     if any(not np.array_equal(r.up, here.up) or not np.array_equal(r.crown, here.crown) for r in near):
         return "which way is up"
     return "which way the head looks" if near else ""

@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from ..defects import Defect
-from .head import COMMENT_SIGNS, Head, is_number, split
+from .head import COMMENT_SIGNS, Head, is_number, open_trace, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024
+MOST_BAD_ROWS = 0.2  # share of rows without a pose (lost tracking, a line of text) that are dropped
+_REPAIR = "; repair or remove that line"
 _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
@@ -45,6 +47,7 @@ class Layout:
     axes_by: str = ASSUMED  # who says so
     gravity_down: tuple[float, float, float] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
+    order_assumed: bool = False  # of the quaternions: w last, though nothing says so
     clock_ignored: bool = False  # --rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
@@ -90,6 +93,8 @@ class RowReader:
         self.defects: list[Defect] = []
         self.ends_with_newline = True
         self._repeated_headers: list[int] = []
+        self._bad_rows = 0
+        self._first_bad: tuple[int, TraceError] | None = None
         self._columns = [*layout.orientation, *(layout.position or ())]
         self._width = head.width
         names = head.names or []
@@ -107,7 +112,23 @@ class RowReader:
             self.defects.append(
                 Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0])
             )
+        self._judge_bad_rows(sum(map(len, parts)))
         return self._joined(parts)
+
+    def _judge_bad_rows(self, good: int) -> None:
+        """Drop rows that hold no pose, up to a share; beyond it the file was misread.
+
+        Errors: TraceError of the first of them.
+        """
+        if self._first_bad is None:
+            return
+        line, error = self._first_bad
+        count, rows = self._bad_rows, self._bad_rows + good
+        if count > MOST_BAD_ROWS * rows:
+            raise TraceError(f"{error} ({count} of {rows} rows hold no pose)") from None
+        reason = str(error).removeprefix(f"{self.head.path}: line {line}: ").removesuffix(_REPAIR)
+        what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason})"
+        self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
 
     def _check_width(self) -> None:
         names, head = self.head.names, self.head
@@ -131,17 +152,16 @@ class RowReader:
                 f"{message}: it looks like decimal commas inside a comma-separated file, which cannot be told apart; "
                 "write decimal points, or separate the fields with ';'"
             )
-        return TraceError(f"{message}; repair or remove that line")
+        return TraceError(f"{message}{_REPAIR}")
 
     def _chunks(self) -> Iterator[_Chunk]:
         """Yield pieces of whole lines."""
         line, rest, newline = self.head.first_line, b"", self.head.newline
-        with self.head.path.open("rb") as file:
+        with open_trace(self.head.path) as file:
             file.seek(self.head.first_byte)
-            while True:
-                block = file.read(CHUNK_BYTES)
-                if not block:
-                    break
+            following = file.read(CHUNK_BYTES)
+            while following:
+                block, following = following, file.read(CHUNK_BYTES)
                 text = rest + block
                 cut = text.rfind(newline) + 1
                 if not cut and len(text) > _LONGEST_LINE:
@@ -152,7 +172,7 @@ class RowReader:
                 rest = text[cut:]
                 if cut:
                     count = text.count(newline, 0, cut)
-                    yield _Chunk(text[:cut], line, count, last=not rest and file.tell() >= self.head.size)
+                    yield _Chunk(text[:cut], line, count, last=not rest and not following)
                     line += count
         if rest.strip():
             self.ends_with_newline = False
@@ -232,7 +252,7 @@ class RowReader:
     def _read_slowly(self, chunk: _Chunk) -> Rows:
         """Parse line by line: skip comments, blank lines and repeated headers.
 
-        Drop a last line that was cut; name any other bad one.
+        Drop a last line that was cut; count any other bad one.
         """
         pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
         found = [
@@ -252,7 +272,9 @@ class RowReader:
                 row, time, device = self._parse_line(bare, number)
             except TraceError as error:
                 if not (chunk.last and k == len(found) - 1 and _looks_cut(bare)):
-                    raise
+                    self._bad_rows += 1
+                    self._first_bad = self._first_bad or (number, error)
+                    continue
                 reason = str(error).removeprefix(f"{self.head.path}: line {number}: ")
                 self.defects.append(Defect("last-row-cut", f"the last row is cut off ({reason})", "dropped", 1, number))
                 continue
@@ -290,9 +312,7 @@ class RowReader:
             try:
                 time = parse_one(field.replace(",", ".") if self.head.decimal_comma else field)
             except ValueError as error:
-                raise TraceError(
-                    f"{where}: {self._names[self.layout.time]}: {error}; repair or remove that line"
-                ) from None
+                raise TraceError(f"{where}: {self._names[self.layout.time]}: {error}{_REPAIR}") from None
         device = b"" if self.layout.device is None else fields[self.layout.device].encode("utf-8", "replace")
         return row, time, device
 
@@ -303,9 +323,7 @@ class RowReader:
         if abs(value) < _FARTHEST:
             return value
         shown = f"'{field[:40]}'" if field else "empty"
-        raise TraceError(
-            f"{where}: {self._names[column]} is {shown}: expected a finite number; repair or remove that line"
-        )
+        raise TraceError(f"{where}: {self._names[column]} is {shown}: expected a finite number{_REPAIR}")
 
     def _joined(self, parts: list[Rows]) -> Rows:
         if not sum(map(len, parts)):
