@@ -47,6 +47,18 @@ class TraceOptions(Declared):
     time_unit: str | None = option(
         None, "Unit of the file's clock: s, ms, us, ns or 100ns; by default as the file says, or guessed."
     )
+    # See `stated.StatedColumns`.
+    columns: str | None = option(
+        None, "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w)."
+    )
+    # A name, or a number from 1.
+    time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
+    # Of the rows of several devices.
+    device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
+    # See `formats._base.parse_euler`.
+    euler: str | None = option(
+        None, "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg)."
+    )
     # Which recording, counted from 1.
     segment: int | None = option(None, "Which recording of a file that holds several, from 1.", kind=int)
 

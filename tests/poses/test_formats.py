@@ -211,11 +211,11 @@ def test_words_of_column_names():
     euroc = "timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []"
     euroc += ",v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]"
     found = find_columns(euroc.split(","))
-    assert (found.time, found.time_unit, found.position, found.orientation) == (0, "ns", (1, 2, 3), (5, 6, 7, 4))
+    assert (found.clocks, found.position, found.orientation) == (((0, "ns"),), (1, 2, 3), (5, 6, 7, 4))
     hmd = "frame,utc_date,TimeStamp,left_hand_pos_x,left_hand_pos_y,left_hand_pos_z,head_pos_x,head_pos_y,head_pos_z"
     hmd += ",head_rot_x,head_rot_y,head_rot_z,head_rot_w"
     found = find_columns(hmd.split(","))
-    assert (found.time, found.position, found.orientation) == (2, (6, 7, 8), (9, 10, 11, 12))
+    assert (found.clocks[0][0], found.position, found.orientation) == (2, (6, 7, 8), (9, 10, 11, 12))
 
 
 def test_a_format_asked_for_is_not_second_guessed(tmp_path):

@@ -15,7 +15,7 @@ from ..reading.head import is_number
 if TYPE_CHECKING:
     from ..reading.cleaning import Cleaned
     from ..reading.head import Head
-    from ..reading.rows import Layout
+    from ..reading.rows import Euler, Layout
     from ..track import PoseTrack
 
 
@@ -43,6 +43,7 @@ class TraceFormat:
         from ..reading.rows import BY_FILE, RowReader
 
         layout = self.layout(head, options)
+        layout = with_stated_columns(head, layout, options)
         stated = axes_stated(head)
         if stated is not None:
             layout = attrs.evolve(layout, axes=stated, axes_by=BY_FILE)
@@ -86,6 +87,24 @@ def axes_stated(head: Head) -> str | None:
     return None
 
 
+def column_of(head: Head, word: str) -> int:
+    """Return the index of a column by name, or by number from 1. Errors: InputError."""
+    word = word.strip()
+    index = head.column(word)
+    if index is None and word.isdigit() and 1 <= int(word) <= head.width:
+        index = int(word) - 1
+    if index is None:
+        raise InputError(f"{head.path} has no column '{word}' ({head.describe()}); numbers count from 1")
+    return index
+
+
+def with_stated_columns(head: Head, layout: Layout, options: TraceOptions) -> Layout:
+    """Return the layout with the clock of --time-column, if there is one."""
+    if options.time_column is None:
+        return layout
+    return attrs.evolve(layout, time=column_of(head, options.time_column), unit=options.time_unit, nanoseconds=None)
+
+
 def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
     """Return a layout from the header's names.
 
@@ -98,23 +117,52 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = find_columns(head.names)
-    orientation = found.orientation
-    if orientation is None:
+    orientation: tuple[int, ...] | None = found.orientation
+    euler = None
+    if orientation is None and options.euler is not None and found.angles is not None:
+        euler = parse_euler(options.euler)
+        orientation = tuple(found.angles["xyz".index(axis)] for axis in euler.order)
+    elif orientation is None:
         raise _no_quaternion(head, found)
-    if found.numbered:
+    elif found.numbered:
         orientation = ordered(head, orientation, options.quat_order)
     elif options.quat_order is not None:
         known["caveats"] = (*known.get("caveats", ()), _order_ignored(options.quat_order))
+    time, unit = _finest(head, found.clocks)
     facts = {
-        "time": found.time,
-        "unit": found.time_unit,
+        "time": time,
+        "unit": unit,
+        "nanoseconds": found.nanoseconds,
         "orientation": orientation,
+        "euler": euler,
         "position": found.position,
         "device": found.device,
         "scale": found.length_m or 1.0,
         "gravity_down": _mean_of(head, found.gravity),
     }
     return Layout(**(facts | known))
+
+
+def _finest(head: Head, clocks: tuple[tuple[int, str | None], ...]) -> tuple[int | None, str | None]:
+    """Return the clock that takes the most values over the first rows, the likeliest of equals."""
+
+    def values(clock: tuple[int, str | None]) -> int:
+        return len({row[clock[0]] for row in head.rows if len(row) > clock[0] and row[clock[0]]})
+
+    return max(clocks, key=values, default=(None, None))
+
+
+def parse_euler(text: str) -> Euler:
+    """Parse `--euler`: the order of turns about the fixed axes, and deg or rad: "ZXY,deg".
+
+    Unity's Euler angles are ZXY,deg. Errors: InputError.
+    """
+    from ..reading.rows import Euler
+
+    order, _, unit = text.strip().lower().partition(",")
+    if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
+        raise InputError(f"euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
+    return Euler(order, unit.strip() == "deg")
 
 
 def _mean_of(head: Head, columns: tuple[int, int, int] | None) -> tuple[float, ...]:
@@ -137,8 +185,7 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
         names = ", ".join(found.euler[:4])
         return TraceError(
             f"{head.path} gives Euler angles only ({names}): their order and signs differ "
-            "from device to device, and the file does not state them; convert them to quaternions with what you "
-            "know of the device"
+            "from device to device, and the file does not state them; --euler does (ZXY,deg is Unity's)"
         )
     return TraceError(
         f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"

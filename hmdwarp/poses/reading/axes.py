@@ -123,7 +123,7 @@ def parse_axes(text: str) -> Axes:
     Errors: InputError, UnknownNameError.
     """
     text = text.strip().lower()
-    found = dict(_PARTS.findall(text))
+    found: dict[str, str] = dict(_PARTS.findall(text))
     if found:
         if _PARTS.sub("", text).strip(" ,;"):
             raise InputError(f"axes '{text}': expected {_SYNTAX}")

@@ -17,6 +17,7 @@ from ..defects import Defect
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
+from .columns import is_head
 from .motion import find_jumps, gravity_axis
 from .plausibility import CLEAR, Evidence, Verdict, best_points, evidence_of, judge, place_fault, rate_fault
 from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
@@ -24,6 +25,10 @@ from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
 COARSE_NORM = 1e-2
 WORST_NORM = 0.5
+# Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz.
+_NEARER = 8
+_PAIRED = 0.3  # share of steps
+_LEAST_PAIRS = 20
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
@@ -80,6 +85,7 @@ class Cleaner:
         time_ns = self.times()
         time_ns = self.trim_default_start(time_ns)
         time_ns = self.drop_duplicate_stamps(time_ns)
+        time_ns = self.join_pairs(time_ns)
         self.normalise()
         self.turn_and_scale(time_ns)
         self.join_hemispheres()
@@ -150,14 +156,25 @@ class Cleaner:
         """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
         device = self.rows.device
         if device is None:
+            if self.options.device is not None:
+                raise TraceError(f"{self.where} has no column that names devices: leave --device out")
             return
         names, first, counts = np.unique(device, return_index=True, return_counts=True)
+        texts = [n.decode("latin-1") for n in names]
+        stated = self.options.device
+        if stated is not None and stated not in texts:
+            raise TraceError(f"{self.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
         if len(names) < 2:
             return
-        texts = [n.decode("latin-1") for n in names]
-        heads = [i for i, t in enumerate(texts) if any(w in t.lower() for w in ("head", "hmd"))]
-        if heads:
+        tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
+        lost = [i for i, name in enumerate(names) if not tracked[device == name].any()]
+        heads = [i for i, t in enumerate(texts) if is_head(t) and i not in lost]
+        if stated is not None:
+            taken = texts.index(stated)
+        elif heads:
             taken = heads[0]
+        elif lost and len(lost) < len(names):
+            taken = min((i for i in range(len(names)) if i not in lost), key=lambda i: first[i])
         else:
             taken = (
                 min(range(len(texts)), key=lambda i: float(texts[i]))
@@ -168,7 +185,7 @@ class Cleaner:
         self.note(
             "devices-interleaved",
             f"rows of {len(names)} devices or eyes are interleaved ({', '.join(texts[:6])})",
-            f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out",
+            f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out; --device takes another",
             others,
             self._line(int(first[first != first[taken]].min())),
         )
@@ -384,6 +401,21 @@ class Cleaner:
         )
         keep = np.append(~same, True)
         rows.keep(keep)
+        return time_ns[keep]
+
+    def join_pairs(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Keep the last of two rows at nearly one instant, where the file is made of such pairs."""
+        steps = np.diff(time_ns)
+        if len(steps) < _LEAST_PAIRS:
+            return time_ns
+        near = steps * _NEARER < np.quantile(steps, 0.9)
+        count = int(near.sum())
+        if count < _PAIRED * len(steps):
+            return time_ns
+        what = f"{count} rows come {np.median(steps[near]) / 1e6:.3g} ms before the next, at nearly the same instant"
+        self.note("paired-rows", what, "the last of each pair kept", count, self._line(int(near.argmax())))
+        keep = np.append(~near, True)
+        self.rows.keep(keep)
         return time_ns[keep]
 
     def normalise(self) -> None:

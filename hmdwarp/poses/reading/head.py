@@ -9,7 +9,7 @@ import re
 import stat
 import zlib
 from pathlib import Path
-from typing import IO
+from typing import BinaryIO, cast
 
 import attrs
 
@@ -94,12 +94,12 @@ def read_head(path: Path) -> Head:
     return Head(path, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline)
 
 
-def open_trace(path: Path) -> IO[bytes]:
+def open_trace(path: Path) -> BinaryIO:
     """Open a file of rows for reading; a gzip file is unpacked as it is read. Errors: OSError."""
     file = path.open("rb")
     if file.read(2) == _GZIP:
         file.close()
-        return gzip.open(path, "rb")
+        return cast("BinaryIO", gzip.open(path, "rb"))
     file.seek(0)
     return file
 

@@ -23,6 +23,7 @@ from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 CHUNK_BYTES = 4 * 1024 * 1024
 MOST_BAD_ROWS = 0.2  # share of rows without a pose (lost tracking, a line of text) that are dropped
 _REPAIR = "; repair or remove that line"
+_MATRIX_OFF = 0.05
 _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
@@ -35,11 +36,23 @@ BY_MOTION = "by --axes auto, from the motion"
 
 
 @attrs.frozen
+class Euler:
+    """How three angles make an orientation."""
+
+    order: str  # turns about the fixed axes in the order they are applied, such as "zxy"
+    degrees: bool
+
+
+@attrs.frozen
 class Layout:
     """Which columns to read, and what they mean."""
 
     time: int | None  # column index
-    orientation: tuple[int, int, int, int]  # columns of x y z w
+    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle for each letter
+    orientation: tuple[int, ...]
+    matrix: bool = False
+    euler: Euler | None = None
+    nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
     position: tuple[int, int, int] | None = None  # columns of x y z
     unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
     device: int | None = None  # a column that says which of several devices a row is of
@@ -201,7 +214,7 @@ class RowReader:
         layout = self.layout
         kinds: list[tuple] = [("v", np.float64, (len(self._columns),))]
         columns = list(self._columns)
-        for name, column in (("t", layout.time), ("d", layout.device)):
+        for name, column in (("t", layout.time), ("d", layout.device), ("n", layout.nanoseconds)):
             if column is not None:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
@@ -219,13 +232,16 @@ class RowReader:
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
                 return None
             stamps = parse_fields(table["t"]) if layout.time is not None else None
+            if stamps is not None and layout.nanoseconds is not None:
+                stamps.billionths += parse_fields(table["n"]).whole
         except (ValueError, OverflowError):
             return None
         values = table["v"]
-        position = None if layout.position is None else np.ascontiguousarray(values[:, 4:7])
+        turns = len(layout.orientation)
+        position = None if layout.position is None else np.ascontiguousarray(values[:, turns:])
         device = None if layout.device is None else np.ascontiguousarray(table["d"])
         line = np.arange(chunk.line, chunk.line + count, dtype=np.int32)
-        return Rows(stamps, np.ascontiguousarray(values[:, :4]), position, device, line)
+        return Rows(stamps, np.ascontiguousarray(values[:, :turns]), position, device, line)
 
     def _regular(self, text: bytes, count: int) -> bool:
         """Tell whether every line has as many fields.
@@ -294,9 +310,10 @@ class RowReader:
             whole = np.array([t[0] for t in times], dtype=np.int64)
             parts = np.array([t[1] for t in times], dtype=np.int64)
             stamps = Stamps(whole, parts, any(t[2] for t in times))
-        position = None if self.layout.position is None else table[:, 4:7].copy()
+        turns = len(self.layout.orientation)
+        position = None if self.layout.position is None else table[:, turns:].copy()
         device = None if self.layout.device is None else np.array(devices, dtype=f"S{WIDTH}")
-        return Rows(stamps, table[:, :4].copy(), position, device, np.array(lines, dtype=np.int32))
+        return Rows(stamps, table[:, :turns].copy(), position, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
         where = f"{self.head.path}: line {number}"
@@ -311,6 +328,8 @@ class RowReader:
             field = fields[self.layout.time]
             try:
                 time = parse_one(field.replace(",", ".") if self.head.decimal_comma else field)
+                if self.layout.nanoseconds is not None:
+                    time = (time[0], time[1] + parse_one(fields[self.layout.nanoseconds])[0], time[2])
             except ValueError as error:
                 raise TraceError(f"{where}: {self._names[self.layout.time]}: {error}{_REPAIR}") from None
         device = b"" if self.layout.device is None else fields[self.layout.device].encode("utf-8", "replace")
@@ -342,7 +361,26 @@ class RowReader:
             columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
             for p in parts:  # let go of the pieces at once: the peak is the result and one column
                 setattr(p, name, None)
+        columns["orientation"] = _quaternions(columns["orientation"], self.layout, self.head)
         return Rows(stamps, **columns)
+
+
+def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
+    """Return (n, 4) quaternions xyzw of what the file holds. Errors: TraceError."""
+    if not layout.matrix and layout.euler is None:
+        return numbers
+    from scipy.spatial.transform import Rotation
+
+    if layout.euler is not None:
+        return Rotation.from_euler(layout.euler.order, numbers, degrees=layout.euler.degrees).as_quat()
+    matrices = numbers.reshape(-1, 3, 3)
+    off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:
+        raise TraceError(
+            f"{head.path}: half of its matrices are no rotations (off by {np.median(off):.3g} from orthonormal, "
+            f"determinant {np.median(np.linalg.det(matrices)):.3g}): were the wrong columns read?"
+        )
+    return Rotation.from_matrix(matrices).as_quat()
 
 
 def _taken(parts: list[Rows], get) -> NDArray:
