@@ -73,6 +73,7 @@ def convert(said: Said) -> None:
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
+    console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
     console.print(
         f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
@@ -123,6 +124,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
         "trace": str(loaded.path),
         "format": loaded.format,
         "origin": loaded.track.origin or "not told by the file",
+        "axes": loaded.axes,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
         "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",

@@ -10,6 +10,10 @@ from .reading.file_head import Head
 
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     """Return the named format, or the most likely one. Errors: UnknownNameError, TraceError."""
+    if options.columns is not None:
+        from .stated import StatedColumns
+
+        return StatedColumns()
     if options.format is not None:
         return formats.get(options.format)
     scores = {f.name: f.sniff(head, options) for f in formats}

@@ -11,6 +11,7 @@ from ..registry import unknown_name
 from .defects import Defect
 from .options import TraceOptions
 from .reading.cleaning import Segment
+from .reading.rows import ASSUMED
 from .track import PoseTrack
 
 
@@ -24,6 +25,12 @@ class LoadedTrace:
     defects: list[Defect]  # all defects and their repairs
     segments: list[Segment]  # recordings within the file, of which one was used
     time_unit: str  # of the file's clock, in words
+    axes: str  # of the file's world and head, who says so, and what the motion shows, in words
+
+    def notes(self) -> list[str]:
+        """Return a line for each defect, and one for axes that are only assumed."""
+        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if ASSUMED in self.axes else []
+        return [*assumed, *map(str, self.defects)]
 
     @property
     def rate_hz(self) -> float:
@@ -51,7 +58,9 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     head = read_head(path)
     found = find_format(head, options)
     cleaned = found.read(head, options)
-    return LoadedTrace(cleaned.track, path, found.name, cleaned.defects, cleaned.segments, cleaned.time_unit)
+    return LoadedTrace(
+        cleaned.track, path, found.name, cleaned.defects, cleaned.segments, cleaned.time_unit, cleaned.axes
+    )
 
 
 def trace_path(name_or_path: str | Path) -> Path:

@@ -43,6 +43,8 @@ class Facts:
     machine: dict[str, Any]
     # "gpu" or "wall".
     clock: str
+    # Axes in which a recorded trace was read, and who says so; empty for a head that is live.
+    trace_axes: str = ""
 
 
 def machine_of(gpu: Gpu) -> dict[str, Any]:
@@ -61,6 +63,7 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
         "schema": SCHEMA,
         "hmdwarp": __version__,
         "trace": facts.trace,
+        **({"trace_axes": facts.trace_axes} if facts.trace_axes else {}),
         "scene": facts.scene,
         "effects": facts.effects,
         "latency_ms": options.latency_ms,

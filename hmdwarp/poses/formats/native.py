@@ -7,7 +7,7 @@ from typing import IO, TYPE_CHECKING
 
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..reading.rows import Layout
+from ..reading.rows import BY_FORMAT, Layout
 from ..track import PoseTrack
 from . import formats
 from ._base import TraceFormat, has, named_layout
@@ -30,7 +30,7 @@ class Native(TraceFormat):
         return 100 if has(head, *COLUMNS) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="ns")
+        return named_layout(head, options, unit="ns", axes_by=BY_FORMAT)
 
     def origin(self, head: Head) -> str:
         return next(

@@ -16,7 +16,11 @@ from numpy.typing import NDArray
 BILLION = 1_000_000_000
 WIDTH = 32  # bytes kept of a time field; longer ones take the slow path
 _LARGEST = 2**62
-_CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}):(\d\d):(\d\d)(?:[.,](\d+))?(?:Z|[+-]\d\d:?\d\d)?$")
+_CLOCK = re.compile(
+    r"(?:(\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4})[T _])?"
+    r"(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d+))?(?: ?([AP])M)?(?:Z|[+-]\d\d:?\d\d)?$",
+    re.IGNORECASE,
+)
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
 UNIT_NAMES = {
     "s": "seconds",
@@ -80,9 +84,9 @@ def parse_one(text: str) -> tuple[int, int, bool]:
     text = text.strip().strip('"').strip()
     clock = _CLOCK.match(text)
     if clock:
-        day, hours, minutes, seconds, fraction = clock.groups()
-        days = datetime.date.fromisoformat(day).toordinal() if day else 0
-        whole = ((days * 24 + int(hours)) * 60 + int(minutes)) * 60 + int(seconds)
+        day, hours, minutes, seconds, fraction, half = clock.groups()
+        hour = int(hours) % 12 + (12 if half in "pP" else 0) if half else int(hours)
+        whole = ((_days(day) * 24 + hour) * 60 + int(minutes)) * 60 + int(seconds)
         return whole, int((fraction or "0")[:9].ljust(9, "0")), True
     if "_" in text:
         raise ValueError(f"'{text}' is no time")
@@ -101,6 +105,19 @@ def parse_one(text: str) -> tuple[int, int, bool]:
     if abs(whole) >= _LARGEST:
         raise ValueError(f"time '{text}' is beyond 2^62")
     return whole, parts, False
+
+
+def _days(day: str | None) -> int:
+    """Return the days of a date before a clock; 0 without one.
+
+    Where the year comes last, day and month are told apart by which is over 12, and taken as day
+    and month where neither is: only a recording over midnight would notice.
+    """
+    if not day:
+        return 0
+    a, b, c = map(int, re.split("[-/.]", day))
+    year, month, date = (a, b, c) if a > 31 else (c, a, b) if b > 12 else (c, b, a)
+    return datetime.date(year, month, date).toordinal()
 
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
