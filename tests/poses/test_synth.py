@@ -21,11 +21,11 @@ from hmdwarp.poses import (
     analyse,
     load_trace,
     minimum_jerk,
-    peak_speed,
     shift_seconds,
     synthesise,
     write_synthetic,
 )
+from hmdwarp.poses.options import MOTIONS
 
 from .traces import same_motion
 
@@ -48,6 +48,7 @@ def test_every_kind_is_shipped_and_described():
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
         turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
         assert f"| {turning} |" in text
+    assert set(MOTIONS.replace(" or ", ", ").split(", ")) == set(KINDS)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -99,6 +100,11 @@ def test_walking_heads_bob_at_the_step_and_face_where_they_go():
     assert np.median(cosine) > 0.85
 
 
+def peak_speed(amplitude_deg: float) -> float:
+    """In deg/s: 1.875 of the mean speed, as minimum jerk has it."""
+    return 1.875 * amplitude_deg / shift_seconds(amplitude_deg)
+
+
 @given(st.floats(1, 150), st.floats(0.1, 20))
 def test_peak_speed_grows_with_amplitude_and_levels_off(amplitude, more):
     """The main sequence: larger shifts are faster, but less than in proportion."""
@@ -141,7 +147,7 @@ def test_the_motion_does_not_depend_on_the_rate():
     ],
 )
 def test_what_cannot_be_made_is_refused(wrong):
-    with pytest.raises(InputError, match="wanted"):
+    with pytest.raises(InputError, match="expected"):
         synthesise("still", **wrong)
 
 
