@@ -7,10 +7,10 @@ import json
 import pytest
 from scenes.glb import boxes, cube
 
-from hmdwarp.bench.options import BenchOptions
+from hmdwarp.bench import BenchOptions
 from hmdwarp.options import PICTURE, options_of
-from hmdwarp.pipeline.options import PipelineOptions
-from hmdwarp.run.options import LiveOptions, RecordOptions, RunOptions
+from hmdwarp.pipeline import PipelineOptions
+from hmdwarp.run import LiveOptions, RecordOptions, RunOptions
 from hmdwarp.scenes import SceneOptions
 from hmdwarp.study.design import KINDS, check_settings
 
