@@ -8,12 +8,9 @@
 //
 // TESTS 0: whatever is there. 1: what the picture does not hide. 2: that, and where it hides all
 // there is, what it hides: so that it is known when a moving head sees past the thing before it.
-in vec2 uv;
+#include "lib/sheet.glsl"
 in vec3 light;
 
-uniform sampler2D surface;
-uniform float opacity;
-uniform vec3 tint; // share of the light behind that passes where the sheet itself does not stop it, by colour
 #if TESTS
 uniform sampler2D picture; // its inverse depth
 uniform float keep;        // a little below 1: a sheet that lies on a surface is not hidden by it
@@ -33,10 +30,10 @@ layout(location = 0) out float inverse_depth;
 const float LEAST = 1.0 / 256.0; // less than that is not there: mipmaps spread a little of everything everywhere
 
 void main() {
-    // Before a discard: after it the neighbours' uv, and so the mip level, would be undefined
-    vec4 texel = texture(surface, uv);
-    float share = opacity * texel.a;
-    if (share < LEAST && min(min(tint.r, tint.g), tint.b) > 1.0 - LEAST) discard;
+    vec4 texel = sheet_texel();
+    float share = passes.a * texel.a;
+    bool is_there = share >= LEAST || min(min(passes.r, passes.g), passes.b) <= 1.0 - LEAST;
+    if (!is_there || !is_drawn()) discard;
 #if TESTS
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     bool may_be_hidden = true;
@@ -47,7 +44,7 @@ void main() {
 #endif
 #if COLOUR
     veil = vec4(texel.rgb * light * share, max(share, covers));
-    passing = vec4(tint * (1.0 - share), 1.0 - share);
+    passing = vec4(passes.rgb * (1.0 - share), 1.0 - share);
 #else
     inverse_depth = gl_FragCoord.w;
 #endif

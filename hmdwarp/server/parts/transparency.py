@@ -93,7 +93,9 @@ class Transparency(Part):
         return program
 
     def _program(self, tests: int, **defines: int) -> Draw:
-        program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=tests, **defines)
+        program = self.context.gpu.shaders.draw(
+            "server/pane.vert", "server/pane.frag", TESTS=tests, SLOTS=self._sheets.slots, **defines
+        )
         program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"unhidden": 2} if tests == 2 else {}))
         return program
 
