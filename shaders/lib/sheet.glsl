@@ -5,7 +5,7 @@
 layout(binding = 3) uniform sampler2D surfaces[SLOTS];
 
 in vec2 uv;
-flat in vec4 passes; // share of the light behind that passes where the sheet does not stop it, by colour; its opacity
+flat in vec4 passes; // share of the light behind that passes where the sheet does not cover, by colour; its opacity
 flat in uvec2 kind;  // slot of its texture; 1 if its back is not drawn
 
 // Called before any discard: after one the neighbours' uv, and so the mip level, would be undefined.

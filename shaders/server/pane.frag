@@ -9,7 +9,8 @@
 // TESTS 0: whatever is there. 1: what the picture does not hide. 2: that, and where it hides all
 // there is, what it hides: so that it is known when a moving head sees past the thing before it.
 #include "lib/sheet.glsl"
-in vec3 light;
+in vec3 light;    // that it scatters itself
+in vec3 coloured; // share of the light behind that passes where it covers, by colour, its texture apart
 
 #if TESTS
 uniform sampler2D picture; // its inverse depth
@@ -32,7 +33,8 @@ const float LEAST = 1.0 / 256.0; // less than that is not there: mipmaps spread 
 void main() {
     vec4 texel = sheet_texel();
     float share = passes.a * texel.a;
-    bool is_there = share >= LEAST || min(min(passes.r, passes.g), passes.b) <= 1.0 - LEAST;
+    vec3 through = passes.rgb * (1.0 - share) + coloured * texel.rgb * share;
+    bool is_there = min(min(through.r, through.g), through.b) <= 1.0 - LEAST;
     if (!is_there || !is_drawn()) discard;
 #if TESTS
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -44,7 +46,7 @@ void main() {
 #endif
 #if COLOUR
     veil = vec4(texel.rgb * light * share, max(share, covers));
-    passing = vec4(passes.rgb * (1.0 - share), 1.0 - share);
+    passing = vec4(through, 1.0 - share);
 #else
     inverse_depth = gl_FragCoord.w;
 #endif

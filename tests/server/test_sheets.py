@@ -32,6 +32,13 @@ def pane(name: str, quad: Quad, **material: object) -> Mesh:
     return attrs.evolve(quad.mesh(name), material=Material(**({"see_through": True} | material)))
 
 
+def sheet(mesh: Mesh) -> Sheet:
+    """The twin of a pane without a texture."""
+    made = mesh.material
+    own, coloured = (1 - made.transmission) * mesh.light[0], made.transmission * mesh.albedo[0]
+    return Sheet(corners_of(mesh), own, made.opacity, made.tint, coloured)
+
+
 def random_panes(seed: int, count: int = 4) -> list[Mesh]:
     """Tilted panes one behind the other, none through another.
 
@@ -49,7 +56,8 @@ def random_panes(seed: int, count: int = 4) -> list[Mesh]:
             -1,
             tuple(rng.uniform(0, 1, 3)),
         )
-        made.append(pane(f"pane-{k}", quad, opacity=rng.uniform(0.1, 0.9), tint=tuple(rng.uniform(0.3, 1, 3))))
+        shares = {"opacity": rng.uniform(0.1, 0.9), "transmission": rng.uniform() if k % 2 else 0.0}
+        made.append(pane(f"pane-{k}", quad, tint=tuple(rng.uniform(0.3, 1, 3)), **shares))
     return made
 
 
@@ -95,7 +103,7 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
     turn = Rotation.from_euler("YX", np.random.default_rng(seed).uniform(-8, 8, 2), degrees=True)
     view = View(Pose((0.05, 1.6, 0.1), turn.as_quat()), FOV)
     plain, whole = (picture(gpu, with_meshes(*meshes), view) for meshes in ((), panes))
-    sheets = [Sheet(corners_of(one), one.light[0], one.material.opacity, one.material.tint) for one in panes]
+    sheets = [sheet(one) for one in panes]
     rays = world_directions(view, SIZE).reshape(-1, 3)
     seen = look_through(sheets, view.pose.position_m, rays, plain["inverse_depth"].ravel())
     expected = seen.over(plain["colour"][..., :3].reshape(-1, 3)).reshape(whole["colour"][..., :3].shape)
@@ -139,7 +147,7 @@ def test_the_layers_put_together_are_the_whole_picture(gpu, seed):
 def test_the_veil_has_the_depth_of_the_nearest_sheet(gpu):
     panes, view = random_panes(3), View(Pose((0, 1.6, 0)), FOV)
     parts = picture(gpu, attrs.evolve(with_meshes(), meshes=tuple(panes)), view, LAYERS)
-    sheets = [Sheet(corners_of(one), one.light[0], one.material.opacity, one.material.tint) for one in panes]
+    sheets = [sheet(one) for one in panes]
     seen = look_through(sheets, view.pose.position_m, world_directions(view, SIZE).reshape(-1, 3))
     nearest = seen.inverse_depth.reshape(SIZE[::-1])
     safe = away_from_changes(seen.count.reshape(SIZE[::-1]))
@@ -329,6 +337,8 @@ def test_what_is_head_locked_does_not_depend_on_where_the_head_is_and_looks(gpu)
         {"tint": (1.0, 1.0)},
         {"see_through": True, "tint": (1.2, 1.0, 1.0)},
         {"tint": (0.5, 1.0, 1.0)},
+        {"transmission": 0.5},
+        {"see_through": True, "transmission": 1.5},
         {"see_through": True, "head_locked": True},
     ],
 )

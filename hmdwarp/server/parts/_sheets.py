@@ -36,7 +36,8 @@ THROUGH = (moderngl.ZERO, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
 # Textures that one draw call can choose from: at least 16 units, fewer the three from 0 on.
 _SLOTS, _FIRST_UNIT = 13, 3
 _KIND = np.dtype([("clip_from_here", "<f4", (4, 4)), ("passes", "<f4", 4), ("slot", "<u4"), ("one_sided", "<u4", 3)])
-_VERTEX = np.dtype([("position", "<f4", 3), ("uv", "<f4", 2), ("light", "<f4", 3), ("mesh", "<u4")])
+_FIELDS = {"position": "3f4", "uv": "2f4", "light": "3f4", "coloured": "3f4", "mesh": "1u4"}  # of a vertex
+_VERTEX = np.dtype([(name, f"<{form[1:]}", int(form[0])) for name, form in _FIELDS.items()])
 
 
 @attrs.frozen(eq=False)
@@ -147,9 +148,9 @@ class Sheets:
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
         if program.program not in self._arrays:
-            lit = "in_light" in program.program  # the compiler leaves it out for depth alone
-            layout, names = ("3f4 2f4 3f4 1u4", ("in_light",)) if lit else ("3f4 2f4 12x 1u4", ())
-            inputs = [(self._vertices, layout, "in_position", "in_uv", *names, "in_mesh")]
+            read = [name for name in _FIELDS if f"in_{name}" in program.program]  # depth alone needs no light
+            layout = " ".join(form if name in read else f"{4 * int(form[0])}x" for name, form in _FIELDS.items())
+            inputs = [(self._vertices, layout, *(f"in_{name}" for name in read))]
             self._arrays[program.program] = self._context.gpu.gl.vertex_array(
                 program.program, inputs, self._indices, index_element_size=4
             )
@@ -237,13 +238,20 @@ def _farthest_first(squared: Array) -> NDArray[np.intp]:
     return order
 
 
+def _coloured(mesh: Mesh) -> NDArray[np.float32]:
+    """Return (n, 3): share of each colour that passes where the mesh covers, its texture apart."""
+    colour = np.ones_like(mesh.light) if mesh.albedo is None else np.clip(mesh.albedo, 0, 1)
+    return colour * np.float32(mesh.material.transmission)
+
+
 def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
     rows = np.zeros(sum(len(mesh.positions) for mesh in meshes), _VERTEX)
     for name, parts in (
         ("position", [mesh.positions for mesh in meshes]),
         ("uv", [mesh.uv for mesh in meshes]),
-        ("light", [mesh.light for mesh in meshes]),
-        ("mesh", [np.full(len(mesh.positions), index) for index, mesh in enumerate(meshes)]),
+        ("light", [mesh.light * np.float32(1 - mesh.material.transmission) for mesh in meshes]),
+        ("coloured", [_coloured(mesh) for mesh in meshes]),
+        ("mesh", [np.full((len(mesh.positions), 1), index) for index, mesh in enumerate(meshes)]),
     ):
         if parts:
             rows[name] = np.concatenate(parts)
