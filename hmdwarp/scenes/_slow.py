@@ -34,7 +34,7 @@ _LOADS = (
         "transparent triangles",
         lambda scene: sum(len(mesh.triangles) for mesh in scene.meshes if mesh.material.see_through),
         20_000,
-        "each eye's picture sorts them all and its layer draws them four times; simplify them, make opaque what need "
+        "each eye's picture sorts them all and its layer draws them three times; simplify them, make opaque what need "
         "not be seen through, or draw them into the picture alone (--effects no-transparency)",
     ),
     _Load(

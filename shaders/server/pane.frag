@@ -1,8 +1,9 @@
-// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, how far away the
-// nearest one is.
+// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, how far away it is,
+// for keeping the most.
 // In: uv and linear light of the sheet; inverse depth of the picture. Out: the sheet's own light,
 // premultiplied, and beside it the share of the light behind that passes, by colour (the second
-// source of the blending); or inverse depth in 1/m.
+// source of the blending); or inverse depth in 1/m, -1 if the picture hides it, and again whatever
+// hides it.
 // Source: Porter and Duff 1984, Compositing Digital Images (over); OpenGL 4.3 specification, 17.3.8
 // (dual-source blending).
 //
@@ -17,7 +18,7 @@ uniform sampler2D picture; // its inverse depth
 uniform float keep;        // a little below 1: a sheet that lies on a surface is not hidden by it
 #endif
 #if TESTS == 2
-uniform sampler2D unhidden; // inverse depth of the nearest sheet that is not hidden, -1: there is none
+uniform sampler2D nearest; // of COLOUR 0: inverse depth of the nearest sheet that is not hidden, -1: there is none
 #endif
 #if COLOUR
 uniform float covers; // 1: alpha is coverage, whatever passes; 0: the share that does not pass
@@ -25,7 +26,7 @@ uniform float covers; // 1: alpha is coverage, whatever passes; 0: the share tha
 layout(location = 0, index = 0) out vec4 veil;
 layout(location = 0, index = 1) out vec4 passing;
 #else
-layout(location = 0) out float inverse_depth;
+layout(location = 0) out vec2 depths;
 #endif
 
 const float LEAST = 1.0 / 256.0; // less than that is not there: mipmaps spread a little of everything everywhere
@@ -38,16 +39,18 @@ void main() {
     if (!is_there || !is_drawn()) discard;
 #if TESTS
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    bool may_be_hidden = true;
+    bool is_hidden = gl_FragCoord.w < texelFetch(picture, pixel, 0).r * keep;
 #if TESTS == 2
-    may_be_hidden = texelFetch(unhidden, pixel, 0).r >= 0.0;
+    is_hidden = is_hidden && texelFetch(nearest, pixel, 0).r >= 0.0;
 #endif
-    if (may_be_hidden && gl_FragCoord.w < texelFetch(picture, pixel, 0).r * keep) discard;
+#endif
+#if TESTS && COLOUR
+    if (is_hidden) discard;
 #endif
 #if COLOUR
     veil = vec4(texel.rgb * light * share, max(share, covers));
     passing = vec4(through, 1.0 - share);
 #else
-    inverse_depth = gl_FragCoord.w;
+    depths = vec2(is_hidden ? -1.0 : gl_FragCoord.w, gl_FragCoord.w);
 #endif
 }

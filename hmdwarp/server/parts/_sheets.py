@@ -24,13 +24,22 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _Place = tuple[bool, int]  # what meshes have in common that stand still to each other: head-locked, body
-Blending = tuple[int, int, int, int]
-# rgb and alpha: factor of what is drawn, factor of what is there. Names that moderngl lacks are
-# OpenGL's.
-_SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589
-OVER_KEEPING_COVERAGE = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
-OVER = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, _SRC1_ALPHA)
-THROUGH = (moderngl.ZERO, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
+
+
+@attrs.frozen
+class Blending:
+    """What becomes of what is drawn and what is there."""
+
+    # rgb and alpha: factor of what is drawn, factor of what is there.
+    factors: tuple[int, int, int, int]
+    equation: int = moderngl.FUNC_ADD
+
+
+_SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589  # OpenGL's names; moderngl lacks them
+OVER_KEEPING_COVERAGE = Blending((moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO))
+OVER = Blending((moderngl.ONE, _SRC1_COLOR, moderngl.ONE, _SRC1_ALPHA))
+THROUGH = Blending((moderngl.ZERO, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO))
+MOST = Blending((moderngl.ONE, moderngl.ONE, moderngl.ONE, moderngl.ONE), moderngl.MAX)
 
 
 # Textures that one draw call can choose from: at least 16 units, fewer the three from 0 on.
@@ -66,7 +75,8 @@ class Sheets:
     a call can choose from, it is a call for each run of triangles whose textures fit.
 
     Triangles that pass through each other, or large ones close together, may come in the wrong
-    order where they overlap.
+    order where they overlap. That changes how much of each one's own light is seen; what passes
+    them all, and how near they are, does not depend on the order.
     """
 
     def __init__(self, context: DrawContext, meshes: Sequence[Mesh]) -> None:
@@ -126,13 +136,15 @@ class Sheets:
         framebuffer.depth_mask = blending is None
         with drawing_into(framebuffer, flags):
             if blending is not None:
-                gl.blend_func = blending  # type: ignore[assignment]  # its stub knows two factors
+                gl.blend_func = blending.factors  # type: ignore[assignment]  # its stub knows two factors
+                gl.blend_equation = blending.equation  # type: ignore[assignment]  # the stub wants two
             for run in order.runs:
                 for slot, texture in run.textures.items():
                     self._context.textures[texture].use(_FIRST_UNIT + slot)
                 vertices.render(moderngl.TRIANGLES, vertices=run.count, first=run.first)
             # Mesa refuses to draw into two textures while a second source is set, blended or not.
             gl.blend_func = moderngl.DEFAULT_BLENDING  # type: ignore[assignment]
+            gl.blend_equation = moderngl.FUNC_ADD  # type: ignore[assignment]
         framebuffer.depth_mask = True
 
     def _kinds_of_meshes(self) -> NDArray[np.void]:
