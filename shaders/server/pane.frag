@@ -1,27 +1,27 @@
-// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, how far away it is,
-// for keeping the most.
+// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, its depth, of
+// which the blending keeps the maximum.
 // In: uv and linear light of the sheet; inverse depth of the picture. Out: the sheet's own light,
 // premultiplied, and beside it the share of the light behind that passes, by colour (the second
-// source of the blending); or inverse depth in 1/m, -1 if the picture hides it, and again whatever
-// hides it.
+// source of the blending); or inverse depth in 1/m, -1 if the picture occludes it, and again
+// without that test.
 // Source: Porter and Duff 1984, Compositing Digital Images (over); OpenGL 4.3 specification, 17.3.8
 // (dual-source blending).
 //
-// TESTS 0: whatever is there. 1: what the picture does not hide. 2: that, and where it hides all
-// there is, what it hides: so that it is known when a moving head sees past the thing before it.
+// TESTS 0: all sheets. 1: sheets that the picture does not occlude. 2: those and, in pixels where
+// it occludes all, the occluded ones, for when a moving head uncovers them.
 #include "lib/sheet.glsl"
 in vec3 light;    // that it scatters itself
 in vec3 coloured; // share of the light behind that passes where it covers, by colour, its texture apart
 
 #if TESTS
 uniform sampler2D picture; // its inverse depth
-uniform float keep;        // a little below 1: a sheet that lies on a surface is not hidden by it
+uniform float keep;        // a little below 1: a sheet that lies on a surface is not occluded by it
 #endif
 #if TESTS == 2
-uniform sampler2D nearest; // of COLOUR 0: inverse depth of the nearest sheet that is not hidden, -1: there is none
+uniform sampler2D nearest; // of COLOUR 0: inverse depth of the nearest visible sheet, -1: none
 #endif
 #if COLOUR
-uniform float covers; // 1: alpha is coverage, whatever passes; 0: the share that does not pass
+uniform float covers; // 1: alpha is coverage, whatever the transmission; 0: the share of light that does not pass
 
 layout(location = 0, index = 0) out vec4 veil;
 layout(location = 0, index = 1) out vec4 passing;
@@ -29,7 +29,7 @@ layout(location = 0, index = 1) out vec4 passing;
 layout(location = 0) out vec2 depths;
 #endif
 
-const float LEAST = 1.0 / 256.0; // less than that is not there: mipmaps spread a little of everything everywhere
+const float LEAST = 1.0 / 256.0; // below this a sheet is absent: mipmaps spread traces of everything everywhere
 
 void main() {
     vec4 texel = sheet_texel();
@@ -39,18 +39,18 @@ void main() {
     if (!is_there || !is_drawn()) discard;
 #if TESTS
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    bool is_hidden = gl_FragCoord.w < texelFetch(picture, pixel, 0).r * keep;
+    bool is_occluded = gl_FragCoord.w < texelFetch(picture, pixel, 0).r * keep;
 #if TESTS == 2
-    is_hidden = is_hidden && texelFetch(nearest, pixel, 0).r >= 0.0;
+    is_occluded = is_occluded && texelFetch(nearest, pixel, 0).r >= 0.0;
 #endif
 #endif
 #if TESTS && COLOUR
-    if (is_hidden) discard;
+    if (is_occluded) discard;
 #endif
 #if COLOUR
     veil = vec4(texel.rgb * light * share, max(share, covers));
     passing = vec4(through, 1.0 - share);
 #else
-    depths = vec2(is_hidden ? -1.0 : gl_FragCoord.w, gl_FragCoord.w);
+    depths = vec2(is_occluded ? -1.0 : gl_FragCoord.w, gl_FragCoord.w);
 #endif
 }

@@ -10,7 +10,7 @@ struct Kind {
 };
 layout(std430, binding = 0) readonly buffer Kinds { Kind kinds[]; };
 
-invariant gl_Position; // the drawings of one layer are two programs and must agree to the last bit
+invariant gl_Position; // the draws of one layer use two programs, which must agree to the last bit
 
 in vec3 in_position;
 in vec2 in_uv;

@@ -28,9 +28,9 @@ _Place = tuple[bool, int]  # what meshes have in common that stand still to each
 
 @attrs.frozen
 class Blending:
-    """What becomes of what is drawn and what is there."""
+    """How source and destination are combined."""
 
-    # rgb and alpha: factor of what is drawn, factor of what is there.
+    # rgb and alpha: factor of the source, factor of the destination.
     factors: tuple[int, int, int, int]
     equation: int = moderngl.FUNC_ADD
 
@@ -68,15 +68,15 @@ class _Order:
 
 
 class Sheets:
-    """Some meshes of a scene on the GPU, drawn in order of their distance.
+    """Some meshes of a scene on the GPU, drawn in order of distance.
 
     All meshes share one index buffer, which one call draws: a vertex knows its mesh, so that those
     in between each other cost no more than those apart. Where the meshes have more textures than
     a call can choose from, it is a call for each run of triangles whose textures fit.
 
-    Triangles that pass through each other, or large ones close together, may come in the wrong
-    order where they overlap. That changes how much of each one's own light is seen; what passes
-    them all, and how near they are, does not depend on the order.
+    Triangles that intersect, or large ones close together, may come in the wrong order where they
+    overlap. That changes how much of each one's own light is seen; what passes them all, and how
+    near they are, does not depend on the order.
     """
 
     def __init__(self, context: DrawContext, meshes: Sequence[Mesh]) -> None:
@@ -119,8 +119,8 @@ class Sheets:
     ) -> None:
         """Draw all sheets of `view` at that instant, farthest first.
 
-        program: of server/pane.vert. blending: None for a depth, of which the nearest stays.
-        hidden_by_surfaces: whether what is blended is tested against the depth buffer.
+        program: of server/pane.vert. blending: None to draw depth, of which the nearest wins.
+        hidden_by_surfaces: whether blended sheets are tested against the depth buffer.
         """
         order, gl, vertices = self._ordered(view, time_ns), self._context.gpu.gl, self._array(program)
         if order.runs:
@@ -160,7 +160,7 @@ class Sheets:
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
         if program.program not in self._arrays:
-            read = [name for name in _FIELDS if f"in_{name}" in program.program]  # depth alone needs no light
+            read = [name for name in _FIELDS if f"in_{name}" in program.program]  # the compiler removes the others
             layout = " ".join(form if name in read else f"{4 * int(form[0])}x" for name, form in _FIELDS.items())
             inputs = [(self._vertices, layout, *(f"in_{name}" for name in read))]
             self._arrays[program.program] = self._context.gpu.gl.vertex_array(
@@ -169,7 +169,7 @@ class Sheets:
         return self._arrays[program.program]
 
     def _ordered(self, view: View, time_ns: int) -> _Order:
-        """Return the order, kept for the next drawing: those of one picture follow each other."""
+        """Return the order, cached for the next call: one picture has several."""
         key = (view.pose, view.head_from_eye, time_ns)
         if self._order is None or any(a is not b and a != b for a, b in zip(self._order.key, key, strict=True)):
             self._deform(time_ns)
@@ -190,7 +190,7 @@ class Sheets:
         self._written_ns = time_ns
 
     def _eye_from(self, place: _Place, view: View, time_ns: int) -> Array:
-        """Return 4x4, relative to the eye before anything is turned.
+        """Return 4x4, relative to the eye before any rotation.
 
         Head-locked meshes are placed in the head's space.
         """

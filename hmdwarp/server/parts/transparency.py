@@ -1,4 +1,4 @@
-"""Glass and the like: blended over the picture, or a veil with a depth of its own."""
+"""Transparent sheets: blended over the picture, or a veil with a depth of its own."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ _TWO_DEPTHS = (2, "f4")  # rg32f
 
 @parts.register
 class Transparency(Part):
-    """Blended into the picture, sheets leave the depth of what lies behind.
+    """Blended into the picture, sheets keep the depth of what lies behind.
 
     As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the
-    picture hides is left out where another is not hidden; else it is there, for when the head looks
-    past what stood before it.
+    picture occludes is left out where another is visible; elsewhere it is kept for when the head
+    moves and uncovers it.
     """
 
     name = "transparency"
@@ -90,7 +90,7 @@ class Transparency(Part):
         self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
 
     def _nearest_of(self, size: tuple[int, int]) -> moderngl.Texture:
-        """Return a texture for the depths of the nearest sheets, used within one picture."""
+        """Return a texture for the depths of the nearest sheets, valid within one picture."""
         if size not in self._nearest:
             self._nearest[size] = allocate(self.context.gpu.gl, size, _TWO_DEPTHS)
         return self._nearest[size]
