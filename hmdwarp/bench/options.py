@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Number, Option, group, names_in, option, same_as
+from ..options import Declared, Number, Option, force_field, group, names_in, option, out_field, same_as
 from ..pipeline.options import parse_size
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
@@ -168,7 +168,8 @@ class BenchOptions(Declared):
     fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)
-    out: Path = option(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.", kind=Path, convert=Path)
+    out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
+    force: bool = force_field()
     command: str = ""
 
     @classmethod

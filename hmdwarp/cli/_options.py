@@ -6,11 +6,12 @@ import inspect
 import shlex
 import sys
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ..options import Declared, Option, options_of
+from ..options import Declared, Option, options_of, path_of
 
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
@@ -31,7 +32,7 @@ def takes(
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
-            run({one.name: said.get(renamed.get(one.name, one.name), one.default) for one in options})
+            run({one.name: _read(one, said.get(renamed.get(one.name, one.name), one.default)) for one in options})
 
         parameters = [_parameter(option, renamed.get(option.name, option.name)) for option in options]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
@@ -42,10 +43,18 @@ def takes(
     return decorate
 
 
+def _read(option: Option, value: Any) -> Any:
+    return path_of(value, option.flag) if option.kind is Path and value is not None else value
+
+
 def _parameter(option: Option, name: str) -> inspect.Parameter:
-    kind: Any = list[str] if option.kind is list else option.kind
+    # Paths as texts: an empty one is no path.
+    kinds: dict[Any, Any] = {list: list[str], Path: str}
+    kind = kinds.get(option.kind, option.kind)
     default = inspect.Parameter.empty if option.required else option.default
-    about: dict[str, Any] = {"help": option.help, "metavar": option.metavar}
+    default = str(default) if isinstance(default, Path) else default
+    metavar = option.metavar or ("PATH" if option.kind is Path else None)
+    about: dict[str, Any] = {"help": option.help, "metavar": metavar}
     if default in (None, ""):
         kind, about["show_default"] = (kind | None if default is None else kind), False
     flag = f"--{name.replace('_', '-')}"

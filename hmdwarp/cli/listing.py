@@ -27,7 +27,7 @@ def list_(
     json: Annotated[bool, typer.Option("--json", help="Everything, as a JSON array of objects.")] = False,
     markdown: Annotated[bool, typer.Option("--markdown", help="Everything, as a Markdown table.")] = False,
 ) -> None:
-    """List warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, .."""
+    """List what there is to choose from: warps, fills, scenes, recordings, studies and more."""
     from ..errors import InputError
     from ..registry import unknown_name
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
+import attrs
 import typer
 
-from ..options import Option
+from ..options import FORCE, Option
 from ..poses.formats import formats
 from ..poses.options import TraceOptions
+from ._help import Group
 from ._options import Said, takes
 
 if TYPE_CHECKING:
@@ -18,18 +20,32 @@ if TYPE_CHECKING:
     from ..poses.analysis import Analysis
     from ..poses.load import LoadedTrace
 
-app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
+app = typer.Typer(cls=Group, help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
 _TRACE = Option(
     "A file, or the bare name of a shipped recording.", required=True, name="trace", metavar="TRACE", positional=True
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
-_OWN_RATE = {"trace_rate": "rate"}
+_JSON = Option("Print one JSON object instead of tables.", bool, False, name="json")
+_SYNTH = (
+    Option(
+        "still, look-around, reversals, walk or fast-turns.",
+        required=True,
+        name="kind",
+        metavar="KIND",
+        positional=True,
+    ),
+    attrs.evolve(_OUT, positional=False, metavar=None),
+    Option("The same seed gives the same bytes; by default the recording's.", int, name="seed"),
+    Option("Length; by default the recording's.", float, name="seconds"),
+    Option("Samples per second.", float, 90.0, name="rate"),
+    FORCE,
+)
 
 
 @app.command()
-@takes(_TRACE, TraceOptions, renamed=_OWN_RATE)
+@takes(_TRACE, TraceOptions, _JSON)
 def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
@@ -51,7 +67,7 @@ def info(said: Said) -> None:
 
 
 @app.command()
-@takes(_TRACE, _OUT, _TO, TraceOptions, renamed=_OWN_RATE)
+@takes(_TRACE, _OUT, _TO, FORCE, TraceOptions)
 def convert(said: Said) -> None:
     """Write a clean trace.
 
@@ -61,7 +77,7 @@ def convert(said: Said) -> None:
 
     from ..errors import InputError
     from ..poses.load import load_trace
-    from ..report import write_stream
+    from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
     target = formats.get(to)
@@ -69,33 +85,30 @@ def convert(said: Said) -> None:
         able = ", ".join(f.name for f in formats if f.writes)
         raise InputError(f"format {to} is read, not written: expected one of {able}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
+    if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
+        refuse_existing(out, force=said["force"])
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
     console.print(
-        f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
+        f"{out}: {counted(len(loaded.track), 'sample')}, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
         highlight=False,
     )
 
 
 @app.command()
-def synth(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="still, look-around, reversals, walk or fast-turns.")],
-    out: Annotated[Path, typer.Option("--out", help="The file to write.")],
-    seed: Annotated[
-        int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default the recording's.")
-    ] = None,
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default the recording's.")] = None,
-    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 90.0,
-) -> None:
+@takes(*_SYNTH)
+def synth(said: Said) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
-    from ..report import write_stream
+    from ..report import counted, refuse_existing, write_stream
 
-    track = synthesise(kind, seed, seconds, rate)
+    out = said["out"]
+    refuse_existing(out, force=said["force"])
+    track = synthesise(said["kind"], said["seed"], said["seconds"], said["rate"])
     write_stream(out, lambda stream: write_synthetic(track, stream))
-    typer.echo(f"{out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
+    typer.echo(f"{out}: {counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
 
 
 def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
@@ -182,6 +195,9 @@ def _segment_table(loaded: LoadedTrace) -> Table:
 def _print_defects(console, loaded: LoadedTrace) -> None:
     from rich.text import Text
 
-    console.print(f"{len(loaded.defects) or 'no'} defect{'s' * (len(loaded.defects) != 1)} found", style="bold")
+    from ..report import counted
+
+    found = counted(len(loaded.defects), "defect") if loaded.defects else "no defects"
+    console.print(f"{found} found", style="bold")
     for defect in loaded.defects:
         console.print(Text(f"  {defect}"))

@@ -3,34 +3,53 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from ..options import names_in
+from ..options import FORCE, Option, names_in
+from ._options import Said, takes
+
+# What reads more than a picture with depth: left out of the help, which does not load the others.
+NEEDS_A_SERVER = ("backward", "environment", "layered", "multi", "model", "relight", "wide")
+_DECLARED = (
+    Option(
+        "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw; depth_scale for integer depth.",
+        Path,
+        required=True,
+        name="frame",
+        metavar="FRAME",
+        positional=True,
+    ),
+    Option("POSE.json: fov, position_m, orientation_xyzw.", Path, required=True, name="to"),
+    Option("OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.", Path, required=True, name="out"),
+    Option(f"{names_in('client/warps', without=NEEDS_A_SERVER)}.", default="forward", name="warp"),
+    Option(f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +.", default="none", name="fill"),
+    Option("Pixels of the result; by default the frame's.", name="size", metavar="WxH"),
+    Option("Metres per unit of depth: 0.001 for millimetres, 1 for metres.", float, name="depth_scale"),
+    FORCE,
+)
 
 
-def warp(
-    frame: Annotated[Path, typer.Argument(help="FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw.")],
-    to: Annotated[Path, typer.Option("--to", help="POSE.json: fov, position_m, orientation_xyzw.")],
-    out: Annotated[
-        Path, typer.Option("--out", help="OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.")
-    ],
-    warp: Annotated[str, typer.Option("--warp", help=f"{names_in('client/warps')}.")] = "forward",
-    fill: Annotated[str, typer.Option("--fill", help=f"{names_in('client/fills')}.")] = "none",
-    size: Annotated[
-        str | None, typer.Option(help="WxH pixels of the result; by default the frame's.", show_default=False)
-    ] = None,
-) -> None:
+@takes(*_DECLARED)
+def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
-    from ..image.frame_files import read_frame, read_view
+    from ..image import read_frame, read_view
     from ..image.warping import warp_image
     from ..pipeline.options import parse_size
-    from ..report import write_image_result
+    from ..report import refuse_existing, write_image_result
 
-    colour, depth_m, rendered = read_frame(frame)
+    out, size = said["out"], said["size"]
+    refuse_existing(out, force=said["force"])
+    frame = read_frame(said["frame"])
     result = warp_image(
-        colour, depth_m, rendered, read_view(to), warp, fill, None if size is None else parse_size(size)
+        frame.colour,
+        frame.depth_m,
+        frame.view,
+        read_view(said["to"]),
+        said["warp"],
+        said["fill"],
+        None if size is None else parse_size(size),
+        depth_scale=frame.depth_scale if said["depth_scale"] is None else said["depth_scale"],
     )
     write_image_result(out, result.colour, result.coverage, result.time_ms)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())

@@ -6,18 +6,23 @@ made from the declarations. This package imports nothing heavy, nor does a modul
 
 from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, options_of, same_as
 from .limits import Number, names_in, one_of
+from .paths import FORCE, force_field, out_field, path_of
 
 __all__ = [
     "CONDITION",
     "DISPLAY",
+    "FORCE",
     "PICTURE",
     "Declared",
     "Number",
     "Option",
+    "force_field",
     "group",
     "names_in",
     "one_of",
     "option",
     "options_of",
+    "out_field",
+    "path_of",
     "same_as",
 ]

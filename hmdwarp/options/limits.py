@@ -6,7 +6,7 @@ Validators for attrs fields, and the names that a registry offers.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,13 @@ from ..errors import InputError
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
-def names_in(folder: str, pattern: str = "*.py") -> str:
+def names_in(folder: str, pattern: str = "*.py", without: Collection[str] = ()) -> str:
     """Return the entries of a registry for a help text, from file names alone.
 
     --help imports nothing.
     """
-    return ", ".join(sorted(p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_")))
+    names = (p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_"))
+    return ", ".join(sorted(name for name in names if name not in without))
 
 
 def _as_float(value: float) -> float:

@@ -14,6 +14,7 @@ from .live_lines import budget_rows as budget_rows
 from .live_lines import live_lines as live_lines
 from .live_page import render_live_report as render_live_report
 from .output import OutputFolder as OutputFolder
+from .output import refuse_existing as refuse_existing
 from .page import WorstFrame as WorstFrame
 from .page import render_report as render_report
 from .pictures import comparison_panels as comparison_panels

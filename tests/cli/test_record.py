@@ -77,7 +77,7 @@ def test_what_cannot_be_meant_is_told_and_leaves_nothing(tmp_path, command, opti
 
 def test_a_recording_is_not_overwritten(tmp_path, command):
     (tmp_path / "a.csv").write_text("precious")
-    command("record", "--source", "synthetic", "--out", tmp_path / "a.csv").refused("overwrites nothing")
+    command("record", "--source", "synthetic", "--out", tmp_path / "a.csv").refused("a.csv exists already", "--force")
     assert (tmp_path / "a.csv").read_text() == "precious"
 
 
