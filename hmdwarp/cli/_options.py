@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import shlex
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,25 +17,21 @@ Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
 
 
-def takes(
-    *declared: type[Declared] | Option, renamed: Mapping[str, str] | None = None
-) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
+def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
     """Return a decorator.
 
-    The function becomes a command with these options, and gets what was said.
-
-    What was said: values by option name. renamed: flags that this command calls otherwise, by
-    option name.
+    The function becomes a command with these options, and gets what was said: values by option
+    name. The command's attribute `options` has them.
     """
-    renamed = renamed or {}
     options = [option for one in declared for option in ([one] if isinstance(one, Option) else options_of(one))]
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
-            run({one.name: _read(one, said.get(renamed.get(one.name, one.name), one.default)) for one in options})
+            run({one.name: _read(one, said.get(one.name, one.default)) for one in options})
 
-        parameters = [_parameter(option, renamed.get(option.name, option.name)) for option in options]
+        parameters = [_parameter(option) for option in options]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
+        command.options = options  # type: ignore[attr-defined]
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         command.__annotations__ = {one.name: one.annotation for one in parameters}
         return command
@@ -47,7 +43,7 @@ def _read(option: Option, value: Any) -> Any:
     return path_of(value, option.flag) if option.kind is Path and value is not None else value
 
 
-def _parameter(option: Option, name: str) -> inspect.Parameter:
+def _parameter(option: Option) -> inspect.Parameter:
     # Paths as texts: an empty one is no path.
     kinds: dict[Any, Any] = {list: list[str], Path: str}
     kind = kinds.get(option.kind, option.kind)
@@ -57,13 +53,14 @@ def _parameter(option: Option, name: str) -> inspect.Parameter:
     about: dict[str, Any] = {"help": option.help, "metavar": metavar}
     if default in (None, ""):
         kind, about["show_default"] = (kind | None if default is None else kind), False
-    flag = f"--{name.replace('_', '-')}"
     info = (
         typer.Argument(**about)
         if option.positional
-        else typer.Option(f"{flag}/{option.off}" if option.off else flag, **about)
+        else typer.Option(f"{option.flag}/{option.off}" if option.off else option.flag, **about)
     )
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
+    return inspect.Parameter(
+        option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
+    )
 
 
 def command_line() -> str:

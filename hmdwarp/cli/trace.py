@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import attrs
 import typer
 
-from ..options import FORCE, Option
+from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.formats import formats
-from ..poses.options import TraceOptions
+from ..poses.options import MOTIONS, TraceOptions
 from ._help import Group
 from ._options import Said, takes
 
@@ -28,20 +28,6 @@ _TRACE = Option(
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
 _JSON = Option("Print one JSON object instead of tables.", bool, False, name="json")
-_SYNTH = (
-    Option(
-        "still, look-around, reversals, walk or fast-turns.",
-        required=True,
-        name="kind",
-        metavar="KIND",
-        positional=True,
-    ),
-    attrs.evolve(_OUT, positional=False, metavar=None),
-    Option("The same seed gives the same bytes; by default the recording's.", int, name="seed"),
-    Option("Length; by default the recording's.", float, name="seconds"),
-    Option("Samples per second.", float, 90.0, name="rate"),
-    FORCE,
-)
 
 
 @app.command()
@@ -97,18 +83,31 @@ def convert(said: Said) -> None:
     )
 
 
+@attrs.frozen
+class SynthOptions(Declared):
+    """A head that is made up."""
+
+    kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
+    out: Path = out_field(attrs.NOTHING, "The file to write.")
+    force: bool = force_field()
+    seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
+    seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
+    rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
+
+
 @app.command()
-@takes(*_SYNTH)
+@takes(SynthOptions)
 def synth(said: Said) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
     from ..report import counted, refuse_existing, write_stream
 
-    out = said["out"]
-    refuse_existing(out, force=said["force"])
-    track = synthesise(said["kind"], said["seed"], said["seconds"], said["rate"])
-    write_stream(out, lambda stream: write_synthetic(track, stream))
-    typer.echo(f"{out}: {counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
+    options = SynthOptions.of(said)
+    refuse_existing(options.out, force=options.force)
+    track = synthesise(options.kind, options.seed, options.seconds, options.rate_hz)
+    write_stream(options.out, lambda stream: write_synthetic(track, stream))
+    samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
+    typer.echo(f"{options.out}: {samples}, {track.origin}", err=True)
 
 
 def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:

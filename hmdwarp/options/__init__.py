@@ -4,9 +4,10 @@ The command line, the keys of a study's file, the help and the table of `hmdwarp
 made from the declarations. This package imports nothing heavy, nor does a module that declares.
 """
 
-from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, options_of, same_as
+from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as
 from .limits import Number, names_in, one_of
 from .paths import FORCE, force_field, out_field, path_of
+from .several import several, split_names
 
 __all__ = [
     "CONDITION",
@@ -21,8 +22,11 @@ __all__ = [
     "names_in",
     "one_of",
     "option",
+    "option_of",
     "options_of",
     "out_field",
     "path_of",
     "same_as",
+    "several",
+    "split_names",
 ]

@@ -26,6 +26,7 @@ from hmdwarp.poses import (
     synthesise,
     write_synthetic,
 )
+from hmdwarp.poses.options import MOTIONS
 
 from .traces import same_motion
 
@@ -48,6 +49,7 @@ def test_every_kind_is_shipped_and_described():
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
         turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
         assert f"| {turning} |" in text
+    assert set(MOTIONS.replace(" or ", ", ").split(", ")) == set(KINDS)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -97,7 +97,7 @@ def test_convert_takes_the_overrides(tmp_path):
         "convert",
         path,
         out,
-        "--rate",
+        "--trace-rate",
         60,
         "--quat-order",
         "wxyz",
@@ -112,14 +112,14 @@ def test_convert_takes_the_overrides(tmp_path):
     )
     assert same_motion(load_trace(out).track, TRACK.evolve(position_m=2 * TRACK.position_m))
     text = out.read_text()
-    assert "--rate" in text.split("time_ns")[0]  # what was done is told in the file too
+    assert "--trace-rate" in text.split("time_ns")[0]  # what was done is told in the file too
 
 
 def test_synth_writes_the_shipped_bytes_and_takes_its_options(tmp_path):
     out = tmp_path / "out.csv"
     run("synth", "walk", "--out", out)
     assert out.read_bytes() == (resources.folder("recordings") / "walk.csv").read_bytes()
-    run("synth", "walk", "--out", out, "--seed", 5, "--seconds", 2, "--rate", 50)
+    run("synth", "walk", "--out", out, "--seed", 5, "--seconds", 2, "--rate", 50, "--force")
     loaded = load_trace(out)
     assert (len(loaded.track), round(loaded.rate_hz)) == (101, 50)
     assert "--seed 5 --seconds 2 --rate 50" in loaded.track.origin
@@ -148,7 +148,7 @@ def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(formats.get("tum"), "write", full)
-    assert "No space left on device): make room" in refused("convert", path, out, "--to", "tum", status=3)
+    assert "No space left on device): make room" in refused("convert", path, out, "--to", "tum", "--force", status=3)
     assert out.read_text() == "what was there before"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["in.csv", "out.csv"]
 

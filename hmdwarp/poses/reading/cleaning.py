@@ -188,7 +188,7 @@ class Cleaner:
         return stamps
 
     def count_by_rate(self) -> None:
-        """Replace the file's clock by --rate."""
+        """Replace the file's clock by --trace-rate."""
         if self.options.rate is None:
             return
         n = len(self.rows)
@@ -196,11 +196,11 @@ class Cleaner:
         if (n - 1) * step_ns > 2**62:
             raise TraceError(
                 f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher "
-                "--rate"
+                "--trace-rate"
             )
         stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
         what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
-        self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --rate says")
+        self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --trace-rate says")
         self.rows.stamps = Stamps(stamps_ns, np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
 
@@ -280,7 +280,7 @@ class Cleaner:
             rising = steps[steps > 0]
             if not len(rising):
                 raise TraceError(
-                    f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second "
+                    f"{self.where}: time never increases; if it is no clock, --trace-rate gives the samples per second "
                     "instead"
                 )
             step = float(np.median(rising))

@@ -36,7 +36,7 @@ class Layout:
     device: int | None = None  # a column that says which of several devices a row is of
     axes: str = "y"  # what `parse_axes` takes
     scale: float = 1.0  # metres per unit
-    clock_ignored: bool = False  # --rate replaces the time column
+    clock_ignored: bool = False  # --trace-rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
 
