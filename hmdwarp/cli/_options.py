@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import inspect
+import json
+import math
 import shlex
 import sys
 from collections.abc import Callable
@@ -15,6 +17,7 @@ from ..options import Declared, Option, options_of, path_of
 
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
+JSON = Option("Print one JSON object instead of text.", bool, False, name="json")
 
 
 def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
@@ -61,6 +64,19 @@ def _parameter(option: Option) -> inspect.Parameter:
     return inspect.Parameter(
         option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
     )
+
+
+def as_json(data: Any) -> str:
+    """Return what `--json` prints: valid JSON, with null for what is not known (NaN)."""
+
+    def known(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: known(one) for key, one in value.items()}
+        if isinstance(value, list | tuple):
+            return [known(one) for one in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    return json.dumps(known(data), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def command_line() -> str:

@@ -12,7 +12,7 @@ from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.formats import formats
 from ..poses.options import MOTIONS, TraceOptions
 from ._help import Group
-from ._options import Said, takes
+from ._options import JSON, Said, as_json, takes
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -27,20 +27,21 @@ _TRACE = Option(
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
-_JSON = Option("Print one JSON object instead of tables.", bool, False, name="json")
 
 
 @app.command()
-@takes(_TRACE, TraceOptions, _JSON)
+@takes(_TRACE, TraceOptions, JSON)
 def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
-    from ..poses.analysis import analyse
-    from ..poses.load import load_trace
+    from ..poses import analyse, load_trace, trace_as_json
 
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
+    if said["json"]:
+        typer.echo(as_json(trace_as_json(loaded, figures)))
+        return
     console = Console()
     if not console.is_terminal:
         console = Console(width=120, soft_wrap=True)

@@ -12,7 +12,6 @@ from .host import PipelineHost as PipelineHost
 from .host import checked_scene as checked_scene
 from .host import refuse_one_eye as refuse_one_eye
 from .lines import Lines as Lines
-from .live_figures import Thinned as Thinned
 from .live_log import LiveLog as LiveLog
 from .live_log import LiveResult as LiveResult
 from .live_run import display_options as display_options

@@ -150,6 +150,19 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
     assert max(map(len, out.splitlines())) <= 80
 
 
+def test_plan_for_programs_has_what_is_printed(command):
+    asked = ("plan", "--scene", "planes", "--size", "640x400", "--rate", "90")
+    data, told = json.loads(command(*asked, "--json").done().out), " ".join(command(*asked).done().out.split())
+    assert list(data) == ["source", "scene", "warp", "fill", "lens", "headset", "passes", "left_out", "frame"]
+    assert all(list(one) == ["stage", "name", "reason", "reads", "writes"] for one in data["passes"])
+    assert data["passes"] and all(one["name"] in told and one["reason"] in told for one in data["passes"])
+    assert data["left_out"] and all(one["name"] in told and one["reason"] in told for one in data["left_out"])
+    frame = data["frame"]
+    assert list(frame) == ["eyes", "size", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
+    assert frame["bytes"] == sum(frame["layers"].values()) and f"{frame['bytes'] / 1e6:.1f} MB uncompressed" in told
+    assert f"at most {frame['at_once']} of them at 200 ms and 90 Hz" in told
+
+
 def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(command):
     told = " ".join(command("plan", "--scene", "planes", "--fill", "none", "--source", "openxr").done().out.split())
     runs, left_out = told.split("Left out")

@@ -72,6 +72,25 @@ def test_info_tells_every_defect_and_segment(tmp_path):
     assert "60.00 Hz" in run("info", path, "--segment", 1)
 
 
+def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
+    data = json.loads(run("info", "look-around", "--json"))
+    assert list(data) == [
+        *("trace", "format", "origin", "samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz"),
+        *("clock", "clock_starts_s", "gaps", "jumps", "angular_speed_deg_s", "linear_speed_m_s", "errors_deg"),
+        *("segments", "defects"),
+    ]
+    assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
+    assert [f"{data['angular_speed_deg_s'][name]:.1f}" for name in ("p50", "p95", "p99")] == ["29.2", "116.5", "200.3"]
+    assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 800]
+    table = rows(TRACK)
+    two = write(tmp_path / "two.csv", [*table[:60], *table[:30], ["9", "9"]])
+    data = json.loads(run("info", two, "--json"))
+    assert [one["taken"] for one in data["segments"]].count(True) == 1 and len(data["segments"]) == 2
+    assert {one["kind"] for one in data["defects"]} == {one.kind for one in load_trace(two).defects}
+    short = json.loads(run("info", write(tmp_path / "s.csv", rows(head(10))), "--json"))
+    assert short["errors_deg"][-1]["held"] == {"mean": None, "p50": None, "p95": None, "p99": None}
+
+
 def test_info_on_a_track_too_short_for_the_table(tmp_path):
     assert "trace too short" in run("info", write(tmp_path / "s.csv", rows(head(10))))
 
