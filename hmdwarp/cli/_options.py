@@ -18,6 +18,8 @@ from ..options import Declared, Option, options_of, path_of
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
 JSON = Option("Print one JSON object instead of text.", bool, False, name="json")
+# Options of each command as the command line has them, by its name; `_app` fills it.
+commands: dict[str, list[Option]] = {}
 
 
 def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:

@@ -6,14 +6,12 @@ For `hmdwarp list`, the README's tables and other programs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import attrs
 
 if TYPE_CHECKING:
-    import typer
-
     from ..client.fills import Fill
     from ..client.warps import Warp
     from ..frames.layers import EyeSizes, Layer
@@ -203,22 +201,12 @@ def _layer_row(layer: type[Layer], sizes: EyeSizes, headset: str) -> dict[str, s
     }
 
 
-def _commands(app: typer.Typer, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the name of each command, with its group's, and its function."""
-    for one in app.registered_commands:
-        assert one.callback is not None
-        yield f"{prefix}{one.name or one.callback.__name__}", one.callback
-    for group in app.registered_groups:
-        assert group.typer_instance is not None
-        yield from _commands(group.typer_instance, f"{prefix}{group.name} ")
-
-
 def _options() -> list[dict[str, str]]:
-    from ._app import app
+    from ._options import commands
 
     takers: dict[Option, list[str]] = {}
-    for command, function in _commands(app):
-        for option in function.options:
+    for command, options in commands.items():
+        for option in options:
             takers.setdefault(option, []).append(command)
     first = {option.name: option for option in reversed(takers)}
     return [
