@@ -28,7 +28,7 @@ from ..run.options import RunOptions
 Size = tuple[int, int]
 
 _RUN = attrs.fields(RunOptions)
-_RECORDING = Option("As an argument; repeat it for several.", list, name="recording", metavar="TRACE")
+_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
 def _size(value: Any) -> Size:
@@ -52,7 +52,7 @@ class BenchOptions(Declared):
         metavar="[TRACE]...",
         positional=True,
         parse=None,
-        beside=(_RECORDING,),
+        beside=(_TRACE,),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
@@ -74,7 +74,9 @@ class BenchOptions(Declared):
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     guard: float = option(
-        1.5, "Draw this many times the field of view (in tangents) on the server.", valid=Number(least=1.0)
+        1.5,
+        "Draw this many times the field of view (in tangents) on the server; replay and live begin with 1.",
+        valid=Number(least=1.0),
     )
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and fifteen warps with two fills on two recordings make sixty pictures an
@@ -96,5 +98,5 @@ class BenchOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about. Errors: InputError."""
-        recordings = [*(said.get("traces") or ()), *(said.get("recording") or ())]
+        recordings = [*(said.get("traces") or ()), *(said.get("trace") or ())]
         return super().values_of({**said, "traces": recordings or None})

@@ -49,7 +49,7 @@ class RunOptions(PipelineOptions):
     # moves in the scene is where it was then; else time begins at 0, and a trace that leaves the
     # scene is moved into it.
     as_recorded: bool = False
-    against: str = option("none", "The warp to compare with; '' for none.")
+    against: str = option("none", "Warp to compare with; none: the late picture as it is; '' for no comparison.")
     metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
     workers: int | None = option(
         None,

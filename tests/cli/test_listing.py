@@ -256,3 +256,16 @@ def test_help_loads_nothing_heavy(arguments):
     loaded = set(done.stdout.rpartition("LOADED")[2].split())
     assert "typer" in loaded
     assert not loaded & HEAVY
+
+
+@pytest.mark.parametrize("group", [[], ["study"], ["trace"]], ids=lambda group: " ".join(group) or "hmdwarp")
+def test_no_summary_is_cut_in_80_columns(group, command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    out = command(*group, "--help").done().out
+    assert "..." not in out and "\u2026" not in out and max(map(len, out.splitlines())) <= 80
+
+
+def test_what_means_the_same_is_called_the_same():
+    names = {row["name"] for row in entries("options")}
+    assert {"trace-rate", "metrics-every", "force", "guard"} <= names
+    assert not {"recording", "every", "trace info rate"} & names
