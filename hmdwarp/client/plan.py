@@ -306,7 +306,7 @@ def _plan_shown_depth(
         return
     stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
     who = " and ".join(dict.fromkeys(readers))
-    reason = f"{who} asks how far things are: the late depth, warped as the colour"
+    reason = f"needed by {who}: the rendered depth, warped as the colour is"
     draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
 
 

@@ -178,7 +178,7 @@ class RecordOptions(Declared):
     force: bool = force_field()
     source: str = option(
         OPENXR,
-        "Head to record: openxr (a headset), desktop (a window) or synthetic (made up).",
+        "Head to record: openxr (a headset), desktop (a window) or synthetic motion.",
         valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
     )
     # None until Ctrl-C, of a made-up head the length of its kind.
@@ -187,12 +187,12 @@ class RecordOptions(Declared):
     )
     rate_hz: float | None = option(
         None,
-        "Poses per second; by default the display's, 90 for a made-up head.",
+        "Poses per second; by default the display's, 90 for synthetic motion.",
         kind=float,
         unit="Hz",
         valid=Number(least=1, most=1000),
     )
-    kind: str = option("look-around", f"Made-up motion: {MOTIONS}; it ends by itself.")
+    kind: str = option("look-around", f"Synthetic motion: {MOTIONS}; it ends by itself.")
     # What the window shows.
     scene: str = same_as(_LIVE.scene)
     reconnect_s: float = same_as(_LIVE.reconnect_s)

@@ -58,8 +58,8 @@ def _of_window(options: RecordOptions, say: Say) -> None:
 def _made_up(options: RecordOptions, say: Say) -> None:
     track = synthesise(options.kind, seconds=options.seconds, rate_hz=options.rate_hz or RATE_HZ)
     with Ending(None, None) as ending, Recorder(options.out, say, BY, force=options.force) as recorder:
-        recorder.begin({"made-up motion": options.kind}, options.rate_hz or RATE_HZ)
-        say(_telling(f"a made-up head, {options.kind}", recorder, track.duration_ns * 1e-9))
+        recorder.begin({"synthetic motion": options.kind}, options.rate_hz or RATE_HZ)
+        say(_telling(f"synthetic motion '{options.kind}'", recorder, track.duration_ns * 1e-9))
         began_ns = time.monotonic_ns()
         for index in range(len(track)):
             time_ns = began_ns + int(track.time_ns[index])

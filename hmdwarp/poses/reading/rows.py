@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from ...phrases import counted
 from ..defects import Defect
 from .head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
@@ -96,7 +97,13 @@ class RowReader:
         if self._repeated_headers:
             lines = self._repeated_headers
             self.defects.append(
-                Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0])
+                Defect(
+                    "header-repeated",
+                    f"the header comes again {counted(len(lines), 'time')}",
+                    "skipped",
+                    len(lines),
+                    lines[0],
+                )
             )
         return self._joined(parts)
 
