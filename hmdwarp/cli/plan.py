@@ -131,7 +131,7 @@ def _auto_from_file(
     frame = _frame(options, headset, plans_for(options, headset, scene, found.levels, **told))
 
     def show() -> None:
-        typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
+        typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")
         marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
         in_columns(
             (

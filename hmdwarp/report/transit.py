@@ -16,9 +16,9 @@ _RESPONSE = {
     "round_trip_ms": "the network, both ways",
     "decode_ms": "decoding of the shown frames",
     "warp_ms": "warp to lens, both eyes",
-    "total_ms": "sum: response time, mean",
-    "median_ms": "response time, median",
-    "p95_ms": "response time, 95th percentile",
+    "total_ms": "response time (mean: the sum of these)",
+    "median_ms": "response time (median)",
+    "p95_ms": "response time (95th percentile)",
 }
 _FRAMES = {
     "drawn": "drawn",
@@ -32,8 +32,8 @@ _FRAMES = {
     "under_way": "in transit at the end",
 }
 _CODING = (
-    ("encode_ms", "encoding, median of all frames", "ms"),
-    ("decode_ms", "decoding, median of all frames", "ms"),
+    ("encode_ms", "encoding (median of all frames)", "ms"),
+    ("decode_ms", "decoding (median of all frames)", "ms"),
     ("coded_psnr_db", "colour after coding", "dB PSNR"),
 )
 _TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
