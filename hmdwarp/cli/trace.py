@@ -17,8 +17,8 @@ from ._options import JSON, Said, as_json, takes
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..poses.analysis import Analysis
     from ..poses.load import LoadedTrace
+    from ..poses.track_statistics import Analysis
 
 app = typer.Typer(cls=Group, help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
@@ -77,6 +77,7 @@ def convert(said: Said) -> None:
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
+    console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
     console.print(
         f"{out}: {counted(len(loaded.track), 'sample')}, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
@@ -130,6 +131,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
         "trace": str(loaded.path),
         "format": loaded.format,
         "origin": loaded.track.origin or "not told by the file",
+        "axes": loaded.axes,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
         "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",
@@ -145,7 +147,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
 def _speed_table(figures: Analysis) -> Table:
     from rich.table import Table
 
-    from ..poses.analysis import SPEED_PERCENTILES
+    from ..poses.track_statistics import SPEED_PERCENTILES
 
     table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
     table.add_column("")

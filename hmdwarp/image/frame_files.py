@@ -35,7 +35,7 @@ class FrameFile:
 def read_frame(path: Path) -> FrameFile:
     """Return what a FRAME.npz holds; depth_scale may be missing.
 
-    Errors: InputError naming the file and what is wrong with it.
+    Errors: InputError naming the file and its fault.
     """
     arrays = _arrays(path)
     _check_keys(path, arrays, _KEYS)
@@ -51,7 +51,7 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
             return {key: data[key] for key in (*_KEYS, _SCALE) if key in data}
-    # Zip, zlib and NumPy raise whatever a damaged file makes them trip over.
+    # Zip, zlib and NumPy raise many kinds of exceptions for a damaged file.
     except Exception as error:
         why = "holds Python objects" if "allow_pickle" in str(error) else f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: cannot be read ({why}); {wanted}, with arrays of numbers") from error
@@ -68,7 +68,7 @@ def read_view(path: Path) -> View:
         raise InputError(f"{path}: not a text file ({error})") from error
     except json.JSONDecodeError as error:
         raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    # A number of thousands of digits, brackets without end.
+    # A number of thousands of digits, or brackets nested without end.
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not JSON that can be read ({error})") from error
     if not isinstance(data, dict):

@@ -6,8 +6,8 @@ from typing import Any
 
 import attrs
 
-from .analysis import ERROR_PERCENTILES, SPEED_PERCENTILES, Analysis
 from .load import LoadedTrace
+from .track_statistics import ERROR_PERCENTILES, SPEED_PERCENTILES, Analysis
 
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
@@ -19,6 +19,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         "trace": str(loaded.path),
         "format": loaded.format,
         "origin": loaded.track.origin,
+        "axes": loaded.axes,
         "samples": figures.samples,
         "repeated_share": figures.repeated_share,
         "duration_s": figures.duration_s,

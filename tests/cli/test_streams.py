@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from hmdwarp.resources import folder
+
 from .conftest import PROGRAM, ROOT
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}

@@ -75,8 +75,17 @@ def test_info_tells_every_defect_and_segment(tmp_path):
 def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     data = json.loads(run("info", "look-around", "--json"))
     assert list(data) == [
-        *("trace", "format", "origin", "samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz"),
-        *("clock", "clock_starts_s", "gaps", "jumps", "angular_speed_deg_s", "linear_speed_m_s", "errors_deg"),
+        *("trace", "format", "origin", "axes", "samples", "repeated_share", "duration_s", "rate_hz"),
+        *(
+            "mean_rate_hz",
+            "clock",
+            "clock_starts_s",
+            "gaps",
+            "jumps",
+            "angular_speed_deg_s",
+            "linear_speed_m_s",
+            "errors_deg",
+        ),
         *("segments", "defects"),
     ]
     assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
