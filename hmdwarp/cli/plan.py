@@ -27,9 +27,12 @@ _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or des
 
 @takes(PipelineOptions, _SOURCE, JSON)
 def plan(said: Said) -> None:
-    """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing."""
+    """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing.
+
+    Tells what makes the scene slow to draw, and what to do about it.
+    """
     from ..headsets import load_headset
-    from ..scenes import load_scene
+    from ..scenes import load_scene, slow_in
 
     source, headset = said["source"], load_headset(said["headset"])
     kind, told = _driver(source)
@@ -37,14 +40,15 @@ def plan(said: Said) -> None:
         said["lens"] = "none"
     options = kind.of(said)
     scene = load_scene(options.scene)
+    slow = list(slow_in(scene))
     about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
     if said["json"]:
         names = ("scene", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
-        typer.echo(as_json({"source": source, **chosen, **about.data}))
+        typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow}))
         return
     about.show()
-    in_columns(_assumed(source, options.headset))
+    in_columns([*_assumed(source, options.headset), *(("Slow", line) for line in slow)])
 
 
 @attrs.frozen
