@@ -151,7 +151,7 @@ def _link_figures(summary: Summary) -> list[str]:
         f"{link['mbit_s']:.1f}",
         *(_number(link.get(name)) for name in ("coded_psnr_db", "encode_ms", "decode_ms")),
         f"{frames['shown']} / {lost} / {late}",
-        f"{link['response_ms']['total_ms']:.0f}",
+        f"{link['response_ms']['median_ms']:.0f}",
         f"{_quality(summary, 'psnr_db'):.2f}",
         f"{_quality(summary, 'flip'):.3f}",
     ]

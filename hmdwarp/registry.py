@@ -31,10 +31,19 @@ T = TypeVar("T")
 E = TypeVar("E")
 
 
+def nearest(name: str, known: list[str]) -> str:
+    """Return the known name that `name` may be a slip of, "" for none that is near."""
+    by_small = {one.casefold(): one for one in known}
+    small = name.casefold()
+    close = difflib.get_close_matches(small, by_small, n=1)
+    longer = [one for one in by_small if len(small) > 2 and one.startswith(small)]
+    return by_small[[*close, *longer][0]] if close or longer else ""
+
+
 def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
     """Return the error for an unknown `name`; its message offers the nearest of `known`."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
-    hint = f"did you mean '{near[0]}'? " if near else ""
+    near = nearest(name, known)
+    hint = f"did you mean '{near}'? " if near else ""
     return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")
 
 

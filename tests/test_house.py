@@ -26,7 +26,7 @@ PACKAGE = ROOT / "hmdwarp"
 
 # From the ground up; a module imports from floors below its own, or from its own unit.
 FLOORS = [
-    {"errors", "version"},
+    {"errors", "version", "phrases"},
     {"registry", "resources", "colour", "geometry"},
     {"tables", "options"},
     {"gpu", "poses", "headsets"},

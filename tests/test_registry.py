@@ -12,7 +12,7 @@ import pytest
 
 import hmdwarp
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.registry import Registry, _entry_points
+from hmdwarp.registry import Registry, _entry_points, nearest, unknown_name
 
 
 def registries() -> dict[str, Registry]:
@@ -105,3 +105,20 @@ def test_a_broken_plugin_is_named(tmp_path, monkeypatch, code, message):
     finally:
         _entry_points.cache_clear()
         sys.modules.pop("my_fills", None)
+
+
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [
+        ("foward", "forward"),
+        ("Forward", "forward"),
+        ("rift", "rift-dk1"),
+        ("auto", ""),
+        ("nosuch", ""),
+        ("", ""),
+    ],
+)
+def test_a_suggestion_is_near_or_there_is_none(name, near):
+    known = ["forward", "rift-dk1", "splat", "workshop", "rotation"]
+    assert nearest(name, known) == near
+    assert ("did you mean" in str(unknown_name("warp", name, known))) == bool(near)

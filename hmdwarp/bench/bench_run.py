@@ -90,7 +90,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     started = time.perf_counter()
     headset = load_headset(options.headset)
     works, notes = _checked(options, headset)
-    with OutputFolder(options.out, owned=OWNED, last="bench.json") as out:
+    with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
         machine, bandwidth, clocks, batched = _examined(options, headset, works)
         steps = _Steps(_total(options, headset, works, batched), progress)
         rows: list[dict[str, Any]] = []

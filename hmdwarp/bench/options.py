@@ -9,7 +9,19 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Number, Option, group, names_in, option, same_as, several, split_names
+from ..options import (
+    Declared,
+    Number,
+    Option,
+    force_field,
+    group,
+    names_in,
+    option,
+    out_field,
+    same_as,
+    several,
+    split_names,
+)
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
 from ..scenes.options import SceneOptions
@@ -17,7 +29,7 @@ from ..scenes.options import SceneOptions
 Size = tuple[int, int]
 
 _RUN = attrs.fields(RunOptions)
-_RECORDING = Option("As an argument; repeat it for several.", list, name="recording", metavar="TRACE")
+_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
 def _size(value: Any) -> Size:
@@ -41,7 +53,7 @@ class BenchOptions(Declared):
         metavar="[TRACE]...",
         positional=True,
         parse=None,
-        beside=(_RECORDING,),
+        beside=(_TRACE,),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     scene_options: SceneOptions = group(SceneOptions)
@@ -64,7 +76,9 @@ class BenchOptions(Declared):
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     guard: float = option(
-        1.5, "Draw this many times the field of view (in tangents) on the server.", valid=Number(least=1.0)
+        1.5,
+        "Draw this many times the field of view (in tangents) on the server; replay and live begin with 1.",
+        valid=Number(least=1.0),
     )
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and fifteen warps with two fills on two recordings make sixty pictures an
@@ -79,11 +93,12 @@ class BenchOptions(Declared):
     fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)
-    out: Path = option(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.", kind=Path, convert=Path)
+    out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
+    force: bool = force_field()
     command: str = ""
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about. Errors: InputError."""
-        recordings = [*(said.get("traces") or ()), *(said.get("recording") or ())]
+        recordings = [*(said.get("traces") or ()), *(said.get("trace") or ())]
         return super().values_of({**said, "traces": recordings or None})

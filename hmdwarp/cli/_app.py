@@ -10,10 +10,12 @@ import typer
 from ..options import Option
 from ..version import __version__
 from . import bench, doctor, listing, live, plan, record, replay, study, trace, warp
+from ._help import Group
 from ._options import commands
 
 app = typer.Typer(
     name="hmdwarp",
+    cls=Group,
     help="Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose.",
     no_args_is_help=True,
     add_completion=False,

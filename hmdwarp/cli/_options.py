@@ -3,43 +3,40 @@
 from __future__ import annotations
 
 import inspect
+import json
+import math
 import shlex
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any
 
-import attrs
 import typer
 
-from ..options import Declared, Option, options_of
+from ..options import Declared, Option, options_of, path_of
 
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
+JSON = Option("Print one JSON object instead of text.", bool, False, name="json")
 # Options of each command as the command line has them, by its name; `_app` fills it.
 commands: dict[str, list[Option]] = {}
 
 
-def takes(
-    *declared: type[Declared] | Option, renamed: Mapping[str, str] | None = None
-) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
+def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
     """Return a decorator.
 
-    The function becomes a command with these options, and gets what was said.
-
-    What was said: values by option name. renamed: flags that this command calls otherwise, by
-    option name. The command's attribute `options` has them as the command line does.
+    The function becomes a command with these options, and gets what was said: values by option
+    name. The command's attribute `options` has them.
     """
-    renamed = renamed or {}
     options = [option for one in declared for option in ([one] if isinstance(one, Option) else options_of(one))]
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
-            run({one.name: said.get(renamed.get(one.name, one.name), one.default) for one in options})
+            run({one.name: _read(one, said.get(one.name, one.default)) for one in options})
 
-        called = [attrs.evolve(option, name=renamed.get(option.name, option.name)) for option in options]
-        parameters = [_parameter(option) for option in called]
+        parameters = [_parameter(option) for option in options]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
-        command.options = called  # type: ignore[attr-defined]
+        command.options = options  # type: ignore[attr-defined]
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         command.__annotations__ = {one.name: one.annotation for one in parameters}
         return command
@@ -47,10 +44,18 @@ def takes(
     return decorate
 
 
+def _read(option: Option, value: Any) -> Any:
+    return path_of(value, option.flag) if option.kind is Path and value is not None else value
+
+
 def _parameter(option: Option) -> inspect.Parameter:
-    kind: Any = list[str] if option.kind is list else option.kind
+    # Paths as texts: an empty one is no path.
+    kinds: dict[Any, Any] = {list: list[str], Path: str}
+    kind = kinds.get(option.kind, option.kind)
     default = inspect.Parameter.empty if option.required else option.default
-    about: dict[str, Any] = {"help": option.help, "metavar": option.metavar}
+    default = str(default) if isinstance(default, Path) else default
+    metavar = option.metavar or ("PATH" if option.kind is Path else None)
+    about: dict[str, Any] = {"help": option.help, "metavar": metavar}
     if default in (None, ""):
         kind, about["show_default"] = (kind | None if default is None else kind), False
     info = (
@@ -61,6 +66,19 @@ def _parameter(option: Option) -> inspect.Parameter:
     return inspect.Parameter(
         option.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info]
     )
+
+
+def as_json(data: Any) -> str:
+    """Return what `--json` prints: valid JSON, with null for what is not known (NaN)."""
+
+    def known(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: known(one) for key, one in value.items()}
+        if isinstance(value, list | tuple):
+            return [known(one) for one in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    return json.dumps(known(data), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def command_line() -> str:

@@ -37,7 +37,7 @@ def _tell(result) -> None:
 
     screen = console()
     screen.print(bench_table(result.data["rows"], width=screen.width))
-    paragraph(f"Clock: {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
+    paragraph(f"Timed by {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
     of_rows = (note for row in result.data["rows"] for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")

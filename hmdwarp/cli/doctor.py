@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
-
 import typer
 
-from ..options import Option
-from ._options import Said, takes
+from ._options import JSON, Said, as_json, takes
 
 COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": typer.colors.YELLOW}
 
 
-@takes(Option("Print one JSON object instead of lines.", bool, False, name="json"))
+@takes(JSON)
 def doctor(said: Said) -> None:
     """Show what this machine has.
 
@@ -27,7 +24,7 @@ def doctor(said: Said) -> None:
             {"name": f.name, "state": f.state, "detail": f.detail, "remedy": f.remedy, "facts": dict(f.facts)}
             for f in findings
         ]
-        typer.echo(json.dumps({"replay": ready, "findings": rows}, indent=2))
+        typer.echo(as_json({"replay": ready, "findings": rows}))
     else:
         for finding in findings:
             mark = typer.style(f"{finding.state:<9}", fg=COLOURS[finding.state])

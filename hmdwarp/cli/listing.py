@@ -7,7 +7,7 @@ import typer
 
 from ..errors import InputError
 from ..options import Declared, option
-from ._options import Said, takes
+from ._options import Said, as_json, takes
 
 KINDS = (
     "warps",
@@ -42,7 +42,7 @@ class ListOptions(Declared):
 
 @takes(ListOptions)
 def list_(said: Said) -> None:
-    """List warps, fills, effects, lenses, scenes, headsets, formats, layers, recordings, .."""
+    """List what there is to choose from: warps, fills, scenes, recordings, studies and more."""
     from ..registry import unknown_name
 
     options = ListOptions.of(said)
@@ -50,9 +50,7 @@ def list_(said: Said) -> None:
         raise unknown_name("list", options.kind, list(KINDS))
     rows = _rows(options.kind, options.name)
     if options.json:
-        import json
-
-        typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+        typer.echo(as_json(rows))
     elif options.markdown:
         typer.echo(_markdown(rows))
     elif options.name is not None:

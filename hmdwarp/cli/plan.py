@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import attrs
 import typer
 
 from ..errors import InputError
 from ..options import Option
 from ..pipeline.options import PipelineOptions
 from ..run.options import DESKTOP, OPENXR, LiveOptions
-from ._options import Said, takes
+from ._options import JSON, Said, as_json, takes
+from ._show import in_columns, paragraph
 
 if TYPE_CHECKING:
     from ..client.plan import Plan, Step
@@ -22,16 +25,14 @@ REPLAY = "replay"
 _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
 
 
-@takes(PipelineOptions, _SOURCE)
+@takes(PipelineOptions, _SOURCE, JSON)
 def plan(said: Said) -> None:
     """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing.
 
     Tells what makes the scene slow to draw, and what to do about it.
     """
     from ..headsets import load_headset
-    from ..pipeline.planning import build_plan_for
     from ..scenes import load_scene, slow_in
-    from ._show import in_columns
 
     source, headset = said["source"], load_headset(said["headset"])
     kind, told = _driver(source)
@@ -39,20 +40,43 @@ def plan(said: Said) -> None:
         said["lens"] = "none"
     options = kind.of(said)
     scene = load_scene(*options.scene_key)
-    slow = [("Slow", line) for line in slow_in(scene)]
-    if options.chooses_warp:
-        _auto(options, scene, told)
-        in_columns(slow)
-        _print_notes(scene.notes)
+    slow = list(slow_in(scene))
+    about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
+    if said["json"]:
+        names = ("scene", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
+        chosen = {name: getattr(options, name) for name in names}
+        typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": list(scene.notes)}))
         return
+    about.show()
+    in_columns([*_assumed(source, options.headset), *(("Slow", line) for line in slow)])
+    for note in scene.notes:
+        paragraph(f"note: {note}")
+
+
+@attrs.frozen
+class _About:
+    """What there is to tell: for programs, and as what prints it for people."""
+
+    data: dict[str, Any]
+    show: Callable[[], None]
+
+
+def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+    from ..pipeline.planning import build_plan_for
+
     built = build_plan_for(options, headset, scene, **told)
-    weights = _weights(options, headset, [built])
-    typer.echo("Passes, in order:")
-    in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
-    typer.echo("Left out; nothing is compiled or allocated for them:")
-    in_columns(built.left_out, indent=2)
-    in_columns([*weights, *_assumed(source, options.headset), *slow])
-    _print_notes(scene.notes)
+    frame = _frame(options, headset, [built])
+
+    def show() -> None:
+        typer.echo("Passes, in order:")
+        in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
+        typer.echo("Left out; nothing is compiled or allocated for them:")
+        in_columns(built.left_out, indent=2)
+        in_columns(_weights(frame))
+
+    passes = [attrs.asdict(step) for step in built.steps]
+    left_out = [{"name": name, "reason": reason} for name, reason in built.left_out]
+    return _About({"passes": passes, "left_out": left_out, "frame": frame}, show)
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
@@ -81,49 +105,60 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, scene: Scene, told: dict[str, str]) -> None:
-    """Print what warp auto would choose from, as far as that is known without running anything."""
-    from ..auto.levels import best_within
-    from ..headsets import load_headset
-    from ..pipeline.planning import plans_for
-    from ..run import levels_from_file
+def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+    """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
-    from ._show import in_columns, paragraph
 
-    if options.bench is None:
-        names = [f"{c.warp} + {c.fill}" if c.plan.fills else c.warp for c in candidates(options)]
-        paragraph(
-            f"Warp auto would first try these {len(names)} at {INSTANTS} instants of the run: {', '.join(names)}."
-        )
+    if options.bench is not None:
+        return _auto_from_file(options.bench, options, headset, scene, told)
+    pairs = [(c.warp, c.fill if c.plan.fills else "none") for c in candidates(options)]
+
+    def show() -> None:
+        names = ", ".join(warp if fill == "none" else f"{warp} + {fill}" for warp, fill in pairs)
+        paragraph(f"Warp auto would first try these {len(pairs)} at {INSTANTS} instants of the run: {names}.")
         paragraph(
             f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and "
             "keep to that time."
         )
-        return
-    found = levels_from_file(options.bench, options, None)
+
+    tried = [{"warp": warp, "fill": fill} for warp, fill in pairs]
+    return _About({"budget_ms": options.budget_ms, "instants": INSTANTS, "tries": tried}, show)
+
+
+def _auto_from_file(
+    bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]
+) -> _About:
+    from ..auto.levels import best_within
+    from ..pipeline.planning import plans_for
+    from ..run import levels_from_file
+
+    found = levels_from_file(bench, options, None)
     first = best_within(found.levels, options.budget_ms)
-    typer.echo("Warp auto would choose from these, each dearer and more accurate than the one before:")
-    marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
-    in_columns(
-        (
-            (str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}")
-            for r, mark in zip(found.levels, marks, strict=True)
-        ),
-        indent=2,
-    )
-    headset = load_headset(options.headset)
-    _print_notes(found.notes)
-    in_columns(_weights(options, headset, plans_for(options, headset, scene, found.levels, **told)))
+    frame = _frame(options, headset, plans_for(options, headset, scene, found.levels, **told))
+
+    def show() -> None:
+        typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")
+        marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
+        in_columns(
+            (
+                (str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}")
+                for r, mark in zip(found.levels, marks, strict=True)
+            ),
+            indent=2,
+        )
+        for note in found.notes:
+            paragraph(f"note: {note}")
+        in_columns(_weights(frame))
+
+    levels = [
+        {"warp": r.warp, "fill": r.fill, "total_ms": r.total_ms, "flip": r.error, "psnr_db": r.psnr_db}
+        for r in found.levels
+    ]
+    data = {"budget_ms": options.budget_ms, "levels": levels, "begins_with": first, "notes": list(found.notes)}
+    return _About({**data, "frame": frame}, show)
 
 
-def _print_notes(notes: Iterable[str]) -> None:
-    from ._show import paragraph
-
-    for note in notes:
-        paragraph(f"note: {note}")
-
-
-def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:
+def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dict[str, Any]:
     """Return the bytes of frames that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..frames import frame_bytes
@@ -132,15 +167,24 @@ def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> l
 
     rate_hz = options.rate_hz or headset.refresh_hz
     needs, sizes = needs_of(plans), eye_sizes(options.guard_factor, headset, options.size or headset.eye_size_px)
-    parts = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
-    told = ", ".join(f"{name} {count / 1e6:.1f} MB" for name, count in parts.items())
-    at_once = f"at most {frames_held(options, rate_hz, needs)} of them at {options.latency_ms:g} ms and {rate_hz:g} Hz"
+    layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
+    return {
+        "eyes": 2,
+        "size": list(sizes.rendered),
+        "layers": layers,
+        "bytes": sum(layers.values()),
+        "at_once": frames_held(options, rate_hz, needs),
+        "latency_ms": options.latency_ms,
+        "rate_hz": rate_hz,
+    }
+
+
+def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
+    layers = ", ".join(f"{name} {count / 1e6:.1f} MB" for name, count in frame["layers"].items())
+    size = "x".join(map(str, frame["size"]))
+    at_once = f"at most {frame['at_once']} of them at {frame['latency_ms']:g} ms and {frame['rate_hz']:g} Hz"
     return [
-        (
-            "A frame",
-            f"2 eyes x {sizes.rendered[0]}x{sizes.rendered[1]} px, {sum(parts.values()) / 1e6:.1f} MB uncompressed: "
-            f"{told}",
-        ),
+        ("A frame", f"2 eyes x {size} px, {frame['bytes'] / 1e6:.1f} MB uncompressed: {layers}"),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
 

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import attrs
 import typer
 
-from ..options import Declared, Option, option
+from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.formats import formats
 from ..poses.options import MOTIONS, TraceOptions
-from ._options import Said, takes
+from ._help import Group
+from ._options import JSON, Said, as_json, takes
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -19,27 +20,28 @@ if TYPE_CHECKING:
     from ..poses.load import LoadedTrace
     from ..poses.track_statistics import Analysis
 
-app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
+app = typer.Typer(cls=Group, help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
 _TRACE = Option(
     "A file, or the bare name of a shipped recording.", required=True, name="trace", metavar="TRACE", positional=True
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
-_OWN_RATE = {"trace_rate": "rate"}
 
 
 @app.command()
-@takes(_TRACE, TraceOptions, renamed=_OWN_RATE)
+@takes(_TRACE, TraceOptions, JSON)
 def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
-    from ..poses.load import load_trace
-    from ..poses.track_statistics import analyse
+    from ..poses import analyse, load_trace, trace_as_json
 
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
+    if said["json"]:
+        typer.echo(as_json(trace_as_json(loaded, figures)))
+        return
     console = Console()
     if not console.is_terminal:
         console = Console(width=120, soft_wrap=True)
@@ -52,7 +54,7 @@ def info(said: Said) -> None:
 
 
 @app.command()
-@takes(_TRACE, _OUT, _TO, TraceOptions, renamed=_OWN_RATE)
+@takes(_TRACE, _OUT, _TO, FORCE, TraceOptions)
 def convert(said: Said) -> None:
     """Write a clean trace.
 
@@ -62,7 +64,7 @@ def convert(said: Said) -> None:
 
     from ..errors import InputError
     from ..poses.load import load_trace
-    from ..report import write_stream
+    from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
     target = formats.get(to)
@@ -70,12 +72,14 @@ def convert(said: Said) -> None:
         able = ", ".join(f.name for f in formats if f.writes)
         raise InputError(f"format {to} is read, not written: expected one of {able}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
+    if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
+        refuse_existing(out, force=said["force"])
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
     console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
     console.print(
-        f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
+        f"{out}: {counted(len(loaded.track), 'sample')}, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
         highlight=False,
     )
@@ -86,7 +90,8 @@ class SynthOptions(Declared):
     """A head that is made up."""
 
     kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
-    out: Path = option(attrs.NOTHING, "The file to write.", kind=Path)
+    out: Path = out_field(attrs.NOTHING, "The file to write.")
+    force: bool = force_field()
     seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
     seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
     rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
@@ -97,12 +102,14 @@ class SynthOptions(Declared):
 def synth(said: Said) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
-    from ..report import write_stream
+    from ..report import counted, refuse_existing, write_stream
 
     options = SynthOptions.of(said)
+    refuse_existing(options.out, force=options.force)
     track = synthesise(options.kind, options.seed, options.seconds, options.rate_hz)
     write_stream(options.out, lambda stream: write_synthetic(track, stream))
-    typer.echo(f"{options.out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
+    samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
+    typer.echo(f"{options.out}: {samples}, {track.origin}", err=True)
 
 
 def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
@@ -190,6 +197,9 @@ def _segment_table(loaded: LoadedTrace) -> Table:
 def _print_defects(console, loaded: LoadedTrace) -> None:
     from rich.text import Text
 
-    console.print(f"{len(loaded.defects) or 'no'} defect{'s' * (len(loaded.defects) != 1)} found", style="bold")
+    from ..report import counted
+
+    found = counted(len(loaded.defects), "defect") if loaded.defects else "no defects"
+    console.print(f"{found} found", style="bold")
     for defect in loaded.defects:
         console.print(Text(f"  {defect}"))

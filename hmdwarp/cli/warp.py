@@ -7,10 +7,12 @@ from pathlib import Path
 import attrs
 import typer
 
-from ..options import Declared, names_in, option, same_as
+from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
 from ._options import Said, takes
 
+# What reads more than a picture with depth: left out of the help, which does not load the others.
+NEEDS_A_SERVER = ("backward", "environment", "layered", "multi", "model", "relight", "wide")
 _PIPELINE = attrs.fields(PipelineOptions)
 
 
@@ -19,27 +21,44 @@ class WarpOptions(Declared):
     """A frame, and how to warp it."""
 
     frame: Path = option(
-        attrs.NOTHING, "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw.", kind=Path, positional=True
+        attrs.NOTHING,
+        "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw; depth_scale for integer depth.",
+        kind=Path,
+        positional=True,
     )
     to: Path = option(attrs.NOTHING, "POSE.json: fov, position_m, orientation_xyzw.", kind=Path)
-    out: Path = option(
-        attrs.NOTHING, "OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.", kind=Path
+    out: Path = out_field(attrs.NOTHING, "OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.")
+    force: bool = force_field()
+    warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER)}.")
+    fill: str = same_as(
+        _PIPELINE.fill, "none", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
-    warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps')}.")
-    fill: str = same_as(_PIPELINE.fill, "none", help=f"{names_in('client/fills')}.")
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
+    depth_scale: float | None = option(
+        None, "Metres per unit of depth: 0.001 for millimetres, 1 for metres; by default the frame's.", kind=float
+    )
 
 
 @takes(WarpOptions)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
-    from ..image.frame_files import read_frame, read_view
+    from ..image import read_frame, read_view
     from ..image.warping import warp_image
-    from ..report import write_image_result
+    from ..report import refuse_existing, write_image_result
 
     options = WarpOptions.of(said)
-    colour, depth_m, rendered = read_frame(options.frame)
-    result = warp_image(colour, depth_m, rendered, read_view(options.to), options.warp, options.fill, options.size)
+    refuse_existing(options.out, force=options.force)
+    frame = read_frame(options.frame)
+    result = warp_image(
+        frame.colour,
+        frame.depth_m,
+        frame.view,
+        read_view(options.to),
+        options.warp,
+        options.fill,
+        options.size,
+        depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
+    )
     write_image_result(options.out, result.colour, result.coverage, result.time_ms)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")

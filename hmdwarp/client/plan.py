@@ -13,7 +13,7 @@ import attrs
 
 from ..errors import InputError, PlanError
 from ..frames import Needs
-from ..frames.layers import readable_names
+from ..frames.layers import layers, readable_names
 from .effects import Effect, EffectPass, RenderedPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
@@ -307,7 +307,7 @@ def _plan_shown_depth(
         return
     stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
     who = " and ".join(dict.fromkeys(readers))
-    reason = f"{who} asks how far things are: the late depth, warped as the colour"
+    reason = f"needed by {who}: the rendered depth, warped as the colour is"
     draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
 
 
@@ -333,13 +333,20 @@ def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
     return "the client has no geometry to draw it from"
 
 
+def _described(name: str) -> str:
+    """Return what a pass reads, in words for people who know no names of textures."""
+    if name in (CLIENT_DEPTH, CLIENT_MODEL):
+        return "the scene's geometry on the client"
+    for layer in layers:
+        if layer.readable() == name:
+            return f"layer '{layer.name}' from the server ({layer.summary})"
+    return f"{name}, which no pass before it writes"
+
+
 def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
     known = {*brings, *((CLIENT_MODEL,) if client_geometry else ())}
     for step in steps:
         missing = [name for name in step.reads if name not in known]
         if missing:
-            hint = (
-                "; it needs the scene's geometry on the client" if {CLIENT_DEPTH, CLIENT_MODEL} & set(missing) else ""
-            )
-            raise PlanError(f"{step.name} reads {', '.join(missing)}, which no pass before it writes{hint}")
+            raise PlanError(f"{step.name} needs {' and '.join(dict.fromkeys(map(_described, missing)))}")
         known.update(step.writes)

@@ -152,17 +152,13 @@ def opengl() -> list[Finding]:
         return [Finding("OpenGL", State.MISSING, reason, HOW_TO_GET_GL.split(";")[0], known)]
     detail = (
         f"{known['renderer']}, {known['version']} "
-        f"({'software, on the processor' if known['software'] else 'hardware'}); "
-        f"pictures up to {known['max_texture_size']} px a side, work groups up to "
+        f"({'software, on the CPU' if known['software'] else 'hardware'}); "
+        f"textures up to {known['max_texture_size']} px a side, work groups up to "
         f"{known['max_work_group_invocations']}, "
         f"storage blocks up to {known['max_storage_block_bytes'] // 2**20} MiB, 64-bit atomics "
         f"{'yes' if known['atomic_int64'] else 'no'}"
     )
-    timers = (
-        "GPU timer queries"
-        if known["clock"] == "gpu"
-        else "wall clock around finished work: this driver's own timers measure nothing"
-    )
+    timers = "GPU timer queries" if known["clock"] == "gpu" else "wall clock: this driver's GPU timers are unusable"
     return [
         Finding("OpenGL", State.OK, detail, facts=known),
         Finding("timers", State.OK, timers, facts={"clock": known["clock"]}),
@@ -221,8 +217,8 @@ def live(headset: list[Finding], desktop: Finding) -> Finding:
         return Finding(
             "live", State.OK, f"takes the window, as there is no headset: {lack.detail}", facts={"source": "desktop"}
         )
-    why = f"shows nothing: no headset ({lack.detail}), no window ({desktop.detail})"
-    return Finding("live", State.OPTIONAL, why, "do what one of the two lines above says", {"source": None})
+    why = f"no display: no headset ({lack.detail}), no window ({desktop.detail})"
+    return Finding("live", State.OPTIONAL, why, "either remedy above makes one", {"source": None})
 
 
 def panel() -> Finding:

@@ -109,12 +109,12 @@ def check_clocks(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = Non
         times = [both_clocks(gpu.gl, copy) for _ in range(rounds)]
     wall_ms, gpu_ms = (min(column) for column in zip(*times, strict=True))
     if gpu.timer.clock == "wall":
-        told = f"{gpu.renderer} answers {gpu_ms:.3g} ms to timer queries: they measure nothing here"
-        return ClockCheck("wall", wall_ms, None, f"wall clock after finish; a pass of {wall_ms:.2f} ms, {told}")
+        told = f"({gpu_ms:.3g} ms for a pass of {wall_ms:.2f} ms)"
+        return ClockCheck("wall", wall_ms, None, f"wall clock: this driver's GPU timers are unusable {told}")
     apart = (wall_ms - gpu_ms) / gpu_ms
     note = (
-        f"GPU timer queries; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by the wall clock, "
-        f"{apart:+.1%} (its launch and the wait)"
+        f"GPU timers; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by wall clock ({apart:+.1%}: launching and "
+        "waiting)"
     )
     return ClockCheck("gpu", wall_ms, gpu_ms, note)
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,23 +18,43 @@ from ..geometry import Fov, Pose, View
 
 _VIEW = {"fov": 4, "position_m": 3, "orientation_xyzw": 4}
 _KEYS = ("colour", "depth_m", *_VIEW)
+_SCALE = "depth_scale"
 
 
-def read_frame(path: Path) -> tuple[NDArray[Any], NDArray[Any], View]:
-    """Return colour, depth_m and the view of a FRAME.npz.
+@attrs.frozen(eq=False)
+class FrameFile:
+    """What a FRAME.npz holds."""
+
+    colour: NDArray[Any]
+    depth_m: NDArray[Any]
+    view: View
+    # Metres per unit of depth_m; None for metres.
+    depth_scale: float | None = None
+
+
+def read_frame(path: Path) -> FrameFile:
+    """Return what a FRAME.npz holds; depth_scale may be missing.
 
     Errors: InputError naming the file and its fault.
     """
+    arrays = _arrays(path)
+    _check_keys(path, arrays, _KEYS)
+    scale = float(_numbers(path, _SCALE, np.atleast_1d(arrays[_SCALE]), 1)[0]) if _SCALE in arrays else None
+    return FrameFile(arrays["colour"], arrays["depth_m"], _view(path, arrays), scale)
+
+
+def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     content = _content(path)
+    wanted = "expected NumPy's .npz form, as numpy.savez writes it"
+    if not content.startswith(b"PK"):  # NumPy would take it for a pickle
+        raise InputError(f"{path}: not an .npz file; {wanted}")
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
-            arrays = {key: data[key] for key in _KEYS if key in data}
+            return {key: data[key] for key in (*_KEYS, _SCALE) if key in data}
     # Zip, zlib and NumPy raise many kinds of exceptions for a damaged file.
     except Exception as error:
-        why = f"{type(error).__name__}: {error}"
-        raise InputError(f"{path}: not a frame in NumPy's .npz form ({why}); write it with numpy.savez") from error
-    _check_keys(path, arrays, _KEYS)
-    return arrays["colour"], arrays["depth_m"], _view(path, arrays)
+        why = "holds Python objects" if "allow_pickle" in str(error) else f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: cannot be read ({why}); {wanted}, with arrays of numbers") from error
 
 
 def read_view(path: Path) -> View:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import atexit
+import math
 import operator
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from numbers import Real
 from typing import Any
 
 import attrs
@@ -51,18 +53,21 @@ def warp_image(
     fill: str = "none",
     size: tuple[int, int] | None = None,
     gpu: Gpu | None = None,
+    *,
+    depth_scale: float | None = None,
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
     colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres
     along -z; inf is infinitely far; 0, negative or NaN marks a hole, which is counted and never
-    spread. size: (w, h) of the result, by default the size of `colour`. gpu: a context made in the
-    calling thread; by default one is made at the first call and shared by all threads, one at a
-    time.
+    spread. A pixel that a numpy.ma mask hides, in colour or depth, is a hole too. size: (w, h) of
+    the result, by default the size of `colour`. gpu: a context made in the calling thread; by
+    default one is made at the first call and shared by all threads, one at a time. depth_scale:
+    metres per unit of depth_m, which integers must have: 0.001 for millimetres.
     Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a
     picture with depth; UnknownNameError; MachineError without OpenGL 4.3.
     """
-    linear, inverse_depth = checked(colour, depth_m)
+    linear, inverse_depth = checked(colour, depth_m, depth_scale)
     for name, view in (("rendered", rendered), ("shown", shown)):
         if not isinstance(view, View):
             raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
@@ -73,17 +78,30 @@ def warp_image(
         return _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
 
 
+def usable_warps() -> list[str]:
+    """Return the names of warps that need no more than one picture with depth."""
+    return [entry.name for entry in warps if set(entry.reads) <= set(PICTURE)]
+
+
+def usable_fills() -> list[str]:
+    """Return the names of fills that need no more than one picture with depth."""
+    return [entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH}]
+
+
 def _plan(warp: str, fill: str) -> Plan:
+    for kind, name, usable in (("warp", warp, usable_warps), ("fill", fill, usable_fills)):
+        if not isinstance(name, str):
+            raise InputError(f"{kind} is {name!r}: expected a name: {', '.join(usable())}")
+    if warp == "auto":
+        raise InputError(
+            "warp 'auto' chooses during a run, by time and error over many pictures; for a single picture name one: "
+            f"{', '.join(usable_warps())}"
+        )
     try:
         return build_plan((), warp, fill, "none", client_geometry=False, brings=PICTURE)
     except PlanError as error:
-        able = [f"warps {', '.join(entry.name for entry in warps if set(entry.reads) <= set(PICTURE))}"]
-        able.append(
-            f"fills {', '.join(entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH})}"
-        )
-        raise PlanError(
-            f"{error}, which a picture does not bring; for a picture with depth there are {'; '.join(able)}"
-        ) from error
+        able = f"warps {', '.join(usable_warps())}; fills {', '.join(usable_fills())}"
+        raise PlanError(f"{error}; a single picture has none. Usable are {able}") from error
 
 
 @attrs.frozen(eq=False)
@@ -122,12 +140,14 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
     return WarpedImage(picture[..., :3].copy(), picture[..., 3].copy(), times, float((warped == 0).mean()))
 
 
-def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def checked(
+    colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return linear colour with coverage (h, w, 4) and inverse depth (h, w), top row first.
 
-    Errors: InputError.
+    What a mask hides, in colour or in depth, has neither. Errors: InputError.
     """
-    colour, depth_m = _array("colour", colour), _array("depth_m", depth_m)
+    (colour, colour_mask), (depth_m, depth_mask) = _array("colour", colour), _array("depth_m", depth_m)
     if colour.ndim != 3 or colour.shape[2] != 3 or 0 in colour.shape:
         raise InputError(f"colour has shape {colour.shape}: expected (h, w, 3)")
     if colour.dtype != np.uint8 and colour.dtype.kind != "f":
@@ -136,22 +156,40 @@ def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32],
         raise InputError(
             f"depth_m is {depth_m.dtype} {depth_m.shape}: expected numbers of shape {colour.shape[:2]}, as colour has"
         )
+    hidden = depth_mask | colour_mask.any(axis=2)
+    colour = np.where(hidden[..., None], 0, colour).astype(colour.dtype)
     linear = linear_from_srgb(colour) if colour.dtype == np.uint8 else colour
     if not np.isfinite(linear).all():
         y, x = np.argwhere(~np.isfinite(linear).all(axis=2))[0]
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
-    inverse = inverse_depth_from_metres(depth_m)
-    covered = ~np.isnan(inverse)
+    inverse = inverse_depth_from_metres(_in_metres(depth_m, depth_scale))
+    covered = ~(np.isnan(inverse) | hidden)
     limit = float(np.finfo(np.float16).max)
     rgba = np.concatenate([np.clip(linear, -limit, limit) * covered[..., None], covered[..., None]], axis=2)
     return rgba.astype(np.float32), np.where(covered, inverse, NO_DEPTH).astype(np.float32)
 
 
-def _array(name: str, value: ArrayLike) -> NDArray[Any]:
+def _in_metres(depth: NDArray[Any], scale: float | None) -> NDArray[Any]:
+    """Return depth in metres. Errors: InputError for integers of unknown unit, and a bad scale."""
+    if scale is None:
+        if depth.dtype.kind != "f":
+            raise InputError(
+                f"depth_m is {depth.dtype}, of unknown unit: give depth_scale, the metres per unit (0.001 for "
+                "millimetres, 1/5000 for TUM RGB-D, 1 for whole metres), or metres as floats"
+            )
+        return depth
+    if isinstance(scale, bool) or not isinstance(scale, Real) or not (math.isfinite(scale) and scale > 0):
+        raise InputError(f"depth_scale is {scale!r}: expected metres per unit, a number above 0, such as 0.001")
+    return depth.astype(np.float64) * float(scale)
+
+
+def _array(name: str, value: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Return the values, and where a mask of numpy.ma hides them."""
     try:
-        return np.asarray(value)
+        array = np.asanyarray(value)
     except ValueError as error:
         raise InputError(f"{name} is no array: {error}") from error
+    return np.asarray(array), np.ma.getmaskarray(array)
 
 
 def checked_size(size: object) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from .delays import DelayModel, delay_models
 from .link import Link
 from .loss import GilbertElliott
 from .options import LinkOptions
-from .response import ResponseTime, medians
+from .response import ResponseTime, figures_of_parts, response_figures
 from .tally import Tally, TransitStats
 
 __all__ = [
@@ -18,5 +18,6 @@ __all__ = [
     "TransitStats",
     "ResponseTime",
     "Tally",
-    "medians",
+    "figures_of_parts",
+    "response_figures",
 ]

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import attrs
 
 from .tally import TransitStats
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 @attrs.frozen
@@ -55,14 +58,26 @@ class ResponseTime:
         return attrs.asdict(self)
 
 
-def medians(times: Sequence[ResponseTime]) -> dict[str, float] | None:
-    """Return the median of each part and of the totals, None if no frame was shown.
+def response_figures(times: Sequence[ResponseTime]) -> dict[str, float] | None:
+    """Return the figures of frames' response times; None where no frame was shown.
 
-    The median total is not the sum of the parts' medians.
+    The mean of each part and total_ms, the mean of the sums: the parts add up to it. Beside them
+    median_ms and p95_ms of the sums, which those of the parts would not add up to.
     """
-    if not times:
-        return None
-    from statistics import median  # not at the top: --help reads this package's options
+    return figures_of_parts([list(one.parts().values()) for one in times])
 
-    out = {name: median(getattr(one, name) for one in times) for name in ResponseTime().parts()}
-    return {**out, "total_ms": median(one.total_ms for one in times)}
+
+def figures_of_parts(rows: ArrayLike) -> dict[str, float] | None:
+    """Return response_figures of rows with the parts in their order."""
+    import numpy as np
+
+    table = np.asarray(rows, dtype=np.float64)
+    if not len(table):
+        return None
+    means, totals = table.mean(axis=0), table.sum(axis=1)
+    return {
+        **dict(zip(ResponseTime().parts(), map(float, means), strict=True)),
+        "total_ms": float(means.sum()),
+        "median_ms": float(np.median(totals)),
+        "p95_ms": float(np.percentile(totals, 95)),
+    }

@@ -7,21 +7,26 @@ heavy.
 
 from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as
 from .limits import Number, names_in, one_of
+from .paths import FORCE, force_field, out_field, path_of
 from .several import several, split_names
 
 __all__ = [
     "CONDITION",
     "DISPLAY",
+    "FORCE",
     "PICTURE",
     "Declared",
     "Number",
     "Option",
+    "force_field",
     "group",
     "names_in",
     "one_of",
     "option",
     "option_of",
     "options_of",
+    "out_field",
+    "path_of",
     "same_as",
     "several",
     "split_names",

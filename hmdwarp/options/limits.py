@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,13 @@ from ..errors import InputError
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
-def names_in(folder: str, pattern: str = "*.py") -> str:
+def names_in(folder: str, pattern: str = "*.py", without: Collection[str] = ()) -> str:
     """Return the entries of a registry for a help text.
 
     Reads file names alone, so that --help imports nothing.
     """
-    return ", ".join(sorted(p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_")))
+    names = (p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_"))
+    return ", ".join(sorted(name for name in names if name not in without))
 
 
 def _as_float(value: float) -> float:

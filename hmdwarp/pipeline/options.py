@@ -154,7 +154,11 @@ class PipelineOptions(Declared):
     network: LinkOptions = group(LinkOptions)
     # Encoding and decoding on the link.
     coding: Coding = group(Coding)
-    predict: str = option("none", f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}.")
+    predict: str = option(
+        "none",
+        f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; cav is short for "
+        "constant_velocity.",
+    )
     horizon_ms: float = option(100.0, "Milliseconds to predict ahead at most.", unit="ms", valid=Number())
 
     def __attrs_post_init__(self) -> None:

@@ -22,6 +22,7 @@ from .synth import minimum_jerk as minimum_jerk
 from .synth import shift_seconds as shift_seconds
 from .synth import synthesise as synthesise
 from .synth import write_synthetic as write_synthetic
+from .trace_info import trace_as_json as trace_as_json
 from .track import SHORTEST_GAP_NS as SHORTEST_GAP_NS
 from .track import PoseTrack as PoseTrack
 from .track import Samples as Samples

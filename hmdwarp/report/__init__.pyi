@@ -1,7 +1,6 @@
 from .charts import Series as Series
 from .charts import binned as binned
 from .charts import time_series as time_series
-from .files import OutputFolder as OutputFolder
 from .files import atomic as atomic
 from .files import sync as sync
 from .files import write_bytes as write_bytes
@@ -15,6 +14,8 @@ from .files import write_text as write_text
 from .live_lines import budget_rows as budget_rows
 from .live_lines import live_lines as live_lines
 from .live_page import render_live_report as render_live_report
+from .output import OutputFolder as OutputFolder
+from .output import refuse_existing as refuse_existing
 from .page import WorstFrame as WorstFrame
 from .page import render_report as render_report
 from .pictures import comparison_panels as comparison_panels

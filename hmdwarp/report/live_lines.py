@@ -8,6 +8,7 @@ from typing import Any
 
 from ..metrics import Figure, metrics
 from .tables import TIME_FIGURES, Summary
+from .words import counted
 
 _MS = Figure("", "", "ms", 2)
 
@@ -22,8 +23,8 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
     live = summary["live"]
     figures = [
         ("shown", _shown(live)),
-        ("age of the frame", _pair(live["age_ms"])),
-        ("age of the pose", _pair(live["pose_age_ms"])),
+        ("frame age at display", _pair(live["age_ms"])),
+        ("pose age at hand-over", _pair(live["pose_age_ms"])),
         ("from picture to picture", _pair(live["period_ms"])),
         ("time per eye", _per_eye(summary)),
         ("drawing and both eyes", _pair(live["refresh_ms"]["total"], f", of {live['budget_ms']:.2f} ms for a refresh")),
@@ -53,7 +54,7 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
 def _shown(live: Mapping[str, Any]) -> str:
     rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
     missed = f"; {live['missed']} missed ({missed_share(live):.1%})" if live["missed"] else "; none missed"
-    return f"{live['refreshes']} picture{'s' * (live['refreshes'] != 1)} in {live['seconds']:.1f} s{rate}{missed}"
+    return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}{missed}"
 
 
 def _pair(entry: Mapping[str, float | None], more: str = "") -> str:

@@ -61,9 +61,9 @@ def _tiles(summary: Summary) -> list[Tile]:
     age, pose_age, time = live["age_ms"], live["pose_age_ms"], TIME_FIGURES[-1]
     missed = f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}"
     return [
-        Tile("Age of the frame", "ms", _MS.text(age["median"]), _tail(_MS, age, "from drawing to showing")),
+        Tile("Frame age at display", "ms", _MS.text(age["median"]), _tail(_MS, age, "from drawing to showing")),
         Tile(
-            "Age of the pose",
+            "Pose age at hand-over",
             "ms",
             _SHORT_MS.text(pose_age["median"]),
             _tail(_SHORT_MS, pose_age, "from reading the head to submitting the picture"),
@@ -97,8 +97,8 @@ def _charts(summary: Summary, column: Column) -> list[Chart]:
     limit = Series("a refresh of the display", time_s, np.full(len(time_s), budget_ms))
     both_eyes = holes.scale * np.concatenate([column("hole_share/0"), column("hole_share/1")])
     lines = (
-        ("Age of the frame", [Series("", time_s, column("age_ms"))], "ms"),
-        ("Age of the pose at submission", [Series("", time_s, column("pose_age_ms"))], "ms"),
+        ("Frame age at display", [Series("", time_s, column("age_ms"))], "ms"),
+        ("Pose age at hand-over", [Series("", time_s, column("pose_age_ms"))], "ms"),
         ("From picture to picture", [Series("from picture to picture", time_s, column("period_ms")), limit], "ms"),
         (
             "Drawing and all passes of both eyes",

@@ -10,28 +10,30 @@ Pairs = list[tuple[str, str]]
 
 _RESPONSE = {
     "render_ms": "drawing, both eyes",
-    "encode_ms": "encoding",
+    "encode_ms": "encoding of the shown frames",
     "queue_ms": "waiting for earlier frames",
     "transfer_ms": "size over bandwidth",
     "round_trip_ms": "the network, both ways",
-    "decode_ms": "decoding",
+    "decode_ms": "decoding of the shown frames",
     "warp_ms": "warp to lens, both eyes",
-    "total_ms": "response time",
+    "total_ms": "response time (mean: the sum of these)",
+    "median_ms": "response time (median)",
+    "p95_ms": "response time (95th percentile)",
 }
 _FRAMES = {
     "drawn": "drawn",
     "sent": "sent",
     "dropped": "dropped before a full queue",
     "lost": "lost on the network",
-    "undecodable": "arrived, but built on a lost one",
-    "late": "arrived after a newer one was shown",
-    "superseded": "superseded by a newer one in the same refresh",
+    "undecodable": "undecodable (depend on a lost frame)",
+    "late": "too late (a newer one was shown)",
+    "superseded": "superseded (a newer one came by the same refresh)",
     "shown": "shown",
     "under_way": "in transit at the end",
 }
 _CODING = (
-    ("encode_ms", "encoding a frame", "ms"),
-    ("decode_ms", "decoding a frame", "ms"),
+    ("encode_ms", "encoding (median of all frames)", "ms"),
+    ("decode_ms", "decoding (median of all frames)", "ms"),
     ("coded_psnr_db", "colour after coding", "dB PSNR"),
 )
 _TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
@@ -49,7 +51,10 @@ def filled_rows(summary: Summary) -> Pairs:
 
 
 def response_rows(summary: Summary) -> Pairs:
-    """Return (part, median ms) of the response time, without parts that took no time."""
+    """Return (part, mean ms) of the response time, without parts that took no time.
+
+    They add up to the mean response time; its median and 95th percentile follow.
+    """
     response = (summary.get("link") or {}).get("response_ms") or {}
     return [(part, f"{response[name]:.2f} ms") for name, part in _RESPONSE.items() if response.get(name)]
 
@@ -86,6 +91,6 @@ def transit_lines(summary: Summary) -> list[str]:
     counts = link.get("frames") or {}
     if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = (*coding_rows(summary), *response_rows(summary)[-1:])
+        rows = [*coding_rows(summary), *(row for row in response_rows(summary) if row[0] == _RESPONSE["median_ms"])]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines

@@ -1,11 +1,12 @@
-"""Numbers as papers print them, and lists as sentences need them."""
+"""Numbers as papers print them."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
+
+from ..phrases import counted, listed  # noqa: F401 (part of this package's face)
 
 ALPHA = 0.05
 
@@ -47,16 +48,6 @@ def interval(low: float | None, high: float | None, digits: int = 2) -> str:
 def plain(value: float | None, digits: int = 2) -> str:
     """Return "2.62"; a dash for None."""
     return "–" if value is None or math.isnan(value) else f"{value:.{digits}f}"
-
-
-def counted(number: int, word: str) -> str:
-    """Return "1 person" or "3 ratings"."""
-    return f"{number} {word if number == 1 else {'person': 'people'}.get(word, word + 's')}"
-
-
-def listed(names: Sequence[str], word: str = "and") -> str:
-    """Return "a, b and c"; "" for no names."""
-    return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def pair_text(a: str, b: str) -> str:

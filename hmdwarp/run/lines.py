@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..errors import HmdwarpError, MachineError
-from ..report import write_error
+from ..report import refuse_existing, write_error
 
 EVERY_S = 0.5  # plus the disk's own time, well below the second of data that a crash may cost
 MOST_WAITING = 1 << 24  # characters: twenty minutes of poses at 90 Hz
@@ -19,17 +19,19 @@ PATIENCE_S = 5.0  # how long to wait at the end for a disk that does not answer
 class Lines:
     """A new file; a thread of its own writes lines to the disk every half second.
 
-    path: must not exist yet. synced: whether to fsync each time, so that even a power cut costs no
-    more than a second. The file always holds whole lines, also after the disk was full.
-    Errors: InputError for a path that cannot be written; FileExistsError.
+    path: must not exist yet, unless forced. synced: whether to fsync each time, so that even a
+    power cut costs no more than a second. The file always holds whole lines, also after the disk
+    was full.
+    Errors: InputError for a path that cannot be written, and for a file that exists.
     """
 
-    def __init__(self, path: Path, *, synced: bool = False) -> None:
+    def __init__(self, path: Path, *, synced: bool = False, force: bool = False) -> None:
         self.path, self._synced = path, synced
+        # Lines that the disk has taken.
+        self.written = 0
+        refuse_existing(path, force=force)
         try:
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
-        except FileExistsError:
-            raise
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if force else os.O_EXCL), 0o666)
         except OSError as error:
             raise write_error(error, path) from error
         self._waiting: deque[str] = deque()
@@ -68,6 +70,11 @@ class Lines:
         finally:
             self._writing.release()
         return True
+
+    @property
+    def failed(self) -> bool:
+        """Whether the disk has refused lines; it takes none afterwards."""
+        return self._error is not None
 
     def close(self) -> None:
         """Write the waiting lines, and close the file.
@@ -114,6 +121,7 @@ class Lines:
             done = data.rfind(b"\n", 0, done) + 1
             self._cut(self._bytes + done)
         self._bytes += done
+        self.written += data.count(b"\n", 0, done)
 
     def _cut(self, size: int) -> None:
         with suppress(OSError):  # a disk that is gone: nothing can be done

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..link import ResponseTime
+from ..link import ResponseTime, figures_of_parts
 from .frame_rows import STAGE_COLUMNS
 from .garbage import Pauses
 
@@ -36,7 +36,7 @@ SHARED = (
     "busy_ms",
 )
 COLUMNS = (*SHARED, *(f"{name}/{eye}" for eye in (0, 1) for name in OF_EYE))
-_RESPONSE = (*ResponseTime().parts(), "total_ms")
+_RESPONSE = tuple(ResponseTime().parts())
 _RESPONSE_EVERY = 8  # adding up its parts takes 10 us
 
 
@@ -175,8 +175,7 @@ class FrameFates:
     def add(self, refresh: Refresh) -> None:
         """Add the response time of a refresh whose times are known."""
         if self._seen % _RESPONSE_EVERY == 0:
-            response = refresh.response
-            self._responses.add((*response.parts().values(), response.total_ms))
+            self._responses.add(tuple(refresh.response.parts().values()))
         self._seen += 1
 
     def as_dict(self, rate_hz: float) -> dict[str, Any]:
@@ -188,10 +187,7 @@ class FrameFates:
             return {}
         last = self._channel.summary(rate_hz)
         frames = dict(Counter(last["frames"]) + self._past) if self._past else last["frames"]
-        times = {name: self._responses.column(name) for name in _RESPONSE}
-        response = (
-            {name: float(np.median(values)) for name, values in times.items()} if len(times["total_ms"]) else None
-        )
+        response = figures_of_parts(np.column_stack([self._responses.column(name) for name in _RESPONSE]))
         return {**last, "frames": {name: frames.get(name, 0) for name in last["frames"]}, "response_ms": response}
 
 

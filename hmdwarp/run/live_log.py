@@ -60,7 +60,7 @@ class _Files:
     def of(cls, options: LiveOptions) -> _Files | None:
         if options.out is None:
             return None
-        out = OutputFolder(options.out, owned=OWNED)
+        out = OutputFolder(options.out, owned=OWNED, force=options.force)
         return cls(out, Lines(out.path("frames.csv")), Pictures(out, options.images_every))
 
 

@@ -35,7 +35,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     with ExitStack() as stack:
         # Outermost: a signal ends the program only after everything is written.
         ending = stack.enter_context(Ending(options.seconds, options.frames))
-        recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
+        recorder = None
+        if options.record is not None:
+            recorder = stack.enter_context(Recorder(options.record, say, force=options.force))
         log = stack.enter_context(LiveLog(options))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(closing(open_display(options, watchdog.watching, say)))

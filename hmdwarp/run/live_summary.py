@@ -14,6 +14,7 @@ import numpy as np
 from ..display import Display
 from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
+from ..phrases import counted
 from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions
@@ -122,14 +123,14 @@ def _notes(events: Events, live: dict[str, Any], pictures: Pictures | None) -> l
         away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
         notes.append(f"The display went away at {lost['time_s']:.2f} s {away}: {lost['why']}")
     if pictures is not None and pictures.count:
-        notes.append("Each kept picture was read back from the GPU: those refreshes are late by it.")
+        notes.append("Kept pictures were read back from the GPU, which makes their refreshes late.")
     if pictures is not None and pictures.is_full:
-        notes.append(f"After {pictures.count} kept pictures no more were kept.")
+        notes.append(f"Only the first {counted(pictures.count, 'picture')} were kept: the limit.")
     if live["sampled_every"] > 1:
         notes.append(
             f"Medians, percentiles and curves are of every {live['sampled_every']}th refresh; frames.csv has all of "
             "them."
         )
     if not live["timed"]:
-        notes.append("What the passes took is not known: the run ended before anybody could ask.")
+        notes.append("The times of the passes are unknown: the run ended before they could be read.")
     return notes

@@ -8,7 +8,19 @@ from typing import ClassVar
 import attrs
 
 from ..errors import InputError
-from ..options import DISPLAY, PICTURE, Declared, Number, group, names_in, one_of, option, same_as
+from ..options import (
+    DISPLAY,
+    PICTURE,
+    Declared,
+    Number,
+    force_field,
+    group,
+    names_in,
+    one_of,
+    option,
+    out_field,
+    same_as,
+)
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
@@ -16,7 +28,6 @@ from ..scenes.options import SceneOptions
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
 VIEWS = (BOTH, FLAT) = ("both", "flat")
-_optional_path = attrs.converters.optional(Path)
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
@@ -39,7 +50,7 @@ class RunOptions(PipelineOptions):
     # scene are where they were then. Otherwise time begins at 0, and a trace that leaves the scene
     # is moved into it.
     as_recorded: bool = False
-    against: str = option("none", "The warp to compare with; '' for none.")
+    against: str = option("none", "Warp to compare with; none: the late picture as it is; '' for no comparison.")
     metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
     workers: int | None = option(
         None,
@@ -50,9 +61,8 @@ class RunOptions(PipelineOptions):
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
     trace_options: TraceOptions = group(TraceOptions)
-    out: Path = option(
-        Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.", kind=Path, convert=Path
-    )
+    out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
+    force: bool = force_field()
     command: str = ""
 
 
@@ -107,20 +117,17 @@ class LiveOptions(PipelineOptions):
         valid=Number(least=1),
         study=f"{_SECONDS}, in seconds",
     )
-    record: Path | None = option(
+    record: Path | None = out_field(
         None,
         "Write the head's trace to this file while running.",
-        kind=Path,
-        convert=_optional_path,
         study="the head's trace of every trial is recorded anyway",
     )
-    out: Path | None = option(
+    out: Path | None = out_field(
         None,
         "Folder for frames.csv, summary.json and report.html; by default none.",
-        kind=Path,
-        convert=_optional_path,
         study="what was shown is kept in the study's store",
     )
+    force: bool = force_field("the study's store overwrites nothing")
     images_every: int = option(
         0,
         "With --out: keep every n-th picture as it was handed over; 0 for none.",
@@ -168,10 +175,11 @@ _LIVE = attrs.fields(LiveOptions)
 class RecordOptions(Declared):
     """A recording of a head. Errors: InputError for a value out of range."""
 
-    out: Path = option(attrs.NOTHING, "The trace to write: a new file.", kind=Path, convert=Path)
+    out: Path = out_field(attrs.NOTHING, "The trace to write: a new file.")
+    force: bool = force_field()
     source: str = option(
         OPENXR,
-        "Head to record: openxr (a headset), desktop (a window) or synthetic (made up).",
+        "Head to record: openxr (a headset), desktop (a window) or synthetic motion.",
         valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
     )
     # None until Ctrl-C; for a made-up head, the length of its kind.
@@ -180,12 +188,12 @@ class RecordOptions(Declared):
     )
     rate_hz: float | None = option(
         None,
-        "Poses per second; by default the display's, 90 for a made-up head.",
+        "Poses per second; by default the display's, 90 for synthetic motion.",
         kind=float,
         unit="Hz",
         valid=Number(least=1, most=1000),
     )
-    kind: str = option("look-around", f"Made-up motion: {MOTIONS}; it ends by itself.")
+    kind: str = option("look-around", f"Synthetic motion: {MOTIONS}; it ends by itself.")
     # What the window shows.
     scene: str = same_as(_LIVE.scene)
     scene_options: SceneOptions = group(SceneOptions)

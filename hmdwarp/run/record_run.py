@@ -44,6 +44,7 @@ def _of_window(options: RecordOptions, say: Say) -> None:
         fill="none",
         latency_ms=0.0,
         record=options.out,
+        force=options.force,
         seconds=options.seconds,
         rate_hz=options.rate_hz,
         reconnect_s=options.reconnect_s,
@@ -54,9 +55,9 @@ def _of_window(options: RecordOptions, say: Say) -> None:
 
 def _made_up(options: RecordOptions, say: Say) -> None:
     track = synthesise(options.kind, seconds=options.seconds, rate_hz=options.rate_hz or RATE_HZ)
-    with Ending(None, None) as ending, Recorder(options.out, say, BY) as recorder:
-        recorder.begin({"made-up motion": options.kind}, options.rate_hz or RATE_HZ)
-        say(_telling(f"a made-up head, {options.kind}", recorder, track.duration_ns * 1e-9))
+    with Ending(None, None) as ending, Recorder(options.out, say, BY, force=options.force) as recorder:
+        recorder.begin({"synthetic motion": options.kind}, options.rate_hz or RATE_HZ)
+        say(_telling(f"synthetic motion '{options.kind}'", recorder, track.duration_ns * 1e-9))
         began_ns = time.monotonic_ns()
         for index in range(len(track)):
             time_ns = began_ns + int(track.time_ns[index])
@@ -71,7 +72,7 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
 
     with (
         Ending(options.seconds, None) as ending,
-        Recorder(options.out, say, BY) as recorder,
+        Recorder(options.out, say, BY, force=options.force) as recorder,
         Watchdog(options.hang_s, [recorder.save]) as watchdog,
         OpenXrHead(watchdog.watching) as head,
     ):

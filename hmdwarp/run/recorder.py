@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
-from ..errors import InputError
 from ..poses import Origin, PoseSample
 from ..poses.formats.native import header_text, row_text
+from ..report import counted
 from ..version import __version__
 from .lines import Lines
 
 LEAST = 2  # one pose is no motion, and no trace reader accepts it
+_TAIL = 4096  # bytes: longer than any row
 
 
 class Recorder:
@@ -28,21 +30,25 @@ class Recorder:
     and at the end, for a full disk: the lines written before stay, whole.
     """
 
-    def __init__(self, path: Path, say: Callable[[str], None] = lambda text: None, by: str = "hmdwarp live") -> None:
+    def __init__(
+        self,
+        path: Path,
+        say: Callable[[str], None] = lambda text: None,
+        by: str = "hmdwarp live",
+        *,
+        force: bool = False,
+    ) -> None:
         """Create the file.
 
-        path: a new file. say: called with a sentence at the end, and where a clock jumps.
+        path: a new file, unless forced. say: called with a sentence at the end, and where a clock
+        jumps.
         """
         self.path, self._say, self._by = path, say, by
         self.count = self.held = self.behind = 0
         self._first_ns = self._last_ns = 0
         self._begun = False
-        try:
-            self._lines = Lines(path, synced=True)
-        except FileExistsError as error:
-            raise InputError(
-                f"{path} is there already: a recording overwrites nothing; give another name or move it away"
-            ) from error
+        self._header_lines = 0
+        self._lines = Lines(path, synced=True, force=force)
 
     @property
     def seconds(self) -> float:
@@ -60,7 +66,9 @@ class Recorder:
             f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were "
             "asked for"
         ]
-        self._lines.add(header_text(origin_of(self._by, about), rate_hz, notes))
+        header = header_text(origin_of(self._by, about), rate_hz, notes)
+        self._header_lines = header.count("\n")
+        self._lines.add(header)
 
     def add(self, head: PoseSample) -> None:
         """Add a pose."""
@@ -105,21 +113,42 @@ class Recorder:
             if self._begun:
                 self._say(self.describe())
 
+    @property
+    def kept(self) -> int:
+        """Number of poses that the disk has taken."""
+        return max(0, self._lines.written - self._header_lines)
+
     def _is_worth_keeping(self) -> bool:
         """Return whether the recording can be read; remove one that cannot."""
-        if self.count < LEAST:
+        if self.kept >= LEAST:
+            return True
+        if self.count < LEAST or self._lines.failed:  # else a slow disk may still take them
             with suppress(OSError):
                 self.path.unlink()
-        return self.count >= LEAST
+        return False
 
     def describe(self) -> str:
-        """Return a sentence on the recording."""
-        counts = ((self.held, "held (tracking lost)"), (self.behind, "whose time did not rise"))
+        """Return a sentence on what was recorded and is on the disk; for the end."""
+        counts = (
+            (self.held, "held (tracking lost)"),
+            (self.behind, "whose time did not rise"),
+            (self.count - self.kept, "lost, as the disk did not take them"),
+        )
         left_out = ", ".join(f"{count} {what}" for count, what in counts if count)
         beside = f"; left out: {left_out}" if left_out else ""
-        if self.count < LEAST:
-            return f"{self.path}: nothing recorded, {self.count or 'no'} pose came{beside}"
-        return f"{self.path}: {self.count} poses, {self.seconds:.3f} s{beside}"
+        if self.kept < LEAST:
+            came = counted(self.count, "pose") if self.count else "no pose"
+            return f"{self.path}: nothing recorded, {came} came{beside}"
+        return f"{self.path}: {counted(self.kept, 'pose')}, {self._kept_s():.3f} s{beside}"
+
+    def _kept_s(self) -> float:
+        """Return the seconds from the first pose to the last on the disk."""
+        if self.kept == self.count:
+            return self.seconds
+        with self.path.open("rb") as file:
+            file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
+            last = file.read().splitlines()[-1]
+        return (int(last.split(b",")[0]) - self._first_ns) * 1e-9
 
     def __enter__(self) -> Recorder:
         return self

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 from numpy.typing import NDArray
 
-from ..link import medians
+from ..link import response_figures
 from ..metrics import Kept, QualityPool, aggregate
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from .frame_rows import Row
@@ -68,7 +68,7 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     """
     options, rows, auto = setup.options, log.rows, setup.auto
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
-    summary["link"] = {**setup.channel.summary(setup.schedule.rate_hz), "response_ms": medians(log.responses)}
+    summary["link"] = {**setup.channel.summary(setup.schedule.rate_hz), "response_ms": response_figures(log.responses)}
     summary |= more
     if auto is not None:
         summary["auto"] = auto_entry(auto, rows)

@@ -39,9 +39,14 @@ def replay(
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
+    with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
+        return _replay(options, out, progress, say)
+
+
+def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels) as setup, OutputFolder(options.out, owned=OWNED) as out:
+    with set_up_replay(options, levels=choice.levels) as setup:
         setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
         workers = worker_count(options.workers)
         with QualityPool(

@@ -139,12 +139,9 @@ def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
     moved = track.evolve(position_m=track.position_m + shift)
     beyond = float(np.maximum(low - moved.position_m, moved.position_m - high).max())
     by = ", ".join(f"{x:+.2f}" for x in shift)
-    notes = [
-        f"The trace leaves the part of scene '{scene.name}' one can walk in, so it was moved by ({by}) m to its "
-        "viewpoint."
-    ]
+    notes = [f"The trace does not fit scene '{scene.name}': its positions were shifted by ({by}) m."]
     if beyond > 0:
-        notes.append(f"Even so the head leaves that part by up to {beyond:.2f} m and may pass through things.")
+        notes.append(f"The head still goes up to {beyond:.2f} m outside and may clip through geometry.")
     return moved, notes
 
 

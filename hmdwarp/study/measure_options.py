@@ -14,7 +14,7 @@ _RUN = attrs.fields(RunOptions)
 class MeasureOptions(Declared):
     """Which trials to measure, and how finely."""
 
-    every: int = same_as(_RUN.metrics_every, name="every")
+    every: int = same_as(_RUN.metrics_every)
     size: tuple[int, int] | None = same_as(_RUN.size, help="Pixels of one eye; by default as shown. Fewer are faster.")
     workers: int | None = same_as(_RUN.workers)
     again: bool = option(False, "Re-measure trials already measured with these options.")

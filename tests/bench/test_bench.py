@@ -247,7 +247,7 @@ def test_a_budget_that_is_too_small_costs_no_results(tmp_path):
 
 @pytest.mark.parametrize("at", [0, 1, 3, 20])
 def test_what_is_interrupted_leaves_what_was_there(at, tmp_path):
-    before = {"bench.json": b"{}", "bench.csv": b"warp\n", "mine.txt": b"mine"}
+    before = {"bench.json": b'{"hmdwarp": "0"}', "bench.csv": b"warp\n", "mine.txt": b"mine"}
     for name, data in before.items():
         (tmp_path / name).write_bytes(data)
 

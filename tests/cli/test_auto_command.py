@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 from bench_files import a_bench
 
 
@@ -14,6 +16,12 @@ def test_what_it_wants_and_what_plan_tells(command, tmp_path):
     usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--warp", "auto", "--budget")
     told = " ".join(command(*usual, "5000", "--bench", str(path)).done().out.split())
     assert "rotation 3000.00 ms per eye, mean FLIP 0.2000; it would begin here" in told
+    data = json.loads(command(*usual, "5000", "--bench", str(path), "--json").done().out)
+    assert data["levels"][data["begins_with"]] | {"psnr_db": 0} == {
+        **{"warp": "rotation", "fill": "none", "total_ms": 3000.0, "flip": 0.2, "psnr_db": 0}
+    }
+    tries = json.loads(command(*usual, "5000", "--json").done().out)["tries"]
+    assert {"warp": "forward", "fill": "interpolate"} in tries
     # Frames carry what the best of them reads.
     assert "rendered.colour 0.1 MB, rendered.inverse_depth 0.1 MB" in told
     assert "forward + interpolate" in " ".join(command(*usual, "5000").done().out.split())

@@ -27,7 +27,7 @@ def kept(tmp_path):
     out = tmp_path / "out"
     (out / "images").mkdir(parents=True)
     before = {
-        "summary.json": b"{}",
+        "summary.json": b'{"hmdwarp": "0"}',
         "frames.csv": b"frame\n",
         "report.html": b"<html>",
         "images/frame-000000-left.png": b"png",
@@ -311,7 +311,7 @@ def test_a_disk_that_fills_up(options, command, quick, tiny_disk):
     With --video the disk may be full before the loop is through.
     """
     (tiny_disk / "filler").write_bytes(bytes(200 * 1024))
-    (tiny_disk / "summary.json").write_text("{}", encoding="utf-8")
+    (tiny_disk / "summary.json").write_text('{"hmdwarp": "0"}', encoding="utf-8")
     command("replay", "walk", *quick, *options, "--out", tiny_disk).refused(str(tiny_disk), "No space left", status=3)
     assert sorted(p.name for p in tiny_disk.iterdir()) == ["filler", "summary.json"]
 

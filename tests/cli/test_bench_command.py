@@ -45,7 +45,7 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
         "--size",
         "48x40,32x24",
     ]
-    other = ["--recording", "walk", "--fill", "none", "--budget", "10000", "--out", tmp_path]
+    other = ["--trace", "walk", "--fill", "none", "--budget", "10000", "--out", tmp_path]
     done = command("bench", "look-around", *QUICK, *several, *other).done()
     data = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))
     found = {(r["trace"], r["latency_ms"], tuple(r["size"]), r["warp"], r["fill"]) for r in data["rows"]}
@@ -59,7 +59,7 @@ def test_lists_by_repetition_and_by_commas(command, tmp_path):
     assert found == wanted
     assert data["command"].startswith("hmdwarp bench look-around --scene planes")
     assert "Within 10000 ms per eye the most accurate is" in " ".join(done.out.split())
-    assert "Clock: " in done.out and "GB/s" in done.out and done.out.rstrip().endswith("bench.html")
+    assert "Timed by " in done.out and "GB/s" in done.out and done.out.rstrip().endswith("bench.html")
 
 
 def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_path):
@@ -78,7 +78,7 @@ def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_pa
         (("--warp", "none,"), ("unknown warp ''",)),
         (("--fill", "interpolat"), ("unknown fill", "interpolate")),
         (("--scene", "rom"), ("unknown scene", "room")),
-        (("--recording", "nowhere"), ("nowhere",)),
+        (("--trace", "nowhere"), ("nowhere",)),
         (("--size", "48"), ("size '48'", "WIDTHxHEIGHT")),
         (("--latency", "soon"), ("latency 'soon'", "milliseconds")),
         (("--latency", "-5"), ("latency -5 ms",)),

@@ -152,10 +152,23 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
     assert max(map(len, out.splitlines())) <= 80
 
 
+def test_plan_for_programs_has_what_is_printed(command):
+    asked = ("plan", "--scene", "planes", "--size", "640x400", "--rate", "90")
+    data, told = json.loads(command(*asked, "--json").done().out), " ".join(command(*asked).done().out.split())
+    assert list(data) == ["source", "scene", "warp", "fill", "lens", "headset", "passes", "left_out", "frame", "slow"]
+    assert all(list(one) == ["stage", "name", "reason", "reads", "writes"] for one in data["passes"])
+    assert data["passes"] and all(one["name"] in told and one["reason"] in told for one in data["passes"])
+    assert data["left_out"] and all(one["name"] in told and one["reason"] in told for one in data["left_out"])
+    frame = data["frame"]
+    assert list(frame) == ["eyes", "size", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
+    assert frame["bytes"] == sum(frame["layers"].values()) and f"{frame['bytes'] / 1e6:.1f} MB uncompressed" in told
+    assert f"at most {frame['at_once']} of them at 200 ms and 90 Hz" in told
+
+
 def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(command):
     told = " ".join(command("plan", "--scene", "planes", "--fill", "none", "--source", "openxr").done().out.split())
     runs, left_out = told.split("Left out")
-    assert "the OpenXR runtime asks how far things are" in runs and "writes shown.inverse_depth" in runs
+    assert "needed by the OpenXR runtime" in runs and "writes shown.inverse_depth" in runs
     assert "lens the OpenXR runtime corrects the lens by itself" in left_out
     assert "the runtime's own eyes, size and rate" in told
     desktop = command("plan", "--scene", "planes", "--fill", "none", "--source", "desktop").done().out
@@ -256,3 +269,17 @@ def test_help_loads_nothing_heavy(arguments):
     loaded = set(done.stdout.rpartition("LOADED")[2].split())
     assert "typer" in loaded
     assert not loaded & HEAVY
+
+
+@pytest.mark.parametrize("group", [[], ["study"], ["trace"]], ids=lambda group: " ".join(group) or "hmdwarp")
+def test_no_summary_is_cut_in_80_columns(group, command, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    out = command(*group, "--help").done().out
+    summaries = out.partition("Commands:")[2]
+    assert summaries and "..." not in summaries and "\u2026" not in summaries and max(map(len, out.splitlines())) <= 80
+
+
+def test_what_means_the_same_is_called_the_same():
+    names = {row["name"] for row in entries("options")}
+    assert {"trace-rate", "metrics-every", "force", "guard"} <= names
+    assert not {"recording", "every", "trace info rate"} & names

@@ -1,6 +1,6 @@
 """hmdwarp record as its users run it.
 
-A made-up head, a window, and what it says where it cannot.
+Synthetic motion, a window, and what it says where it cannot.
 """
 
 from __future__ import annotations
@@ -45,13 +45,14 @@ def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command
     assert time.monotonic() - began >= 0.5
     assert done.status == 0 and done.out == ""
     assert (
-        done.err == f"recording a made-up head, walk to {out} (0.5 s, Ctrl-C ends sooner)\n{out}: 31 poses, 0.500 s\n"
+        done.err
+        == f"recording synthetic motion 'walk' to {out} (0.5 s, Ctrl-C ends sooner)\n{out}: 31 poses, 0.500 s\n"
     )
     track, meant = load_trace(out).track, synthesise("walk", seconds=0.5, rate_hz=60)
     assert (track.time_ns == meant.time_ns).all() and (track.position_m == meant.position_m).all()
     # The writer has sign and length as they came; both are unit to the last bits.
     assert np.abs(track.orientation_xyzw - meant.orientation_xyzw).max() < 1e-15
-    assert track.origin == "hmdwarp record, made-up motion 'walk'"
+    assert track.origin == "hmdwarp record, synthetic motion 'walk'"
 
 
 def test_quiet_is_quiet(tmp_path, command):
@@ -77,7 +78,7 @@ def test_what_cannot_be_meant_is_told_and_leaves_nothing(tmp_path, command, opti
 
 def test_a_recording_is_not_overwritten(tmp_path, command):
     (tmp_path / "a.csv").write_text("precious")
-    command("record", "--source", "synthetic", "--out", tmp_path / "a.csv").refused("overwrites nothing")
+    command("record", "--source", "synthetic", "--out", tmp_path / "a.csv").refused("a.csv exists already", "--force")
     assert (tmp_path / "a.csv").read_text() == "precious"
 
 
@@ -99,7 +100,7 @@ def test_a_signal_ends_it_with_everything_written(tmp_path, number, status):
     assert process.returncode == status
     track = load_trace(tmp_path / "a.csv").track
     assert f"{tmp_path / 'a.csv'}: {len(track)} poses, {track.duration_ns * 1e-9:.3f} s\n" in err
-    assert len(track) < 30 * 90  # the made-up head would have gone on for 30 s
+    assert len(track) < 30 * 90  # synthetic motion would have gone on for 30 s
 
 
 @needs_a_screen

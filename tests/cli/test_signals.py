@@ -50,7 +50,7 @@ def replaying(tmp_path):
     """A replay of 24 s with video and two measuring processes, that has begun to write."""
     out = tmp_path / "out"
     (out / "images").mkdir(parents=True)
-    (out / "summary.json").write_text("{}", encoding="utf-8")
+    (out / "summary.json").write_text('{"hmdwarp": "0"}', encoding="utf-8")
     options = [
         "--scene",
         "planes",
@@ -106,7 +106,7 @@ def test_a_signal_leaves_nothing_behind(number, status, told, to_all, replaying)
     assert printed == ""
     assert complaint == f"hmdwarp: {told}; nothing unfinished was left behind\n"
     assert sorted(p.relative_to(out).as_posix() for p in out.rglob("*")) == ["images", "summary.json"]
-    assert (out / "summary.json").read_text(encoding="utf-8") == "{}"
+    assert (out / "summary.json").read_text(encoding="utf-8") == '{"hmdwarp": "0"}'
     wait_for(lambda: not any(map(is_running, workers)))
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from hmdwarp.resources import folder
+
 from .conftest import PROGRAM, ROOT
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -109,7 +111,7 @@ def test_notes_are_printed(command, tmp_path):
     rows = "".join(f"{i / 50} 100 1.6 0 0 0 0 1\n" for i in range(51))
     (tmp_path / "far.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + rows, encoding="utf-8")
     done = command("replay", tmp_path / "far.txt", *REPLAY[2:], tmp_path / "out").done()
-    assert "note: The trace leaves the part of scene 'planes'" in done.out
+    assert "note: The trace does not fit scene 'planes': its positions were shifted by" in done.out
 
 
 def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
@@ -126,10 +128,13 @@ def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
 def test_a_terminal_without_the_table_s_characters_gets_question_marks(encoding, tmp_path):
     environment = {**ENVIRONMENT, "PYTHONIOENCODING": encoding}
-    done = subprocess.run([*PROGRAM, *REPLAY, str(tmp_path / "out")], capture_output=True, env=environment, check=False)
+    trace = tmp_path / "st\u2026.csv"  # an ellipsis, which neither has
+    trace.write_bytes((folder("recordings") / "still.csv").read_bytes())
+    arguments = [str(trace) if one == "still" else one for one in REPLAY]
+    out = str(tmp_path / "out")
+    done = subprocess.run([*PROGRAM, *arguments, out], capture_output=True, env=environment, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
-    # An ellipsis, which neither has.
-    assert b"PSNR" in done.stdout and b"? beyond the border" in done.stdout
+    assert b"PSNR" in done.stdout and b"st? at 200 ms" in done.stdout
 
 
 def test_a_folder_whose_name_is_no_text(tmp_path):

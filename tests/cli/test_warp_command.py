@@ -16,7 +16,7 @@ from PIL import Image
 from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
-from hmdwarp.image import read_frame, read_view
+from hmdwarp.image import read_frame, read_view, usable_fills, usable_warps
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
@@ -74,6 +74,37 @@ def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
     assert picture.shape == (8, 10, 4)
     assert np.array_equal(picture[:, :8, :3], arrays()["colour"][:, 2:])
     assert (picture[:, :8, 3] == 255).all() and (picture[:, 8:, 3] == 0).all()
+
+
+def test_integer_depth_needs_its_unit(warp, tmp_path):
+    """By the option or by a key of the frame; the option is stronger."""
+    millimetres = np.full((8, 10), 2000, np.uint16)
+    warp({"depth_m": millimetres}).refused("depth_m is uint16, of unknown unit", "depth_scale")
+    step, pictures = {"position_m": [0.4, 0.0, 0.0]}, []
+    for frame, options in (
+        ({}, []),
+        ({"depth_m": millimetres}, ["--depth-scale", "0.001"]),
+        ({"depth_m": millimetres, "depth_scale": 0.001}, []),
+        ({"depth_m": millimetres, "depth_scale": 5.0}, ["--depth-scale", "0.001"]),
+    ):
+        warp(frame, step, *options, "--force", out="out.png").done()
+        pictures.append((tmp_path / "out.png").read_bytes())
+    assert pictures == pictures[:1] * 4
+    warp({"depth_scale": [1, 2]}).refused("frame.npz: depth_scale")
+
+
+def test_help_names_what_can_work_on_one_frame(command):
+    text = " ".join(command("warp", "--help").done().out.split())
+    assert f" {', '.join(usable_warps())}. " in text
+    assert f" {', '.join(usable_fills())}, or several with +. " in text
+
+
+def test_a_result_is_not_overwritten(warp, tmp_path):
+    (tmp_path / "out.npz").write_bytes(b"precious")
+    warp().refused("out.npz exists already", "--force")
+    assert (tmp_path / "out.npz").read_bytes() == b"precious"
+    warp(None, None, "--force").done()
+    assert len(np.load(tmp_path / "out.npz")) == 3
 
 
 def test_size_and_names_are_taken(warp, tmp_path):
@@ -143,7 +174,9 @@ def test_files_of_other_kinds(command, tmp_path):
         path = tmp_path / name
         if data is not None:
             path.write_bytes(data)
-        command("warp", path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(path))
+        done = command("warp", path, "--to", pose, "--out", tmp_path / "o.npz")
+        done.refused(str(path))
+        assert "allow_pickle" not in done.err and "unsafe" not in done.err
     command("warp", tmp_path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(tmp_path))
     for name, data in {
         "missing.json": None,
@@ -199,7 +232,7 @@ def test_damaged_frames_are_read_or_refused(data, tmp_path):
     path = tmp_path / "frame.npz"
     path.write_bytes(bytes(content))
     try:
-        _, _, view = read_frame(path)
+        view = read_frame(path).view
     except InputError as error:
         assert str(path) in str(error)
     else:

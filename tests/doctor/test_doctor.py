@@ -174,7 +174,7 @@ def test_the_doctor_says_what_live_would_take(monkeypatch):
     found = {finding.name: finding for finding in doctor.examine()}
     assert found["live"].facts["source"] is None
     assert found["live"].detail.startswith(
-        "shows nothing: no headset (no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json"
+        "no display: no headset (no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json"
     )
 
 

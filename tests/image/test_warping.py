@@ -292,8 +292,55 @@ def test_light_beyond_half_is_clipped_not_lost():
 @pytest.mark.parametrize("depth_dtype", [np.float32, np.int32, np.uint16, np.longdouble])
 def test_number_types(dtype, depth_dtype):
     colour = np.full((3, 4, 3), 0.5, dtype)
-    out = warp_image(colour, np.full((3, 4), 2, depth_dtype), view(), view())
+    out = warp_image(colour, np.full((3, 4), 2, depth_dtype), view(), view(), depth_scale=1)
     assert (out.colour == 0.5).all() and (out.coverage == 1).all()
+
+
+@pytest.mark.parametrize(("unit", "dtype"), [(0.001, np.uint16), (1 / 5000, np.uint16), (0.5, np.float32)])
+def test_depth_in_other_units_is_the_same_in_metres(unit, dtype):
+    """2 m is a whole number of each unit, so the inverse depths differ by their last bits only."""
+    metres = np.full((12, 16), 2.0)
+    metres[3:7, 5:9] = 1.0
+    metres[0, 0] = 0
+    colour, there = halves(np.random.default_rng(21), (16, 12)), view(position=(0.25, 0, 0))
+    wanted = warp_image(colour, metres, view(), there)
+    found = warp_image(colour, np.rint(metres / unit).astype(dtype), view(), there, depth_scale=unit)
+    assert np.array_equal(found.coverage, wanted.coverage) and np.array_equal(found.colour, wanted.colour)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.int32, np.int64])
+def test_integer_depth_without_its_unit_is_refused(dtype):
+    with pytest.raises(InputError, match="of unknown unit: give depth_scale"):
+        warp_image(COLOUR, np.full((4, 6), 2000, np.int64).astype(dtype), view(), view())
+
+
+@pytest.mark.parametrize("scale", [0, -1, math.nan, math.inf, True, "0.001", (1,)])
+def test_scales_that_make_no_sense_are_refused(scale):
+    with pytest.raises(InputError, match="depth_scale is .*: expected metres per unit"):
+        warp_image(COLOUR, DEPTH, view(), view(), depth_scale=scale)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.uint8])
+def test_what_a_mask_hides_is_a_hole(dtype):
+    """In depth as in one channel of the colour, whatever value lies below the mask."""
+    rng = np.random.default_rng(22)
+    colour = rng.integers(0, 256, (12, 16, 3), np.uint8) if dtype == np.uint8 else halves(rng, (16, 12))
+    depth, holes = np.full((12, 16), 2.0), np.zeros((12, 16), bool)
+    holes[2, 3] = holes[8:10, 11] = True
+    bare, bad = depth.copy(), colour.copy()
+    bare[holes] = 0
+    bad[holes] = 255 if dtype == np.uint8 else np.nan
+    there = view(position=(0.1, 0.05, 0))
+    wanted = warp_image(colour, bare, view(), there)
+    assert (wanted.coverage == 0).sum() >= 3
+    channel = np.zeros_like(colour, bool)
+    channel[..., 1] = holes
+    for masked in (
+        warp_image(colour, np.ma.masked_array(depth, holes), view(), there),
+        warp_image(np.ma.masked_array(colour, channel), depth, view(), there),
+        warp_image(np.ma.masked_array(bad, np.repeat(holes[..., None], 3, axis=2)), depth, view(), there),
+    ):
+        assert np.array_equal(masked.coverage, wanted.coverage) and np.array_equal(masked.colour, wanted.colour)
 
 
 def test_lists_and_views_into_arrays_are_arrays_too():
@@ -346,6 +393,19 @@ def test_names_are_checked():
         warp_image(COLOUR, DEPTH, view(), view(), fill="interpolation")
     with pytest.raises(PlanError, match="backward.*geometry"):
         warp_image(COLOUR, DEPTH, view(), view(), "backward")
+    with pytest.raises(PlanError, match="warp layered needs layer 'peeled' from the server.*a single picture has none"):
+        warp_image(COLOUR, DEPTH, view(), view(), "layered")
+    for wrong in (None, 3, ["forward"]):
+        with pytest.raises(InputError, match=r"warp is .*: expected a name: forward, "):
+            warp_image(COLOUR, DEPTH, view(), view(), wrong)
+        with pytest.raises(InputError, match=r"fill is .*: expected a name: constant, "):
+            warp_image(COLOUR, DEPTH, view(), view(), fill=wrong)
+
+
+def test_auto_needs_a_run():
+    with pytest.raises(InputError, match="'auto' chooses during a run.*name one: forward, ") as told:
+        warp_image(COLOUR, DEPTH, view(), view(), "auto")
+    assert "did you mean" not in str(told.value)
 
 
 def test_what_comes_back_belongs_to_the_caller():

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, ResponseTime, TransitStats, medians
+from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, ResponseTime, TransitStats, response_figures
 from hmdwarp.link.delays.constant import ConstantDelay
 from hmdwarp.link.delays.normal import NormalJitter
 from hmdwarp.link.delays.uniform import UniformJitter
@@ -134,8 +134,9 @@ def test_a_response_time_is_the_sum_of_its_parts():
     )
 
 
-def test_medians_are_of_each_part_and_of_the_totals():
+def test_means_of_the_parts_add_up_to_the_mean_of_the_sums():
     times = [ResponseTime(render_ms=a, warp_ms=b) for a, b in [(1, 9), (2, 2), (9, 1)]]
-    found = medians(times)
-    assert (found["render_ms"], found["warp_ms"], found["total_ms"]) == (2, 2, 10)
-    assert medians([]) is None
+    found = response_figures(times)
+    assert (found["render_ms"], found["warp_ms"], found["total_ms"]) == (4, 4, 8)
+    assert found["median_ms"] == 10 and found["p95_ms"] == 10  # of 10, 4 and 10
+    assert response_figures([]) is None

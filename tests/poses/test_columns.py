@@ -237,7 +237,7 @@ def test_matrices_are_read(tmp_path, numbers, timed):
     path = write(tmp_path / "m.txt", table, header="", separator=" ")
     loaded = load_trace(path, TraceOptions() if timed else TraceOptions(rate=60))
     assert loaded.format == "matrices" and same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=1e-7)
-    assert timed or "--rate" in refusal(path)
+    assert timed or "--trace-rate" in refusal(path)
 
 
 def test_numbers_that_are_no_rotations_are_refused(tmp_path):

@@ -484,7 +484,7 @@ def test_14_euler_angles_only_are_refused(tmp_path, header):
 
 def test_14_no_time_is_refused_unless_the_rate_is_told(tmp_path):
     path = write(tmp_path / "n.csv", [r[1:] for r in TABLE], "x,y,z,qx,qy,qz,qw")
-    assert "--rate" in refusal(path)
+    assert "--trace-rate" in refusal(path)
     loaded = load_trace(path, TraceOptions(rate=60))
     assert same_motion(loaded.track, TRACK)
     assert "clock-by-rate" in kinds(loaded)
@@ -492,7 +492,7 @@ def test_14_no_time_is_refused_unless_the_rate_is_told(tmp_path):
 
 def test_14_time_that_never_rises_is_no_time(tmp_path):
     path = write(tmp_path / "n.csv", [["7", *r[1:]] for r in TABLE])
-    assert "--rate" in refusal(path)
+    assert "--trace-rate" in refusal(path)
     assert same_motion(load_trace(path, TraceOptions(rate=60)).track, TRACK)
 
 

@@ -72,6 +72,34 @@ def test_info_tells_every_defect_and_segment(tmp_path):
     assert "60.00 Hz" in run("info", path, "--segment", 1)
 
 
+def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
+    data = json.loads(run("info", "look-around", "--json"))
+    assert list(data) == [
+        *("trace", "format", "origin", "axes", "samples", "repeated_share", "duration_s", "rate_hz"),
+        *(
+            "mean_rate_hz",
+            "clock",
+            "clock_starts_s",
+            "gaps",
+            "jumps",
+            "angular_speed_deg_s",
+            "linear_speed_m_s",
+            "errors_deg",
+        ),
+        *("segments", "defects"),
+    ]
+    assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
+    assert [f"{data['angular_speed_deg_s'][name]:.1f}" for name in ("p50", "p95", "p99")] == ["29.2", "116.5", "200.3"]
+    assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 800]
+    table = rows(TRACK)
+    two = write(tmp_path / "two.csv", [*table[:60], *table[:30], ["9", "9"]])
+    data = json.loads(run("info", two, "--json"))
+    assert [one["taken"] for one in data["segments"]].count(True) == 1 and len(data["segments"]) == 2
+    assert {one["kind"] for one in data["defects"]} == {one.kind for one in load_trace(two).defects}
+    short = json.loads(run("info", write(tmp_path / "s.csv", rows(head(10))), "--json"))
+    assert short["errors_deg"][-1]["held"] == {"mean": None, "p50": None, "p95": None, "p99": None}
+
+
 def test_info_on_a_track_too_short_for_the_table(tmp_path):
     assert "trace too short" in run("info", write(tmp_path / "s.csv", rows(head(10))))
 
@@ -97,7 +125,7 @@ def test_convert_takes_the_overrides(tmp_path):
         "convert",
         path,
         out,
-        "--rate",
+        "--trace-rate",
         60,
         "--quat-order",
         "wxyz",
@@ -112,14 +140,14 @@ def test_convert_takes_the_overrides(tmp_path):
     )
     assert same_motion(load_trace(out).track, TRACK.evolve(position_m=2 * TRACK.position_m))
     text = out.read_text()
-    assert "--rate" in text.split("time_ns")[0]  # what was done is told in the file too
+    assert "--trace-rate" in text.split("time_ns")[0]  # what was done is told in the file too
 
 
 def test_synth_writes_the_shipped_bytes_and_takes_its_options(tmp_path):
     out = tmp_path / "out.csv"
     run("synth", "walk", "--out", out)
     assert out.read_bytes() == (resources.folder("recordings") / "walk.csv").read_bytes()
-    run("synth", "walk", "--out", out, "--seed", 5, "--seconds", 2, "--rate", 50)
+    run("synth", "walk", "--out", out, "--seed", 5, "--seconds", 2, "--rate", 50, "--force")
     loaded = load_trace(out)
     assert (len(loaded.track), round(loaded.rate_hz)) == (101, 50)
     assert "--seed 5 --seconds 2 --rate 50" in loaded.track.origin
@@ -148,7 +176,7 @@ def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(formats.get("tum"), "write", full)
-    assert "No space left on device): make room" in refused("convert", path, out, "--to", "tum", status=3)
+    assert "No space left on device): make room" in refused("convert", path, out, "--to", "tum", "--force", status=3)
     assert out.read_text() == "what was there before"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["in.csv", "out.csv"]
 

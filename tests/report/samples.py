@@ -94,6 +94,8 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
                 "decode_ms": 4.7,
                 "warp_ms": 31.5,
                 "total_ms": 272.3,
+                "median_ms": 268.4,
+                "p95_ms": 301.2,
             },
         },
     }

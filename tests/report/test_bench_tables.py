@@ -51,7 +51,7 @@ def test_columns_are_dropped_in_order_and_named():
     assert "left out" not in wide and all(
         word in wide for word in ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP")
     )
-    assert "left out, too wide: p95" in narrow and "FLIP" in narrow and "holes%" in narrow
+    assert "columns hidden (terminal too narrow): p95" in narrow and "FLIP" in narrow and "holes%" in narrow
     assert len(body(printed(rows, 48))) == len(rows)  # the least there is: warp, fill, ms and FLIP
 
 

@@ -4,7 +4,10 @@ import csv
 import errno
 import json
 import os
+import signal
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -157,8 +160,9 @@ def test_pictures_of_a_former_run_go_and_other_people_s_files_stay(tmp_path):
         with OutputFolder(tmp_path, owned=("images/*-left.png",)) as out:
             for name in names:
                 out.write_bytes(name, b"p")
+            out.write_json("summary.json", {})
         (tmp_path / "images" / "mine.png").write_bytes(b"")
-    assert everything_below(tmp_path) == {"images", "images/2-left.png", "images/mine.png"}
+    assert everything_below(tmp_path) == {"images", "images/2-left.png", "images/mine.png", "summary.json"}
 
 
 def test_the_summary_is_never_beside_another_run_s_files(tmp_path, monkeypatch):
@@ -181,6 +185,91 @@ def test_the_summary_is_never_beside_another_run_s_files(tmp_path, monkeypatch):
         for name in ("summary.json", "a.txt", "b.txt"):
             out.write_text(name, "2")
     assert everything_below(tmp_path) == {"a.txt"}
+
+
+OWNED = ("images/*-left.png", "report.html")
+
+
+@pytest.mark.parametrize("name", ["summary.json", "report.html", "images/1-left.png"])
+@pytest.mark.parametrize("summary", [None, "{}", "no JSON", "[]", '{"mine": 1}'])
+def test_files_of_others_are_refused_at_once_and_overwritten_by_force(name, summary, tmp_path):
+    """A folder is ours by its last file alone; other names in it are nobody's business."""
+    (tmp_path / "images").mkdir()
+    (tmp_path / "notes.txt").write_text("mine")
+    if summary is not None:
+        (tmp_path / "summary.json").write_text(summary)
+    (tmp_path / name).write_text("precious")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(InputError, match=r"exists, in a folder without results of this command.*--force"):
+        OutputFolder(tmp_path, owned=OWNED)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+    for force in (True, False):  # then it is ours
+        with OutputFolder(tmp_path, owned=OWNED, force=force) as out:
+            out.write_text("report.html", "new")
+            out.write_json("summary.json", {"run": 1})
+        assert everything_below(tmp_path) == {"images", "notes.txt", "report.html", "summary.json"}
+        assert (tmp_path / "report.html").read_text() == "new"
+
+
+def test_a_name_that_nobody_announced_is_refused_at_the_end(tmp_path):
+    with pytest.raises(InputError, match=r"table\.csv exists"), OutputFolder(tmp_path) as out:
+        out.write_text("table.csv", "new")
+        out.write_json("summary.json", {})
+        (tmp_path / "table.csv").write_text("precious")
+    assert everything_below(tmp_path) == {"table.csv"} and (tmp_path / "table.csv").read_text() == "precious"
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from hmdwarp.report import OutputFolder
+out = OutputFolder(sys.argv[1], owned=("report.html",))
+out.write_text("report.html", "half")
+if sys.argv[2] == "between the names":
+    out.write_json("summary.json", {})
+    real = Path.replace
+    def fails(self, target):
+        real(self, target)
+        os.kill(os.getpid(), 9)
+    Path.replace = fails
+    out.commit()
+if sys.argv[2] == "alive":
+    print("there", flush=True)
+    sys.stdin.read()
+os.kill(os.getpid(), 9)
+"""
+
+
+def killed(folder: Path, when: str) -> subprocess.Popen:
+    environment = {**os.environ, "PYTHONPATH": str(Path(files.__file__).parents[2])}
+    streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    return subprocess.Popen([sys.executable, "-c", KILLED, str(folder), when], env=environment, **streams)
+
+
+@pytest.mark.parametrize("when", ["before the end", "between the names"])
+def test_what_a_killed_run_left_is_deleted_by_the_next_one(when, tmp_path):
+    with killed(tmp_path, when) as process:
+        assert process.wait() == -signal.SIGKILL
+    assert list(tmp_path.glob(".partial-*")) and not (tmp_path / "summary.json").exists()
+    with OutputFolder(tmp_path, owned=("report.html",)) as out:
+        out.write_text("report.html", "whole")
+        out.write_json("summary.json", {})
+    assert everything_below(tmp_path) == {"report.html", "summary.json"}
+    assert (tmp_path / "report.html").read_text() == "whole"
+
+
+def test_what_a_living_run_has_written_stays(tmp_path):
+    with killed(tmp_path, "alive") as other:
+        assert other.stdout.readline() == b"there\n"
+        (theirs,) = tmp_path.glob(".partial-*")
+        with OutputFolder(tmp_path) as out, OutputFolder(tmp_path) as one_more:
+            assert (theirs / "report.html").read_text() == "half"
+            assert len(list(tmp_path.glob(".partial-*"))) == 3
+            out.write_json("summary.json", {"run": 1})
+            one_more.write_json("summary.json", {"run": 2})
+        assert (theirs / "report.html").exists()
+    OutputFolder(tmp_path).discard()
+    assert everything_below(tmp_path) == {"summary.json"}
 
 
 def test_an_output_folder_that_cannot_be_written_fails_before_the_run(tmp_path, monkeypatch):

@@ -83,8 +83,8 @@ def test_the_lines_say_what_counts():
     told = live_lines(a_live_summary(), None)
     assert told == [
         "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9%)",
-        "age of the frame        203.40 ms, p95 211.00",
-        "age of the pose         1.25 ms, p95 1.90",
+        "frame age at display    203.40 ms, p95 211.00",
+        "pose age at hand-over   1.25 ms, p95 1.90",
         "from picture to picture 12.50 ms, p95 13.10",
         "time per eye            2.25 ms, p95 2.25: warp 1.25, fill 0.50, lens 0.50",
         "drawing and both eyes   7.50 ms, p95 7.50, of 12.50 ms for a refresh",
@@ -100,7 +100,7 @@ def test_lines_without_a_measurement_are_left_out():
     )
     told = live_lines({**summary, **aggregate([])}, None)
     assert told[0] == "shown                   1 picture in 0.0 s; none missed"
-    assert [line[:17].strip() for line in told] == ["shown", "age of the frame", "note: A <note>."]
+    assert [line[:20].strip() for line in told] == ["shown", "frame age at display", "note: A <note>."]
 
 
 def test_a_refresh_is_weighed_against_its_budget():

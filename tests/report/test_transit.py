@@ -11,17 +11,25 @@ def test_each_part_stands_once_and_empty_ones_are_left_out():
     summary = a_summary()
     assert filled_rows(summary) == [("fill memory", "3.10 %"), ("fill pyramid", "2.00 %"), ("left empty", "0.00 %")]
     assert "waiting for earlier frames" not in dict(response_rows(summary))
-    assert response_rows(summary)[-1] == ("response time", "272.30 ms")
+    rows = response_rows(summary)
+    assert rows[-3:] == [
+        ("response time (mean: the sum of these)", "272.30 ms"),
+        ("response time (median)", "268.40 ms"),
+        ("response time (95th percentile)", "301.20 ms"),
+    ]
+    assert sum(float(text.split()[0]) for _, text in rows[:-3]) == pytest.approx(272.3, abs=0.05)
     assert dict(frame_rows(summary)) == {
         "drawn": "120",
         "sent": "120",
         "lost on the network": "3",
-        "arrived after a newer one was shown": "1",
-        "superseded by a newer one in the same refresh": "2",
+        "too late (a newer one was shown)": "1",
+        "superseded (a newer one came by the same refresh)": "2",
         "shown": "100",
         "in transit at the end": "14",
     }
     assert coding_rows(summary)[0] == ("rate, both eyes", "21.4 Mbit/s")
+    labels = [label for label, _ in (*response_rows(summary), *coding_rows(summary))]
+    assert len(labels) == len(set(labels))  # encoding stands in both, by two names
 
 
 @pytest.mark.parametrize("rows", [filled_rows, response_rows, frame_rows, coding_rows, transit_lines])

@@ -59,7 +59,7 @@ def test_the_header_names_runtime_and_headset(tmp_path):
 
 def test_an_existing_file_is_never_touched(tmp_path):
     (tmp_path / "a.csv").write_text("precious")
-    with pytest.raises(InputError, match="overwrites nothing"):
+    with pytest.raises(InputError, match="exists already.*--force"):
         Recorder(tmp_path / "a.csv")
     assert (tmp_path / "a.csv").read_text() == "precious"
 

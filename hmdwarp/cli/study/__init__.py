@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import typer
 
+from .._help import Group
 from . import analyse, export, measure, plan, power, run, withdraw
 
-app = typer.Typer(help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
+app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 
 app.command("plan")(plan.plan)
 app.command("run")(run.run)

@@ -9,7 +9,7 @@ import attrs
 import typer
 
 from ...errors import InputError
-from ...options import Declared, Number, option
+from ...options import Declared, Number, force_field, option, out_field
 from .._options import QUIET, Said, command_line, takes
 from ._options import pilot_field, simulated_field, store_field
 
@@ -25,7 +25,8 @@ class AnalyseOptions(Declared):
     """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
 
     source: str = option(attrs.NOTHING, _SOURCE, positional=True, metavar="FILE|STUDY")
-    out: Path = option(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.", kind=Path)
+    out: Path = out_field(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.")
+    force: bool = force_field()
     store: Path | None = store_field()
     scale: str = option("", "Scale of a table that does not name it: grade, acr, ..")
     low_is_good: bool | None = option(
@@ -71,7 +72,7 @@ def analyse(said: Said) -> None:
     ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
     resampling = Resampling(options.seed, options.resamples)
     data = run(ratings, resampling, options.family or (), published)
-    page = write_analysis(options.out, data, command_line())
+    page = write_analysis(options.out, data, command_line(), force=options.force)
     if not said["quiet"]:
         _print(data)
         typer.echo(f"report: {page}")

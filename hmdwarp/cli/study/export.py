@@ -8,7 +8,7 @@ import attrs
 import typer
 
 from ...errors import InputError
-from ...options import Declared, option
+from ...options import Declared, force_field, option, out_field
 from .._options import QUIET, Said, takes
 from ._options import pilot_field, simulated_field, store_field, study_field
 
@@ -18,7 +18,8 @@ class ExportCommand(Declared):
     """An export. Errors: InputError for pilots mixed with simulated sessions."""
 
     study: str = study_field()
-    out: Path = option(attrs.NOTHING, "A new folder for the tables and the BIDS data set.", kind=Path)
+    out: Path = out_field(attrs.NOTHING, "A new folder for the tables and the BIDS data set.")
+    force: bool = force_field()
     store: Path | None = store_field()
     pilot: bool = pilot_field()
     simulated: bool = simulated_field()
@@ -48,7 +49,11 @@ def export(said: Said) -> None:
     with Store(store_folder(design, wanted.store), study=design.name) as data:
         contents = data.contents(pilot=wanted.pilot)
     options = ExportOptions(
-        origin=origin, remarks=wanted.remarks, revisions=wanted.all_revisions, parquet=wanted.parquet
+        origin=origin,
+        remarks=wanted.remarks,
+        revisions=wanted.all_revisions,
+        parquet=wanted.parquet,
+        force=wanted.force,
     )
     with steps("recordings", quiet=said["quiet"]) as (progress, _):
         made = run(contents, design, wanted.out, options, progress)

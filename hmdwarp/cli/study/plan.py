@@ -8,7 +8,7 @@ import attrs
 import typer
 
 from ...options import Declared, option
-from .._options import Said, takes
+from .._options import Said, as_json, takes
 from ._options import study_field
 
 if TYPE_CHECKING:
@@ -35,9 +35,7 @@ def plan(said: Said) -> None:
     options = PlanOptions.of(said)
     design = load_design(options.study)
     if options.json:
-        import json
-
-        typer.echo(json.dumps(design_as_json(design), indent=2, ensure_ascii=False))
+        typer.echo(as_json(design_as_json(design)))
         return
     _print_head(design)
     for part in design.parts:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ...options import Declared, Number, option
+from ...options import Declared, Number, force_field, option, out_field
 from .._options import QUIET, Said, takes
 from ._options import study_field
 
@@ -27,9 +27,18 @@ class PowerOptions(Declared):
     """A power simulation. Errors: InputError for a number out of range."""
 
     study: str = study_field()
-    out: Path = option(attrs.NOTHING, "Folder for the table, the plot and power.json.", kind=Path)
-    effect: float | None = option(None, "How much better b is than a, in each planned comparison.", kind=float)
-    sd: float | None = option(None, "Standard deviation of one person's difference, with --effect alone.", kind=float)
+    out: Path = out_field(attrs.NOTHING, "Folder for the table, the plot and power.json.")
+    force: bool = force_field()
+    effect: float | None = option(
+        None,
+        "Assumed true difference of each planned comparison, in units of the scale; above 0: b is better.",
+        kind=float,
+    )
+    sd: float | None = option(
+        None,
+        "Standard deviation of one person's difference, in units of the scale; with --effect alone.",
+        kind=float,
+    )
     model: str | None = option(None, "Response model: a .toml file, or a shipped one's name.")
     scale: str | None = option(None, "Scale of the study; by default its first.")
     n: str = option("6..40", "People who begin: 6..40 tries numbers that balance the orders; or a list, 10,12,15.")
@@ -52,7 +61,7 @@ def power(said: Said) -> None:
     chosen = _scale(design, options.scale)
     people = _model(design, chosen, options.effect, options.sd, options.model)
     counts = _counts(options.n, design)
-    with OutputFolder(options.out, owned=OWNED, last="power.json") as folder:
+    with OutputFolder(options.out, owned=OWNED, last="power.json", force=options.force) as folder:
         with steps("Simulating", quiet=quiet) as (progress, _):
             found = power_of(people, design, chosen, counts, options.studies, options.alpha, options.seed, progress)
         _write(folder, found, options.power)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class OverlayPass(ShownPass):
     """Composite the overlay, which the server drew for exactly this field of view and size."""
 
-    name = "composite the overlay"
+    name = "overlay compositing"
     reads = ("shown.colour", "rendered.overlay")
 
     def prepare(self) -> None:

@@ -70,7 +70,7 @@ class TransparencyPass(ShownPass):
     0.0605); on walk it is the same (0.0392).
     """
 
-    name = "lay the veil over"
+    name = "transparency compositing"
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:

@@ -55,7 +55,9 @@ class TraceFormat:
         if stated is not None:
             layout = attrs.evolve(layout, axes=stated, axes_by=BY_FILE)
         if layout.time is None and options.rate is None:
-            raise TraceError(f"{head.path} has no time ({head.describe()}): give the samples per second with --rate")
+            raise TraceError(
+                f"{head.path} has no time ({head.describe()}): give the samples per second with --trace-rate"
+            )
         if options.rate is not None:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         reader = RowReader(head, layout)

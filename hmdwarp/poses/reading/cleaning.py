@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError
+from ...phrases import counted
 from .. import quaternions
 from ..defects import Defect
 from ..options import TraceOptions
@@ -202,7 +203,7 @@ class Cleaner:
             raise TraceError(
                 f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
             )
-        what = f"{count} rows have a zero quaternion, a marker for no tracking"
+        what = f"{counted(count, 'row')} with a zero quaternion, a marker for no tracking"
         self.note("zero-quaternion", what, "dropped", count, self._line(int(zero.argmax())))
         self.rows.keep(~zero)
 
@@ -213,7 +214,7 @@ class Cleaner:
         return stamps
 
     def count_by_rate(self) -> None:
-        """Replace the file's clock by --rate."""
+        """Replace the file's clock by --trace-rate."""
         if self.options.rate is None:
             return
         n = len(self.rows)
@@ -221,11 +222,11 @@ class Cleaner:
         if (n - 1) * step_ns > 2**62:
             raise TraceError(
                 f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher "
-                "--rate"
+                "--trace-rate"
             )
         stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
         what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
-        self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --rate says")
+        self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --trace-rate says")
         self.rows.stamps = Stamps(stamps_ns, np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
 
@@ -248,9 +249,7 @@ class Cleaner:
         span = ((last.whole - first.whole) + (last.billionths - first.billionths) / BILLION) * seconds
         wanted = self.options.segment
         if wanted is not None and wanted > len(span):
-            raise TraceError(
-                f"{self.where} holds {len(span)} recording{'s' * (len(span) > 1)}: there is no segment {wanted}"
-            )
+            raise TraceError(f"{self.where} holds {counted(len(span), 'recording')}: there is no segment {wanted}")
         taken = int(np.argmax(span)) if wanted is None else wanted - 1
         listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
         self.segments = [
@@ -268,7 +267,7 @@ class Cleaner:
             why = "the longest" if wanted is None else "as asked"
             self.note(
                 "clock-restart",
-                f"time falls {len(falls)} time{'s' * (len(falls) > 1)}: the file holds {len(span)} recordings",
+                f"time falls {counted(len(falls), 'time')}: the file holds {len(span)} recordings",
                 f"segment {taken + 1} taken, {why} ({span[taken]:.3f} s of {span.sum():.3f} s); --segment takes "
                 "another",
                 len(falls),
@@ -288,7 +287,7 @@ class Cleaner:
         row = int(over.argmax()) + 1
         self.note(
             "midnight",
-            f"the clock passes midnight {int(over.sum())} times",
+            f"the clock passes midnight {counted(int(over.sum()), 'time')}",
             "counted on",
             int(over.sum()),
             self._line(row),
@@ -307,7 +306,7 @@ class Cleaner:
             rising = steps[steps > 0]
             if not len(rising):
                 raise TraceError(
-                    f"{self.where}: time never increases; if it is no clock, --rate gives the samples per second "
+                    f"{self.where}: time never increases; if it is no clock, --trace-rate gives the samples per second "
                     "instead"
                 )
             step = float(np.median(rising))
@@ -394,7 +393,7 @@ class Cleaner:
             other |= (rows.position[at] != rows.position[at + 1]).any(axis=1)
         self.note(
             "duplicate-stamp",
-            f"{count} rows repeat the time stamp of the next, {int(other.sum())} of them with another pose",
+            f"{counted(count, 'row')} with the time stamp of the next, {int(other.sum())} of them with another pose",
             "the last row of each instant kept",
             count,
             self._line(int(at[0])),
@@ -444,8 +443,8 @@ class Cleaner:
             worst = int(off.argmax())
             self.note(
                 "norm-off",
-                f"{int(bad.sum())} quaternions are off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in line "
-                f"{self._line(worst)}",
+                f"{counted(int(bad.sum()), 'quaternion')} off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in "
+                f"line {self._line(worst)}",
                 "normalised; do not trust them",
                 int(bad.sum()),
                 self._line(int(bad.argmax())),
@@ -535,7 +534,7 @@ class Cleaner:
             row = int((before != self.rows.orientation[:, 3]).argmax())
             self.note(
                 "sign-flip",
-                f"the quaternion changes its sign {count} times",
+                f"the quaternion changes its sign {counted(count, 'time')}",
                 "signs made continuous",
                 count,
                 self._line(row),
@@ -552,7 +551,7 @@ class Cleaner:
             share = 100 * count / len(q)
             self.note(
                 "repeated-pose",
-                f"{count} rows ({share:.3g} %) repeat the pose before",
+                f"{counted(count, 'row')} ({share:.3g} %) with the pose of the row before",
                 "kept for replay, left out of speeds and prediction",
                 count,
                 self._line(int(same.argmax()) + 1),
@@ -568,7 +567,7 @@ class Cleaner:
         if gaps.any():
             self.note(
                 "gap",
-                f"{int(gaps.sum())} gaps longer than {limit / 1e6:g} ms, up to {steps.max() / 1e9:.3f} s",
+                f"{counted(int(gaps.sum()), 'gap')} longer than {limit / 1e6:g} ms, up to {steps.max() / 1e9:.3f} s",
                 "the pose before is held within them, never interpolated",
                 int(gaps.sum()),
                 self._line(int(gaps.argmax()) + 1),
@@ -578,7 +577,8 @@ class Cleaner:
         if short.any():
             self.note(
                 "short-step",
-                f"{int(short.sum())} steps are shorter than a tenth of the median, down to {steps.min() / 1e6:.3g} ms",
+                f"{counted(int(short.sum()), 'step')} shorter than a tenth of the median, down to "
+                f"{steps.min() / 1e6:.3g} ms",
                 "kept; speeds are taken over a fixed span, never over one step",
                 int(short.sum()),
                 self._line(int(short.argmax()) + 1),
@@ -590,7 +590,7 @@ class Cleaner:
         if len(jumps):
             self.note(
                 "jump",
-                f"{len(jumps)} jumps of position or orientation faster than a head can move",
+                f"{counted(len(jumps), 'jump')} of position or orientation faster than a head can move",
                 "kept; nothing is interpolated or predicted across them",
                 len(jumps),
                 self._line(int(jumps[0]) + 1),

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from ...phrases import counted
 from ..defects import Defect
 from .file_head import COMMENT_SIGNS, Head, is_number, open_trace, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
@@ -62,7 +63,7 @@ class Layout:
     gravity_down: tuple[float, float, float] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
     order_assumed: bool = False  # of the quaternions: w last, though nothing says so
-    clock_ignored: bool = False  # --rate replaces the time column
+    clock_ignored: bool = False  # --trace-rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
 
@@ -124,7 +125,13 @@ class RowReader:
         if self._repeated_headers:
             lines = self._repeated_headers
             self.defects.append(
-                Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0])
+                Defect(
+                    "header-repeated",
+                    f"the header comes again {counted(len(lines), 'time')}",
+                    "skipped",
+                    len(lines),
+                    lines[0],
+                )
             )
         self._judge_bad_rows(sum(map(len, parts)))
         return self._joined(parts)

@@ -121,7 +121,7 @@ def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
         lines[1] += "; mis%: hole for one eye only"
     left_out = [_head(name) for name in DECISION if name not in names]
     if left_out:
-        lines.append(f"left out, too wide: {', '.join(left_out)}")
+        lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
     return "\n".join(lines)
 
 

@@ -37,13 +37,13 @@ SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
 
 
-def write_analysis(folder: str | os.PathLike, data: Mapping[str, Any], command: str) -> Path:
+def write_analysis(folder: str | os.PathLike, data: Mapping[str, Any], command: str, *, force: bool = False) -> Path:
     """Write the folder, whole or not at all, and return the path of the page.
 
     Errors: InputError or MachineError for a place that cannot be written.
     """
     page = render_study_report(data, command)
-    with OutputFolder(folder, owned=("tables/*.csv",), last=DATA) as out:
+    with OutputFolder(folder, owned=("tables/*.csv", REPORT), last=DATA, force=force) as out:
         for name, (columns, rows) in csv_tables(data).items():
             out.write_csv(f"tables/{name}", rows, columns)
         out.write_text(REPORT, page)

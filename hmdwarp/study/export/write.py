@@ -20,6 +20,15 @@ from .formats import csv_text, has_parquet, tsv_text, write_parquet
 from .table_columns import Column, columns_for
 
 EXTRA = ("phase", "kind")
+OWNED = (
+    "ratings.*",
+    "sickness.tsv",
+    "questionnaires.tsv",
+    "revisions.tsv",
+    "remarks.csv",
+    "columns.json",
+    "bids/**/*",
+)
 REMARKS = (
     Column("participant", "text", "Random word for the participant"),
     Column("session", "whole", "Which session of the participant"),
@@ -45,6 +54,7 @@ class ExportOptions:
     remarks: bool = False  # free text too, which may name people
     revisions: bool = False  # also answers that were corrected later
     parquet: bool | None = None  # True: an error where it cannot be written; None: if possible
+    force: bool = False  # into a folder that holds files; those of an older export go
 
 
 @attrs.frozen
@@ -64,7 +74,8 @@ def export(
 ) -> Exported:
     """Export a study.
 
-    out: a new or empty folder: an older export may hold people who have withdrawn since.
+    out: a new or empty folder, unless forced: an older export may hold people who have withdrawn
+    since.
     Errors: InputError for a folder that is not empty, a study without such sessions, or a plan that
     is not theirs; MachineError for a full disk, and where Parquet is required and pyarrow is
     missing.
@@ -73,10 +84,11 @@ def export(
     kept = of_origin(contents, options.origin)
     if not kept.sessions:
         raise InputError(no_sessions(contents, options.origin, "export"))
-    _refuse_full(out)
+    if not options.force:
+        _refuse_full(out)
     answers = answer_rows(kept, design)
     ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] == RATING]
-    with OutputFolder(out, last="README") as folder:
+    with OutputFolder(out, owned=OWNED, last="README", force=options.force) as folder:
         notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
             notes.append(
@@ -163,8 +175,7 @@ def _refuse_full(out: Path) -> None:
     if out.is_dir() and any(out.iterdir()):
         raise InputError(
             f"{out}: exists and is not empty: an older export may hold participants who have withdrawn since; "
-            "delete it, or "
-            "name another folder with --out"
+            "choose another folder, or replace it with --force"
         )
 
 

@@ -43,7 +43,7 @@ def plots_of(status: Status) -> list[Plot]:
         # Any two refreshes differ a little; half a refresh late means a missed picture.
         Plot("between pictures", status.period_ms, limit=budget, over=1.5 * bad, least=2 * (budget or 1.0)),
         Plot(
-            "age of the frame",
+            "frame age at display",
             status.age_ms,
             limit=latency if isinstance(latency, int | float) and latency else None,
             least=20.0,
