@@ -125,6 +125,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
 def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
     """Check everything that needs no GPU. Errors: InputError and its kin."""
     rate_hz = options.rate_hz or headset.refresh_hz
+    combinations_of(options, None)  # names, before any scene is built
     combinations, called = {}, {}
     for name in options.scenes:
         scene = load_scene(name)

@@ -102,6 +102,7 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
     check_names(options)
     headset = load_headset(options.headset)
     plans_for(options, headset, None, levels)
+    against = _needs_of_against(options)
     trace = load_trace(options.trace, options.trace_options)
     if options.as_recorded:
         trace = _on_its_own_clock(trace)
@@ -111,7 +112,7 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
     guarded_size(options.guard_factor, headset, size)
     scene = load_scene(options.scene)
     plans = plans_for(options, headset, scene, levels)
-    needs = needs_of(plans) | _needs_of_against(options) | (also or Needs())
+    needs = needs_of(plans) | against | (also or Needs())
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
