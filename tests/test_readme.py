@@ -79,6 +79,17 @@ def test_a_page_runs_from_top_to_bottom(page, tmp_path):
             run(["sh", "-ec", smaller(text)], tmp_path)
     for name in LEFT.get(page, ()):
         assert (tmp_path / name).stat().st_size > 0, name
+    assert not _untracked([path.name + "/" * path.is_dir() for path in tmp_path.iterdir()]), "add them to .gitignore"
+
+
+def _untracked(names: list[str]) -> list[str]:
+    """Those of the names that would be untracked files at the top of a clone."""
+    ignored = subprocess.run(
+        ["git", "-C", str(ROOT), "check-ignore", "--no-index", *names], capture_output=True, text=True, check=False
+    )
+    if ignored.returncode > 1:  # no git, or no clone
+        return []
+    return [name for name in names if name not in ignored.stdout.splitlines()]
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -82,22 +83,31 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
 def write_results(
     out: OutputFolder, log: ReplayLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool, command: str
 ) -> None:
-    """Write everything but the video, which is written while the run goes on."""
-    for kept in pool.kept:
-        number, eye, _ = kept.key
-        out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))
-    out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
-    page = render_report(
-        result.summary,
-        result.against,
-        rows=result.rows,
-        baseline_rows=compared,
-        worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
-        command=command,
-        notes=result.summary["notes"],
-    )
-    out.write_text("report.html", page)
+    """Write everything but the video, which is written while the run goes on.
+
+    Pictures are encoded on threads while the page is made: one after the other they took longer.
+    """
+    with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
+        strips = [encoders.submit(_write_strip, out, kept) for kept in pool.kept]
+        out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
+        page = render_report(
+            result.summary,
+            result.against,
+            rows=result.rows,
+            baseline_rows=compared,
+            worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
+            command=command,
+            notes=result.summary["notes"],
+        )
+        out.write_text("report.html", page)
+        for strip in strips:
+            strip.result()
     out.write_json("summary.json", result.summary)
+
+
+def _write_strip(out: OutputFolder, kept: Kept) -> None:
+    number, eye, _ = kept.key
+    out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))
 
 
 def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:

@@ -37,13 +37,13 @@ def replay(
 ) -> ReplayResult:
     """Run it and write options.out; a run that fails or is interrupted leaves nothing there.
 
-    progress(done, total) is called after each refresh; say() gets a sentence before warp "auto"
-    tries what it chooses from.
+    progress(done, total) is called after each refresh; say() gets a sentence before each part that
+    takes long and shows no progress.
     Errors: InputError and its kin for wrong options, MachineError for what the machine lacks.
     """
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels) as setup, OutputFolder(options.out, owned=OWNED) as out:
+    with set_up_replay(options, levels=choice.levels, say=say) as setup, OutputFolder(options.out, owned=OWNED) as out:
         setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
         workers = worker_count(options.workers)
         with QualityPool(

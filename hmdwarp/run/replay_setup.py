@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -92,11 +93,16 @@ class ReplaySetup:
         self._cleanup.close()
 
 
-def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[QualityLevel, ...] = ()) -> ReplaySetup:
+def set_up_replay(
+    options: RunOptions,
+    also: Needs | None = None,
+    levels: tuple[QualityLevel, ...] = (),
+    say: Callable[[str], None] = lambda text: None,
+) -> ReplaySetup:
     """Load, check, then start the GPU.
 
     also: what frames must carry for other plans than that of the options. levels: what warp "auto"
-    chooses from. Errors: InputError and its kin for wrong options, MachineError for what is
+    chooses from. say: gets a sentence once all is checked, before what takes seconds. Errors: InputError and its kin for wrong options, MachineError for what is
     missing.
     """
     check_names(options)
@@ -114,6 +120,9 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
+    say(
+        f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{track.name or trace.path.stem}'"
+    )
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         source = RecordedSource(track)
