@@ -1,4 +1,4 @@
-"""Every target of the Makefile runs: here, with the settings that make it small, or where LISTED says."""
+"""Every target of the Makefile runs: here, with settings that make it small, or as LISTED says."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import attrs
 from numpy.typing import NDArray
 
 from ..link import medians
-from ..metrics import Kept, QualityPool, aggregate
+from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from .frame_rows import Row
 from .log import ReplayLog
@@ -76,7 +76,8 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     against = None
     if compared is not None:
         against = summary_of_rows(setup, (options.against, "none", "none"), compared)
-        summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality")}
+        against["difference"] = {name: difference(rows, compared, name) for name in QUALITY}
+        summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality", "difference")}
     return ReplayResult(options.out, summary, rows, against)
 
 

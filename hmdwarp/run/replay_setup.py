@@ -102,8 +102,8 @@ def set_up_replay(
     """Load, check, then start the GPU.
 
     also: what frames must carry for other plans than that of the options. levels: what warp "auto"
-    chooses from. say: gets a sentence once all is checked, before what takes seconds. Errors: InputError and its kin for wrong options, MachineError for what is
-    missing.
+    chooses from. say: gets a sentence once all is checked, before what takes seconds.
+    Errors: InputError and its kin for wrong options, MachineError for what is missing.
     """
     check_names(options)
     headset = load_headset(options.headset)
@@ -120,9 +120,8 @@ def set_up_replay(
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
-    say(
-        f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{track.name or trace.path.stem}'"
-    )
+    name = track.name or trace.path.stem
+    say(f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         source = RecordedSource(track)
