@@ -62,9 +62,14 @@ def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show."""
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     return "\n".join(
-        line + next((more for start, more in SMALLER.items() if line.startswith(start)), "")
+        line + next((more + _plain_scene(line) for start, more in SMALLER.items() if line.startswith(start)), "")
         for line in block.splitlines()
     )
+
+
+def _plain_scene(line: str) -> str:
+    """Return the option of a scene that is ready at once, where the command does not name one."""
+    return "" if "--scene" in line else " --scene planes"
 
 
 @pytest.mark.slow
