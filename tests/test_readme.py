@@ -72,7 +72,7 @@ def _plain_scene(line: str) -> str:
     return "" if "--scene" in line else " --scene planes"
 
 
-@pytest.mark.slow
+@pytest.mark.slow(25)
 @pytest.mark.parametrize(
     "page", [name for name, blocks in BLOCKS.items() if {"sh", "python"} & {kind for kind, _ in blocks}]
 )
@@ -128,7 +128,7 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.slow(30)
 def test_make_replay_does_the_main_job(tmp_path):
     # All of the recording takes minutes; a third of a second of it takes the same way.
     run(
