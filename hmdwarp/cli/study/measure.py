@@ -2,51 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
 
+import attrs
 import typer
 
-from ._options import PilotOption, QuietOption, StoreOption, StudyArgument
+from ...options import Declared, group
+from ...study.measure_options import MeasureOptions
+from .._options import QUIET, Said, takes
+from ._options import store_field, study_field
 
 
-def measure(
-    study: StudyArgument,
-    store: StoreOption = None,
-    every: Annotated[int, typer.Option("--every", help="Measure every n-th refresh.")] = 10,
-    size: Annotated[
-        str | None,
-        typer.Option(
-            "--size", help="WxH pixels of one eye; by default as shown. Fewer are faster.", show_default=False
-        ),
-    ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            help="Measuring processes; 0 measures in the loop. Default: one per core, at most 8.", show_default=False
-        ),
-    ] = None,
-    again: Annotated[
-        bool, typer.Option("--again", help="Re-measure trials already measured with these options.")
-    ] = False,
-    pilot: PilotOption = False,
-    quiet: QuietOption = False,
-) -> None:
+@attrs.frozen
+class MeasureCommand(Declared):
+    """A study, and how to measure it."""
+
+    study: str = study_field()
+    store: Path | None = store_field()
+    options: MeasureOptions = group(MeasureOptions)
+
+
+@takes(MeasureCommand, QUIET)
+def measure(said: Said) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
-    from ...pipeline.options import parse_size
     from ...study.design import load_design
-    from ...study.measure import MeasureOptions, measure_study
+    from ...study.measure import measure_study
     from ...study.store import Store, store_folder
     from .._show import steps
 
-    design = load_design(study, checked=False)  # only its name is needed
-    options = MeasureOptions(
-        every=every, size=None if size is None else parse_size(size), again=again, pilot=pilot, workers=workers
-    )
+    wanted, quiet = MeasureCommand.of(said), said["quiet"]
+    design = load_design(wanted.study, checked=False)  # only its name is needed
     with (
-        Store(store_folder(design, store), study=design.name) as data,
+        Store(store_folder(design, wanted.store), study=design.name) as data,
         steps("refreshes", quiet=quiet) as (progress, screen),
     ):
-        found = measure_study(data, options, progress, *([] if quiet else [screen.print]))
+        found = measure_study(data, wanted.options, progress, *([] if quiet else [screen.print]))
     if not quiet:
         for line in found.describe():
             typer.echo(line)

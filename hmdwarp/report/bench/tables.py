@@ -31,12 +31,11 @@ _LEAST_TEXT = 10  # width of the column of warps, however narrow the terminal is
 MARK = "*"
 
 
-def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY) -> Table:
+def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
     """Return all rows, case by case, the least error first; `*` marks the Pareto front.
 
     width: of the terminal. Names of warps with settings are folded between their parts. Then
     columns are left out, the least important first, until the rest fits; numbers are never cut.
-    measure: the metric that decides.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -48,7 +47,7 @@ def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY
     names, warp_width = _that_fit(groups, width)
     table = Table(
         title=Text(", ".join([heading, *common(rows)])), title_justify="left",
-        caption=Text(_caption(rows, names, measure)), caption_justify="left",
+        caption=Text(_caption(rows, names)), caption_justify="left",
         box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     table.add_column(" ", no_wrap=True, width=len(MARK))
@@ -59,8 +58,8 @@ def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY
         if len(groups) > 1:
             table.add_section()
             table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
-        best = _identities(group.held(measure))
-        for row in group.ordered(measure):
+        best = _identities(group.held(PRIMARY))
+        for row in group.ordered(PRIMARY):
             marked = id(row) in best
             cells = [
                 _folded(column(name).text(row), warp_width) if name == "warp" else column(name).text(row)
@@ -121,9 +120,9 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     return names, max(min(room(), max(map(_cells, texts))), _LEAST_TEXT)
 
 
-def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
+def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock", ""), "?") for row in rows})
-    lines = [f"ordered by {measure_label(measure)}; {marked_how(rows, measure)}"]
+    lines = [f"ordered by {measure_label(PRIMARY)}; {marked_how(rows)}"]
     if _SPREAD in names:
         lines.append("±: 95 % interval of the mean")
     lines += [f"ms: median per eye, {', '.join(clocks)}"]
@@ -135,9 +134,9 @@ def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
     return "\n".join(lines)
 
 
-def marked_how(rows: Iterable[Row], measure: str = PRIMARY, mark: str = MARK) -> str:
+def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
     """Return what the mark says, or why no row has one."""
-    if all(row["quality"][measure].get("interval") is None for row in rows):
+    if all(row["quality"][PRIMARY].get("interval") is None for row in rows):
         return f"no {mark}: intervals take {LEAST_INSTANTS} instants"
     return f"{mark}: no other is both quicker and better, for sure (95 %)"
 
