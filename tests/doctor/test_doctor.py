@@ -31,7 +31,7 @@ def probe(tmp_path, monkeypatch):
 
 
 def answers(monkeypatch, **known):
-    monkeypatch.setattr(doctor, "ask", lambda question: known)
+    monkeypatch.setattr(doctor, "run_probe", lambda question: known)
 
 
 # --- asking -------------------------------------------------------------------------------------
