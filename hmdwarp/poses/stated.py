@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .formats import TraceFormat, ordered
-from .formats._base import column_of
+from .formats import TraceFormat, column_of, ordered
 
 if TYPE_CHECKING:
     from .options import TraceOptions
