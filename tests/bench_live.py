@@ -52,7 +52,8 @@ CLOCKS = (
     ("wall, nothing drawn", time.perf_counter_ns, False),
 )
 LIMITED = tuple(CASES)[:2]  # those that the limit is for
-SIZE, WARM, LATENCY_MS = (64, 80), 60, 50.0
+SIZE, LATENCY_MS = (64, 80), 50.0
+MOST_WARM = 60  # refreshes before those that count, and never more than those
 GL_CLASSES = ("moderngl", "_moderngl")
 
 
@@ -63,7 +64,7 @@ class TimedDisplay(OffscreenDisplay):
     """
 
     def __init__(self, gpu: Gpu, frames: int, begin: Callable[[], None], end: Callable[[], None]) -> None:
-        super().__init__(gpu=gpu, size=SIZE, rate_hz=90.0)
+        super().__init__(gpu=gpu, size=SIZE)
         self._left, self._begin, self._end = frames, begin, end
 
     def wait(self) -> Tick | None:
@@ -99,8 +100,8 @@ def probe_ns() -> int:
 class Outside:
     """Times of all refreshes: outside GL and in all, in ms, and calls into GL."""
 
-    def __init__(self, gl: GlClock) -> None:
-        self._gl, self._started = gl, 0
+    def __init__(self, gl: GlClock, warm: int) -> None:
+        self._gl, self._warm, self._started = gl, warm, 0
         self.outside_ms: list[float] = []
         self.total_ms: list[float] = []
         self.calls: list[int] = []
@@ -122,19 +123,20 @@ class Outside:
         """(median, p95, p5 outside GL in ms, median in all, how slow the machine was), warm-up left
         out.
         """
-        outside = np.array(self.outside_ms[WARM:])
-        slow = median(self.probes_ns[WARM:]) / min(self.probes_ns)
+        outside = np.array(self.outside_ms[self._warm :])
+        slow = median(self.probes_ns[self._warm :]) / min(self.probes_ns)
         low, middle, high = np.percentile(outside, (5, 50, 95))
-        return float(middle), float(high), float(low), median(self.total_ms[WARM:]), slow
+        return float(middle), float(high), float(low), median(self.total_ms[self._warm :]), slow
 
 
 def measure(gpu: Gpu, frames: int, clock: Callable[[], int], *, draws: bool = True, **chosen: Any) -> Outside:
     """Calls of OpenGL timed away by `clock`; without `draws` they draw nothing."""
     gl = GlClock(clock)
     gl.calibrate()
-    times = Outside(gl)
+    warm = min(MOST_WARM, frames)
+    times = Outside(gl, warm)
     with gl.watching(), nullcontext() if draws else nothing_drawn():
-        drive(gpu, WARM + frames, times.begin, times.end, **chosen)
+        drive(gpu, warm + frames, times.begin, times.end, **chosen)
     return times
 
 
@@ -145,14 +147,14 @@ def shares(gpu: Gpu, frames: int, **chosen: Any) -> list[tuple[str, float]]:
 
     What NumPy and attrs do counts for the module that called them.
     """
-    profile, left = Profile(), [WARM]
+    profile, left = Profile(), [min(MOST_WARM, frames)]
 
     def begin() -> None:
         left[0] -= 1
         if left[0] < 0:
             profile.enable()
 
-    drive(gpu, WARM + frames, begin, profile.disable, **chosen)
+    drive(gpu, left[0] + frames, begin, profile.disable, **chosen)
     own: dict[str, float] = defaultdict(float)
     stats = Stats(profile).stats
     for function, (*_, inside, _cumulative, callers) in stats.items():

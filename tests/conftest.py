@@ -16,6 +16,7 @@ import pytest
 # Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
 # Set before any library with OpenMP is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+USUALLY_SLOW_S = 10.0  # of a test that is marked slow without a number
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
@@ -78,11 +79,14 @@ def pytest_configure() -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Run slow tests last, so that a mistake shows early; the longest of them first."""
+    """Run slow tests first, the longest first of all: at the end none keeps one worker busy alone.
 
-    def order(item: pytest.Item) -> tuple[bool, float]:
+    Many of them wait more than they work, and the quick ones of the other worker fill that time.
+    """
+
+    def order(item: pytest.Item) -> float:
         slow = item.get_closest_marker("slow")
-        return slow is not None, -slow.args[0] if slow is not None and slow.args else 0.0
+        return -(slow.args[0] if slow.args else USUALLY_SLOW_S) if slow is not None else 0.0
 
     items.sort(key=order)
 

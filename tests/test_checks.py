@@ -21,6 +21,7 @@ def lines_of(target: str) -> str:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow(60)
 @pytest.mark.parametrize("target", HERE)
 def test_it_finds_nothing(target):
     (line,) = [line for line in lines_of(target).splitlines() if " -m " in line]

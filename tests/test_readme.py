@@ -63,12 +63,17 @@ def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show."""
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     return "\n".join(
-        line + next((more for start, more in SMALLER.items() if line.startswith(start)), "")
+        line + next((more + _plain_scene(line) for start, more in SMALLER.items() if line.startswith(start)), "")
         for line in block.splitlines()
     )
 
 
-@pytest.mark.slow
+def _plain_scene(line: str) -> str:
+    """Return the option of a scene that is ready at once, where the command does not name one."""
+    return "" if "--scene" in line else " --scene planes"
+
+
+@pytest.mark.slow(25)
 @pytest.mark.parametrize(
     "page", [name for name, blocks in BLOCKS.items() if {"sh", "python"} & {kind for kind, _ in blocks}]
 )
@@ -80,6 +85,17 @@ def test_a_page_runs_from_top_to_bottom(page, tmp_path):
             run(["sh", "-ec", smaller(text)], tmp_path)
     for name in LEFT.get(page, ()):
         assert (tmp_path / name).stat().st_size > 0, name
+    assert not _untracked([path.name + "/" * path.is_dir() for path in tmp_path.iterdir()]), "add them to .gitignore"
+
+
+def _untracked(names: list[str]) -> list[str]:
+    """Those of the names that would be untracked files at the top of a clone."""
+    ignored = subprocess.run(
+        ["git", "-C", str(ROOT), "check-ignore", "--no-index", *names], capture_output=True, text=True, check=False
+    )
+    if ignored.returncode > 1:  # no git, or no clone
+        return []
+    return [name for name in names if name not in ignored.stdout.splitlines()]
 
 
 @pytest.mark.slow
@@ -113,7 +129,7 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.slow(30)
 def test_make_replay_does_the_main_job(tmp_path):
     # All of the recording takes minutes; a third of a second of it takes the same way.
     run(

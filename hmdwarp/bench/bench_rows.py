@@ -7,7 +7,7 @@ from functools import reduce
 from operator import add
 from typing import Any
 
-from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, pooled
+from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, pooled
 from ..run.combination_bench import Measured
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup
@@ -36,7 +36,7 @@ COLUMNS = (
     "width",
     "height",
     *(f"{stage}_ms{tail}" for stage in STAGES for tail in ("", "_p95")),
-    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
+    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95", "_low", "_high")),
     *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
     "mismatch",
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
@@ -60,6 +60,9 @@ def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_
     return {
         **base,
         "frames": len(pictures),
+        "at_instants": {
+            name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
+        },
         "regions": pooled(regions[key] for key in measured.keys),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
         "passes": passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
@@ -67,7 +70,10 @@ def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_
 
 
 def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows under COLUMNS: medians and means without a suffix, the bad tail with _p95."""
+    """Yield the rows under COLUMNS: medians and means without a suffix, the bad tail with _p95.
+
+    The ends of a mean's interval have _low and _high.
+    """
     for row in rows:
         yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}
 
@@ -89,6 +95,8 @@ def _times(row: Mapping[str, Any]) -> dict[str, Any]:
         for name in names:
             entry = row[table][name]
             times |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
+            if entry.get("interval") is not None:
+                times |= {f"{name}_low": entry["interval"][0], f"{name}_high": entry["interval"][1]}
     return times
 
 

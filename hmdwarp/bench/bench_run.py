@@ -129,6 +129,7 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
     Errors: InputError and its kin.
     """
     rate_hz = options.rate_hz or headset.refresh_hz
+    combinations_of(options, None)  # names, before any scene is built
     combinations, called, notes = {}, {}, list[str]()
     for name in options.scenes:
         scene = load_scene(name, options.scene_options)

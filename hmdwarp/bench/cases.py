@@ -39,10 +39,13 @@ def fills_of(options: BenchOptions) -> list[str]:
     return list(dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills))
 
 
-def combinations_of(options: BenchOptions, scene: Scene) -> list[Combination]:
-    """Return each warp with each fill. Errors: as build_plan."""
+def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combination]:
+    """Return each warp with each fill. Without a scene yet, only the names are checked.
+
+    Errors: as build_plan.
+    """
     pairs = itertools.product(warps_of(options), fills_of(options))
-    selected = effects.selected(options.effects, effects.of(scene))
+    selected = effects.selected(options.effects, effects.of(scene) if scene is not None else ())
     return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
 
 

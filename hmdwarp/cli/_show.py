@@ -5,8 +5,10 @@ from __future__ import annotations
 import logging
 import shutil
 import textwrap
+import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING
 
 import typer
@@ -16,6 +18,8 @@ from ._signals import end_if_asked
 if TYPE_CHECKING:
     from rich.console import Console
 
+LINE_EVERY_S = 10.0  # of progress where there is no terminal
+ESTIMATE_AFTER_S = 3.0
 _WIDEST = 110  # longer lines are hard to read
 
 
@@ -35,7 +39,10 @@ def console(*, stderr: bool = False) -> Console:
 
 @contextmanager
 def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None], Console]]:
-    """Give (progress(done, total), where else to print) of a long run, with a bar on a terminal."""
+    """Give (progress(done, total), where else to print) of a long run.
+
+    On a terminal a bar shows it, elsewhere a line every LINE_EVERY_S.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     logging.getLogger("matplotlib").setLevel(
@@ -43,14 +50,75 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
     )  # it warns where there is no home folder to keep its cache in
     screen = console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal) as bar:
+    with ExitStack() as stack:
+        bar = stack.enter_context(
+            Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal)
+        )
         task = bar.add_task(what, total=None)
+        lines = _Lines(what)
+        if bar.disable and not quiet:
+            stack.enter_context(lines.printed(screen))
 
         def progress(done: int, total: int) -> None:
             end_if_asked()
             bar.update(task, completed=done, total=total)
+            lines.update(done, total, time.monotonic())
 
         yield progress, screen
+
+
+class _Lines:
+    """Progress in lines of text. The first comes as soon as the first steps allow an estimate."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._began: tuple[float, int] | None = None
+        self._now: tuple[float, int, int] | None = None
+        self._estimated = threading.Event()
+
+    def update(self, done: int, total: int, now_s: float) -> None:
+        if self._began is None and done:
+            self._began = now_s, done  # the first step warms up caches and shaders: it would mislead
+        self._now = now_s, done, total
+        if self._began is not None and now_s - self._began[0] >= ESTIMATE_AFTER_S:
+            self._estimated.set()
+
+    def line(self) -> str:
+        if self._began is None or self._now is None:
+            return f"{self._what}: still making ready"
+        (began_s, first), (now_s, done, total) = self._began, self._now
+        line = f"{self._what}: {done} of {total}"
+        if done == total:
+            return f"{line}; the last pictures are measured, then the results are written"
+        if first < done:
+            line += f", about {_duration((now_s - began_s) / (done - first) * (total - done))} to go"
+        return line
+
+    @contextmanager
+    def printed(self, screen: Console) -> Iterator[None]:
+        """Print lines until the block ends."""
+        over = threading.Event()
+
+        def run() -> None:
+            self._estimated.wait(LINE_EVERY_S)
+            while not over.is_set():
+                with suppress(OSError):  # nobody reads any more
+                    screen.print(self.line(), soft_wrap=True)
+                over.wait(LINE_EVERY_S)
+
+        thread = threading.Thread(target=run, name="progress", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            self._estimated.set()
+            thread.join()
+
+
+def _duration(seconds: float) -> str:
+    whole = max(1, round(seconds))
+    return f"{whole} s" if whole < 120 else f"{round(whole / 60)} min"
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

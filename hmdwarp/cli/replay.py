@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import typer
 
 from ..run.options import RunOptions
@@ -20,7 +22,7 @@ def _run(options: RunOptions, quiet: bool) -> None:
     from ._show import console, steps
 
     with steps("refreshes", quiet=quiet) as (progress, screen):
-        result = run(options, progress, *([] if quiet else [screen.print]))
+        result = run(options, progress, *([] if quiet else [partial(screen.print, soft_wrap=True)]))
     if quiet:
         return
     console().print(summary_table(result.summary, result.against))

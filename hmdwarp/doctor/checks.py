@@ -16,6 +16,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from typing import Any
 
@@ -53,20 +54,15 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Check everything; takes a second, and up to half a minute for each driver that hangs."""
-    headset, desktop = openxr(), window()
-    return [
-        python(),
-        packages(),
-        *opengl(),
-        *headset,
-        desktop,
-        live(headset, desktop),
-        panel(),
-        study(),
-        video(),
-        codecs(),
-    ]
+    """Check everything; takes a second, and up to half a minute if a driver hangs.
+
+    The processes that query drivers run at the same time.
+    """
+    with ThreadPoolExecutor() as asked:
+        graphics, runtime, screen = asked.submit(opengl), asked.submit(openxr), asked.submit(window)
+        here = [python(), packages(), panel(), study(), video(), codecs()]
+        headset, desktop = runtime.result(), screen.result()
+    return [*here[:2], *graphics.result(), *headset, desktop, live(headset, desktop), *here[2:]]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
 
 Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
@@ -116,6 +119,8 @@ class Pose:
     @property
     def rotation(self) -> Rotation:
         """The orientation as a SciPy rotation."""
+        from scipy.spatial.transform import Rotation
+
         return Rotation.from_quat(self.orientation_xyzw)
 
     @property
@@ -158,6 +163,8 @@ class Pose:
         Positions lie on the straight line, orientations on the shorter great arc.
         Source: Shoemake 1985, Animating Rotation with Quaternion Curves (SLERP).
         """
+        from scipy.spatial.transform import Rotation
+
         turn = (self.rotation.inv() * other.rotation).as_rotvec()
         step = share * (other.position_m - self.position_m)
         return Pose(self.position_m + step, (self.rotation * Rotation.from_rotvec(share * turn)).as_quat())

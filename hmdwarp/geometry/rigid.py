@@ -5,7 +5,6 @@ from __future__ import annotations
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from .pose import Pose, frozen3
 
@@ -24,6 +23,8 @@ class RigidState:
 
     def after(self, age_ns: int) -> Pose:
         """Return world_from_body `age_ns` later, at constant acceleration and angular velocity."""
+        from scipy.spatial.transform import Rotation
+
         seconds = age_ns * 1e-9
         position = self.pose.position_m + seconds * (self.velocity_m_s + 0.5 * seconds * self.acceleration_m_s2)
         turned = Rotation.from_rotvec(self.angular_velocity_rad_s * seconds) * self.pose.rotation

@@ -29,6 +29,13 @@ from .regions import near_discontinuity as near_discontinuity
 from .regions import pooled as pooled
 from .regions import region_of as region_of
 from .regions import region_sums as region_sums
+from .spread import LEAST_INSTANTS as LEAST_INSTANTS
+from .spread import at_instants as at_instants
+from .spread import block_length as block_length
+from .spread import differ as differ
+from .spread import difference as difference
+from .spread import excludes_zero as excludes_zero
+from .spread import interval_of_mean as interval_of_mean
 from .summary import QUALITY as QUALITY
 from .summary import STAGES as STAGES
 from .summary import aggregate as aggregate

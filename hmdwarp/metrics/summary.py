@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import HmdwarpError
 from .metric import metrics_in_order
+from .spread import at_instants, interval_of_mean
 
 STAGES = ("warp", "fill", "effects", "lens", "total")
 QUALITY = tuple(metric.name for metric in metrics_in_order())
@@ -21,15 +22,20 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
 
     rows: keyed by the columns of frames.csv.
     time_ms: per stage {median, p95} of the `<stage>_ms` columns, per eye.
-    quality: per metric {mean, p95}. p95 is always the bad tail: 95 % of the pictures are at least
-    as good. It is the 5th percentile where higher is better (psnr_db, ssim), else the 95th.
+    quality: per metric {mean, p95, interval}; interval: interval_of_mean over the instants. p95 is
+    always the bad tail: 95 % of the pictures are at least as good. It is the 5th percentile where
+    higher is better (psnr_db, ssim), else the 95th.
     measured: per metric, how many pictures had it. A picture without a figure (None, or no such
     key) is left out of that metric, never counted as 0; without any, mean, median and p95 are None.
     Errors: HmdwarpError for NaN or infinite values, which no measurement gives.
     """
     rows = list(rows)
     names = (*(f"{stage}_ms" for stage in STAGES), *QUALITY)
-    return aggregate_columns({name: [float(row[name]) for row in rows if row.get(name) is not None] for name in names})
+    found = aggregate_columns({name: [float(row[name]) for row in rows if row.get(name) is not None] for name in names})
+    for name, entry in found["quality"].items():
+        interval = interval_of_mean([*at_instants(rows, name).values()])
+        entry["interval"] = interval and list(interval)
+    return found
 
 
 def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> dict[str, dict]:

@@ -12,7 +12,7 @@ from ..metrics import PRIMARY, Kept, metrics_in_order
 from .charts import Series, time_series
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
-from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows
+from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
 from .transit import coding_rows, filled_rows, frame_rows, response_rows
 from .words import listed
 
@@ -68,6 +68,7 @@ def render_report(
         notes=list(notes),
         columns=names,
         baseline=baseline_summary,
+        sure=how_sure(summary, mark=None if baseline_summary is None else "★"),
         quality_rows=comparison[: len(QUALITY_FIGURES)],
         time_rows=comparison[len(QUALITY_FIGURES) :],
         tiles=_tiles(summary, baseline_summary, names),

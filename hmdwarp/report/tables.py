@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics import STAGES, Figure, metrics, metrics_in_order
+from ..metrics import LEAST_INSTANTS, STAGES, Figure, excludes_zero, metrics, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -26,7 +26,7 @@ class Row:
     """One line of the comparison."""
 
     figure: Figure
-    # (main figure, tail) of each run, as text.
+    # (main figure with its interval, tail) of each run, as text.
     cells: tuple[tuple[str, str], ...]
     # Index of the better run, if any.
     best: int | None
@@ -35,23 +35,42 @@ class Row:
 def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
     """Return the rows of quality, then of time per eye; two cells each if there is a baseline.
 
-    The better of two means is marked if they differ after rounding. Time and holes are no contest:
-    a warp that does nothing is quick and leaves nothing empty.
+    The better of two means is marked if their difference over the instants holds. Time and holes
+    are no contest: a warp that does nothing is quick and leaves nothing empty.
     """
     summaries = [summary] if baseline is None else [summary, baseline]
-    rows = [_row(figure, [s["quality"][figure.name] for s in summaries], "mean") for figure in QUALITY_FIGURES]
-    return rows + [_row(figure, [s["time_ms"][figure.name] for s in summaries], "median") for figure in TIME_FIGURES]
+    rows = [
+        Row(figure, tuple(_mean_cells(figure, s["quality"][figure.name]) for s in summaries), _best(figure, baseline))
+        for figure in QUALITY_FIGURES
+    ]
+    for figure in TIME_FIGURES:
+        times = [s["time_ms"][figure.name] for s in summaries]
+        rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
+    return rows
 
 
-def _row(figure: Figure, entries: list[Mapping[str, float | None]], main: str) -> Row:
-    cells = tuple((figure.text(e[main]), figure.text(e["p95"])) for e in entries)
-    if figure.name not in _CONTESTS or len(entries) < 2 or cells[0][0] == cells[1][0]:
-        return Row(figure, cells, None)
-    first, second = (entry[main] for entry in entries)
-    if first is None or second is None:
-        return Row(figure, cells, None)
-    first_is_larger = first > second
-    return Row(figure, cells, 0 if first_is_larger == metrics.get(figure.name).higher_is_better else 1)
+def _mean_cells(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
+    mean, interval = figure.text(entry["mean"]), entry.get("interval")
+    if interval is not None:
+        mean += f" ±{figure.text((interval[1] - interval[0]) / 2)}"
+    return mean, figure.text(entry["p95"])
+
+
+def _best(figure: Figure, baseline: Summary | None) -> int | None:
+    found = (baseline or {}).get("difference", {}).get(figure.name)
+    if figure.name not in _CONTESTS or found is None or not excludes_zero(found["interval"]):
+        return None
+    return 0 if (found["mean"] > 0) == metrics.get(figure.name).higher_is_better else 1
+
+
+def how_sure(summary: Summary, *, mark: str | None) -> str:
+    """Return what the intervals are and what a mark says, or why there are none.
+
+    mark: None where nothing is compared.
+    """
+    if all(entry.get("interval") is None for entry in summary["quality"].values()):
+        return f"no intervals{f' and no {mark}' if mark else ''}: they take {LEAST_INSTANTS} measured refreshes"
+    return "±: 95 % interval of the mean" + (f"; {mark}: the better of the two, for sure (95 %)" if mark else "")
 
 
 def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
@@ -70,11 +89,15 @@ def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
 
     The better column of each quality line is bold and starred, so that it reads without colour too.
     """
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, scene {summary['scene']}, {summary['frames']} frames"
-    table = Table(title=title, title_justify="left", caption=_caption(summary, baseline), caption_justify="left")
+    table = Table(
+        title=title, title_justify="left", caption=_caption(summary, baseline), caption_justify="left",
+        box=SIMPLE_HEAD, show_edge=False, pad_edge=False,
+    )  # fmt: skip
     table.add_column("")
     for name in column_names(summary, baseline):
         table.add_column(name, justify="right")
@@ -97,7 +120,7 @@ def _head(figure: Figure) -> str:
 
 def _caption(summary: Summary, baseline: Summary | None) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
-    text = f"mean over measured pictures; times: median per eye, {clock};\np95: the worst 5 % begin there"
-    if baseline is None:
-        return text
-    return f"{text}; *: better of the two; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}"
+    lines = ["mean over measured pictures; p95: the worst 5 % begin there", f"times: median per eye, {clock}"]
+    if baseline is not None:
+        lines[1] += f"; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}"
+    return "\n".join([*lines, how_sure(summary, mark=None if baseline is None else "*")])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import attrs
 from numpy.typing import NDArray
 
 from ..link import response_figures
-from ..metrics import Kept, QualityPool, aggregate
+from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from .frame_rows import Row
 from .log import ReplayLog
@@ -76,29 +77,39 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     against = None
     if compared is not None:
         against = summary_of_rows(setup, (options.against, "none", "none"), compared)
-        summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality")}
+        against["difference"] = {name: difference(rows, compared, name) for name in QUALITY}
+        summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality", "difference")}
     return ReplayResult(options.out, summary, rows, against)
 
 
 def write_results(
     out: OutputFolder, log: ReplayLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool, command: str
 ) -> None:
-    """Write everything but the video, which is written during the run."""
-    for kept in pool.kept:
-        number, eye, _ = kept.key
-        out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))
-    out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
-    page = render_report(
-        result.summary,
-        result.against,
-        rows=result.rows,
-        baseline_rows=compared,
-        worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
-        command=command,
-        notes=result.summary["notes"],
-    )
-    out.write_text("report.html", page)
+    """Write everything but the video, which is written during the run.
+
+    Pictures are encoded on threads while the page is made: one after the other they took longer.
+    """
+    with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
+        strips = [encoders.submit(_write_strip, out, kept) for kept in pool.kept]
+        out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
+        page = render_report(
+            result.summary,
+            result.against,
+            rows=result.rows,
+            baseline_rows=compared,
+            worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
+            command=command,
+            notes=result.summary["notes"],
+        )
+        out.write_text("report.html", page)
+        for strip in strips:
+            strip.result()
     out.write_json("summary.json", result.summary)
+
+
+def _write_strip(out: OutputFolder, kept: Kept) -> None:
+    number, eye, _ = kept.key
+    out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))
 
 
 def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:

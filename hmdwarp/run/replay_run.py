@@ -34,8 +34,8 @@ def replay(
 ) -> ReplayResult:
     """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
 
-    progress(done, total): called after each refresh. say: called with a sentence before warp "auto"
-    measures its candidates.
+    progress(done, total): called after each refresh. say: called with a sentence before each part
+    that takes long and shows no progress.
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
@@ -46,7 +46,7 @@ def replay(
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels) as setup:
+    with set_up_replay(options, levels=choice.levels, say=say) as setup:
         setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
         workers = worker_count(options.workers)
         with QualityPool(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -92,16 +93,23 @@ class ReplaySetup:
         self._cleanup.close()
 
 
-def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[QualityLevel, ...] = ()) -> ReplaySetup:
+def set_up_replay(
+    options: RunOptions,
+    also: Needs | None = None,
+    levels: tuple[QualityLevel, ...] = (),
+    say: Callable[[str], None] = lambda text: None,
+) -> ReplaySetup:
     """Load, check, then start the GPU.
 
     also: layers that frames must carry for plans other than the run's. levels: candidates of warp
-    "auto". Errors: InputError and its subclasses for wrong options, MachineError for missing
-    hardware or software.
+    "auto". say: called with a sentence once all is checked, before what takes seconds.
+    Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
+    software.
     """
     check_names(options)
     headset = load_headset(options.headset)
     plans_for(options, headset, None, levels)
+    against = _needs_of_against(options)
     trace = load_trace(options.trace, options.trace_options)
     if options.as_recorded:
         trace = _on_its_own_clock(trace)
@@ -111,8 +119,10 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
     guarded_size(options.guard_factor, headset, size)
     scene = load_scene(*options.scene_key)
     plans = plans_for(options, headset, scene, levels)
-    needs = needs_of(plans) | _needs_of_against(options) | (also or Needs())
+    needs = needs_of(plans) | against | (also or Needs())
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
+    name = track.name or trace.path.stem
+    say(f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
     with ExitStack() as stack:
         gpu = stack.enter_context(Gpu())
         source = RecordedSource(track)

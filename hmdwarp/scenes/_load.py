@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import attrs
 
 from ..errors import InputError
 from ..registry import unknown_name
-from ._scene import Scene, scenes
+from ._scene import Scene, SceneSource, scenes
 from .options import SceneOptions
 
 FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply")
@@ -17,13 +18,15 @@ FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply")
 def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) -> Scene:
     """Load the scene registered under a name, else the glTF, OBJ or PLY file at a path.
 
+    A registered scene is built once and kept; its arrays are read-only.
+
     options: of files alone. Errors: UnknownNameError (with the nearest known name) for what is
     neither; SceneError for a file that cannot be used; InputError for options that do not fit.
     """
     text, options = str(name_or_path), options or SceneOptions()
     if text in scenes.names():
         _refuse_options(text, options)
-        return scenes.get(text).build()
+        return _built(scenes.get(text))
     path = Path(name_or_path)
     if path.suffix.lower() in FILE_ENDINGS or path.is_file():
         from ._files import scene_from_file
@@ -38,3 +41,8 @@ def _refuse_options(name: str, options: SceneOptions) -> None:
         if getattr(options, field.name) != field.default:
             flag = field.metadata["options"][0].named(field.name).flag
             raise InputError(f"{flag} with scene '{name}': it is for scene files; leave it out")
+
+
+@cache
+def _built(source: SceneSource) -> Scene:
+    return source.build()

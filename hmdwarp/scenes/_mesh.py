@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import attrs
@@ -38,22 +40,32 @@ def _indices(value: ArrayLike) -> NDArray[np.uint32]:
     return _rows(value, np.uint32, 3)
 
 
-@attrs.frozen(eq=False)
+@attrs.define(eq=False, frozen=True, slots=False)
 class Texture:
-    """An image on a surface. Errors: SceneError for a wrong shape or type."""
+    """An image on a surface.
+
+    Errors: SceneError for a wrong shape or type; of a painter's image where it is first used.
+    """
 
     name: str
-    # (h, w, 3 or 4) uint8, top row first; the server adds mipmaps.
-    image: NDArray[np.uint8]
+    # What `image` returns, or what paints it when it is first used: a plan needs no pictures.
+    _source: NDArray[np.uint8] | Callable[[], NDArray[np.uint8]] = attrs.field(alias="image")
     # Values are sRGB, else linear.
     srgb: bool = True
     # Wraps around outside 0..1, else its border is continued.
     repeat: bool = True
 
     def __attrs_post_init__(self) -> None:
-        image = self.image
+        if not callable(self._source):
+            self.image  # noqa: B018 (raises at once if it cannot be used)
+
+    @cached_property
+    def image(self) -> NDArray[np.uint8]:
+        """(h, w, 3 or 4) uint8, top row first; the server adds mipmaps."""
+        image = self._source() if callable(self._source) else self._source
         if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] not in (3, 4) or 0 in image.shape:
             raise SceneError(f"texture '{self.name}': expected (h, w, 3 or 4) uint8, found {image.shape} {image.dtype}")
+        return image
 
 
 @attrs.frozen(eq=False)

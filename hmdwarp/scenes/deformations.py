@@ -12,7 +12,6 @@ from collections.abc import Iterable, Sequence
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from ..errors import SceneError
 
@@ -115,6 +114,8 @@ class Joint:
 
     def turn(self, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 parent_from_joint, both in rest coordinates, and its change in 1/s."""
+        from scipy.spatial.transform import Rotation
+
         place = 2 * np.pi * (time_ns * 1e-9 / self.period_s + self.phase)
         rotation = Rotation.from_rotvec(self.axis * (self.middle_rad + self.swing_rad * np.sin(place))).as_matrix()
         rate = self.swing_rad * np.cos(place) * 2 * np.pi / self.period_s

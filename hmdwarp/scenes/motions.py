@@ -6,15 +6,17 @@ They are pure functions of the scene's clock, in float64.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation, Slerp
 
 from ..errors import SceneError
 from ..geometry import Pose, RigidState
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation, Slerp  # late where it runs: 0.3 s, and most scenes stand still
 
 Array = NDArray[np.float64]
 GRAVITY_M_S2 = (0.0, -9.81, 0.0)
@@ -59,6 +61,8 @@ class Spinning:
 
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
+        from scipy.spatial.transform import Rotation
+
         spin = self.axis / np.linalg.norm(self.axis) * self.rad_s
         turned = Rotation.from_rotvec(spin * (time_ns * 1e-9)) * self.at.rotation
         return RigidState(Pose(self.at.position_m, turned.as_quat()), angular_velocity_rad_s=spin)
@@ -81,6 +85,8 @@ class Thrown:
 
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
+        from scipy.spatial.transform import Rotation
+
         flown = np.mod(time_ns * 1e-9, self.period_s)
         position = self.start.position_m + flown * (self.velocity_m_s + 0.5 * flown * self.gravity_m_s2)
         turned = Rotation.from_rotvec(self.spin_rad_s * flown) * self.start.rotation
@@ -151,10 +157,14 @@ class Track:
 
     @cached_property
     def _turning(self) -> Slerp | None:
+        from scipy.spatial.transform import Slerp
+
         return None if self.turns is None else Slerp(self.times_s, self.turns)
 
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
+        from scipy.spatial.transform import Rotation
+
         first, last = self.times_s[0], self.times_s[-1]
         seconds = time_ns * 1e-9
         at = first + np.mod(seconds - first, last - first) if self.loops else np.clip(seconds, first, last)

@@ -31,7 +31,7 @@ def probe(tmp_path, monkeypatch):
 
 
 def answers(monkeypatch, **known):
-    monkeypatch.setattr(doctor, "ask", lambda question: known)
+    monkeypatch.setattr(doctor, "run_probe", lambda question: known)
 
 
 # --- asking -------------------------------------------------------------------------------------
@@ -259,3 +259,29 @@ def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
     assert "statsmodels (study analyse" in found.detail and "textual" in found.detail and "pyarrow" not in found.detail
     there.update(dict.fromkeys(doctor.STUDY_PACKAGES, "1.0"))
     assert doctor.study().state is State.OK
+
+
+def test_a_folder_that_is_not_installed_is_no_lack_of_replay(monkeypatch):
+    def requires(name: str) -> list[str]:
+        raise doctor.importlib.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(doctor.importlib.metadata, "requires", requires)
+    found = doctor.packages()
+    assert found.state is State.OPTIONAL and "not installed" in found.detail and found.remedy == "make setup"
+
+
+def test_an_av_that_does_not_load_costs_the_video_and_the_codecs_alone(monkeypatch):
+    """None in sys.modules is how Python itself says that a module cannot be imported."""
+    monkeypatch.setitem(sys.modules, "av", None)
+    for found in (doctor.video(), doctor.codecs()):
+        assert found.state is State.OPTIONAL and "av" in found.remedy, found
+    assert "h264 is missing" in doctor.codecs().detail and "none in PyAV" in doctor.video().detail
+
+
+def test_drivers_are_asked_at_the_same_time(probe, monkeypatch):
+    """Each probe waits until all three have begun: one after the other they would wait for ever."""
+    monkeypatch.setenv("DISPLAY", ":0")
+    answer = '{"stage": "binding", "error": "seen", "message": "together"}'
+    probe(f"""touch "$0.$4"; while [ "$(ls "$0".* | wc -l)" -lt 3 ]; do sleep 0.05; done; echo '{answer}'""")
+    found = {finding.name: finding.detail for finding in doctor.examine()}
+    assert [found[name] for name in ("OpenGL", "OpenXR loader", "desktop window")] == ["together"] * 3

@@ -16,7 +16,7 @@ numbers = st.lists(st.one_of(st.none(), st.floats(0, 1)), min_size=1, max_size=4
 def test_shape_is_that_of_the_contract():
     out = aggregate([])
     assert set(out["quality"]) == set(QUALITY) and set(out["time_ms"]) == set(STAGES)
-    assert all(entry == {"mean": None, "p95": None} for entry in out["quality"].values())
+    assert all(entry == {"mean": None, "p95": None, "interval": None} for entry in out["quality"].values())
     assert all(entry == {"median": None, "p95": None} for entry in out["time_ms"].values())
     assert set(out["measured"].values()) == {0}
 

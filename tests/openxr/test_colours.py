@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
+import pytest
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.geometry import Fov, Pose
@@ -37,6 +38,7 @@ def chart(eye: int) -> np.ndarray:
     return patches.repeat(SIZE[1] // 4, axis=0).repeat(SIZE[0] // 4, axis=1)
 
 
+@pytest.mark.slow(30)
 def test_known_colours_arrive_on_the_screen(runtime, screen, monkeypatch):
     runtime(REMOTE, ON_SCREEN).start()
     monkeypatch.setenv("HMDWARP_OPENXR_GRAPHICS", "egl")  # no window of ours over Monado's

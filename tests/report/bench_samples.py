@@ -31,6 +31,7 @@ WARPS = {
     "multi": (15.3, 0.058, 0.012),
     "layered": (24.0, 0.049, 0.006),
 }
+INSTANTS = 12
 AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 MACHINE = {
     "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
@@ -95,7 +96,15 @@ def a_row(
         "machine": MACHINE,
         "clock": "wall",
         "time_ms": {stage: {"median": value, "p95": 1.15 * value} for stage, value in stages.items()},
-        "quality": {name: {"mean": value, "p95": 1.4 * value} for name, value in quality.items()},
+        "quality": {
+            name: {"mean": value, "p95": 1.4 * value, "interval": [0.95 * value, 1.05 * value]}
+            for name, value in quality.items()
+        },
+        # Hard instants are hard for all methods.
+        "at_instants": {
+            name: {str(60 * n): value * (1 + 0.1 * np.sin(n)) for n in range(INSTANTS)}
+            for name, value in quality.items()
+        },
         "measured": dict.fromkeys(quality, 20),
         "notes": [],
         "regions": {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hmdwarp.metrics import aggregate
+from hmdwarp.metrics import QUALITY, aggregate, difference
 from hmdwarp.report import WorstFrame, comparison_panels
 
 
@@ -99,6 +99,11 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
             },
         },
     }
+
+
+def a_baseline(rows: list[dict], its_rows: list[dict], warp: str = "none") -> dict:
+    """The summary of the warp that the run with `rows` is compared with."""
+    return {**a_summary(its_rows, warp), "difference": {name: difference(rows, its_rows, name) for name in QUALITY}}
 
 
 def a_scene(shift: int = 0, size=(320, 200)) -> np.ndarray:

@@ -57,7 +57,7 @@ def test_columns_are_dropped_in_order_and_named():
 
 def test_each_case_begins_with_its_best_and_marks_its_front():
     rows = some_rows()
-    lines = printed(rows).splitlines()
+    lines = printed(rows, 120).splitlines()
     for case in cases(rows):
         start = next(i for i, line in enumerate(lines) if line.strip() == case.label) + 1
         block = lines[start : start + len(case.rows)]
@@ -65,7 +65,7 @@ def test_each_case_begins_with_its_best_and_marks_its_front():
         assert flips == sorted(flips) and [flip in line for flip, line in zip(flips, block, strict=True)] == [
             True
         ] * len(block)
-        best = {id(row) for row in case.front()}
+        best = {id(row) for row in case.held()}
         assert [line.startswith("*") for line in block] == [id(row) in best for row in case.ordered()]
         assert 1 < len(best) < len(block)
 
@@ -87,7 +87,7 @@ def test_what_differs_makes_another_case():
 def test_what_was_not_measured_is_a_dash_and_comes_last():
     nothing = a_row("rotation", **aggregate([]), mismatch=None, regions={})
     text = printed([nothing, a_row()])
-    assert len(re.findall("–", text)) == 8
+    assert len(re.findall("–", text)) == 9
     assert text.index("forward") < text.index("rotation")
 
 
@@ -122,3 +122,25 @@ def test_every_column_has_a_text_for_every_row():
     with pytest.raises(HmdwarpError, match="'flop'.*flip"):
         markdown_table([], ["flop"])
     assert set(DECISION) <= set(COLUMNS)
+
+
+def test_a_lead_within_the_noise_is_not_marked_and_too_few_instants_mark_nothing():
+    """Better on the whole, but worse at every other instant: on the front, not held."""
+    quick, slow = a_row("rotation"), a_row("layered")
+    near = {name: {**entry, "mean": quick["quality"][name]["mean"] - 1e-4} for name, entry in slow["quality"].items()}
+    doubtful = {**slow, "quality": near, "at_instants": {"flip": _beside(quick, 0.02)}}
+    (case,) = cases([quick, doubtful])
+    assert case.front() == [quick, doubtful] and case.held() == [quick]
+    (case,) = cases([quick, slow])
+    assert case.held() == [quick, slow]
+    few = [
+        {**row, "quality": {name: {**entry, "interval": None} for name, entry in row["quality"].items()}}
+        for row in (quick, slow)
+    ]
+    assert cases(few)[0].held() == []
+    assert "no *: intervals take 6 instants" in printed(few) and "±" in printed([quick])
+
+
+def _beside(row, by):
+    """The row's FLIP at each instant, now that much more and now that much less."""
+    return {at: value + by * (-1) ** n for n, (at, value) in enumerate(row["at_instants"]["flip"].items())}

@@ -18,7 +18,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Compared, QualityJob, QualityPool, aggregate
 from hmdwarp.report import WorstFrame, render_report
 
-from .samples import a_scene, a_summary, some_rows, some_worst
+from .samples import a_baseline, a_scene, a_summary, some_rows, some_worst
 
 COMMAND = 'hmdwarp replay "my trace.csv" --scene room --out <folder> & more'
 NOTES = ["3 poses were <predicted>."]
@@ -28,7 +28,7 @@ def render(**changes) -> str:
     rows, baseline_rows = some_rows(0, seconds=4), some_rows(1, seconds=4, worse=2)
     given = {
         "summary": a_summary(rows),
-        "baseline_summary": a_summary(baseline_rows, "none"),
+        "baseline_summary": a_baseline(rows, baseline_rows),
         "rows": rows,
         "baseline_rows": baseline_rows,
         "worst": some_worst(),

@@ -77,6 +77,13 @@ def test_png_keeps_every_byte(picture):
         assert np.array_equal(np.asarray(image), picture)
 
 
+def test_png_is_made_at_the_quickest_level():
+    """zlib's header tells the level: 0x01 is the quickest (RFC 1950, FLEVEL 0)."""
+    data = png_bytes(a_scene())
+    start = data.index(b"IDAT") + len(b"IDAT")
+    assert data[start : start + 2] == b"\x78\x01"
+
+
 def test_jpeg_is_close_and_small():
     picture = a_scene(size=(640, 400))
     with Image.open(io.BytesIO(jpeg_bytes(picture))) as image:

@@ -4,13 +4,14 @@ Every figure is there, the better one is marked, nothing is invented.
 """
 
 import io
+import re
 
 from rich.console import Console
 
 from hmdwarp.metrics import aggregate
 from hmdwarp.report import comparison_rows, summary_table
 
-from .samples import a_summary, some_rows
+from .samples import a_baseline, a_summary, some_rows
 
 
 def printed(*summaries, width=80) -> str:
@@ -24,7 +25,7 @@ def best(summary, baseline) -> dict:
 
 
 def test_fits_into_a_terminal_of_80_columns():
-    text = printed(a_summary(some_rows(0)), a_summary(some_rows(1, worse=3), "none"))
+    text = printed(a_summary(some_rows(0)), a_baseline(some_rows(0), some_rows(1, worse=3)))
     words = (
         "forward",
         "none",
@@ -42,18 +43,39 @@ def test_fits_into_a_terminal_of_80_columns():
 
 
 def test_the_better_one_is_marked_whichever_column_it_is_in():
-    good, bad = a_summary(some_rows(0)), a_summary(some_rows(0, worse=3), "none")
+    good, bad = some_rows(0), some_rows(0, worse=3)
     marked = {"psnr_db": 0, "ssim": 0, "flip": 0, "flicker": 0}
-    assert {k: v for k, v in best(good, bad).items() if v is not None} == marked
-    assert {k: v for k, v in best(bad, good).items() if v is not None} == dict.fromkeys(marked, 1)
-    assert printed(good, bad).count(" * │") == 4
-    assert "*" not in printed(good)
+    assert {k: v for k, v in best(a_summary(good), a_baseline(good, bad)).items() if v is not None} == marked
+    assert {k: v for k, v in best(a_summary(bad), a_baseline(bad, good)).items() if v is not None} == dict.fromkeys(
+        marked, 1
+    )
+    text = printed(a_summary(good), a_baseline(good, bad))
+    assert len(re.findall(r"\d \*", text)) == 4 and "*: the better of the two, for sure (95 %)" in text
+    assert "*" not in printed(a_summary(good))
 
 
-def test_equal_after_rounding_is_a_draw():
-    one = a_summary(some_rows(0))
-    other = a_summary(some_rows(0, worse=1 + 1e-7))
-    assert set(best(one, other).values()) == {None}
+def test_a_difference_within_the_noise_is_not_marked():
+    """Two runs of equal methods differ at every instant, now this way and now that."""
+    one, other = some_rows(0), some_rows(1)
+    assert set(best(a_summary(one), a_baseline(one, other)).values()) == {None}
+
+
+def test_means_have_their_interval():
+    rows = some_rows(0)
+    (low, high), figure = (
+        aggregate(rows)["quality"]["psnr_db"]["interval"],
+        f"{a_summary(rows)['quality']['psnr_db']['mean']:.2f}",
+    )
+    text = printed(a_summary(rows))
+    assert f"{figure} ±{(high - low) / 2:.2f}" in text and "±: 95 % interval of the mean" in text
+
+
+def test_with_too_few_instants_there_are_neither_intervals_nor_marks():
+    few, worse = (some_rows(0, seconds=5 / 9, worse=worse) for worse in (1, 3))
+    assert len({row["frame"] for row in few if "flip" in row}) == 5
+    text = printed(a_summary(few), a_baseline(few, worse))
+    assert "±" not in text and re.search(r"\d \*", text) is None
+    assert "no intervals and no *: they take 6 measured refreshes" in " ".join(text.split())
 
 
 def test_what_was_not_measured_is_a_dash():

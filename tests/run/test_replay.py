@@ -232,12 +232,21 @@ def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
 
 
 def test_against_compares_with_another_warp(tmp_path):
-    result = run(tmp_path / "a", warp="rotation", against="none")
-    alone = run(tmp_path / "b", warp="none")
+    result = run(tmp_path / "a", warp="rotation", against="none", metrics_every=3)
+    alone = run(tmp_path / "b", warp="none", metrics_every=3)
     assert result.against is not None
     assert result.against["quality"] == alone.summary["quality"]
     assert result.summary["against"]["quality"] == alone.summary["quality"]
     assert result.against["time_ms"]["warp"]["median"] > 0
+    # The same instants, so the difference of the means is the mean of the differences.
+    found, (mine, other) = (
+        result.summary["against"]["difference"],
+        (result.summary["quality"], alone.summary["quality"]),
+    )
+    for name, entry in found.items():
+        assert entry["mean"] == pytest.approx(mine[name]["mean"] - other[name]["mean"], abs=1e-9)
+        assert entry["interval"][0] <= entry["mean"] <= entry["interval"][1]
+        assert mine[name]["interval"][0] <= mine[name]["mean"] <= mine[name]["interval"][1]
 
 
 @pytest.mark.parametrize("against", ["", "rotation"])

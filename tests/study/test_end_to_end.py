@@ -27,7 +27,7 @@ from hmdwarp.study.store import SIMULATED, Contents, Store
 from . import tiny
 from .killing import Nursery, live
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.slow(40)
 # These twelve, of the people this model makes up: of them one has enough after two trials and one
 # gets sick.
 CODES = [f"c{number}" for number in range(1, 13)]

@@ -83,6 +83,7 @@ def one_comparison():
     return attrs.evolve(DESIGN, scales=(wide,), families=(family,), sickness=None)
 
 
+@pytest.mark.slow(12)
 def test_power_is_that_of_the_signed_rank_test():
     """At effect / sd = 1 a t test of 12 has 0.88 (noncentral t), one of 12 x 3 / pi has 0.86.
 
@@ -99,6 +100,7 @@ def test_power_is_that_of_the_signed_rank_test():
     assert found.complete_share == 1
 
 
+@pytest.mark.slow(15)
 def test_without_an_effect_the_power_is_the_level():
     design = one_comparison()
     found = power_of(
@@ -168,6 +170,7 @@ def test_effects_that_contradict_each_other_are_refused():
         power_of(load_model("quick"), attrs.evolve(DESIGN, families=()), GRADE, [12], studies=10)
 
 
+@pytest.mark.slow(20)
 def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
     asked = ("study", "power", "quick", "--effect", "0.8", "--sd", "1", "--n", "8..16", "--studies", "100")
     said = tiny.ran(*asked, "--out", tmp_path)

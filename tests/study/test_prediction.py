@@ -154,6 +154,7 @@ def test_measures_that_move_together_are_told_as_such():
     assert "is undecided" in text and "ratings cannot separate them" in text and "move together" in text
 
 
+@pytest.mark.slow(8)
 def test_of_noise_nothing_is_claimed():
     """13 measures that have nothing to do with the grades.
 
@@ -166,6 +167,7 @@ def test_of_noise_nothing_is_claimed():
     assert sentences(quiet)[0].startswith("No measure is shown to predict the ratings")
 
 
+@pytest.mark.slow(12)
 def test_the_interval_covers_what_is_true():
     """r of endless ratings is 0.6 / sqrt(0.6^2 + 0.8^2) = 0.6; 200 studies of 12 people.
 

@@ -13,7 +13,7 @@ from .bars import region_parts, regions_chart, row_name, traffic, traffic_chart
 from .charts import pareto_chart, pareto_text
 from .displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
-from .tables import DECISION, choice_terms
+from .tables import DECISION, choice_terms, marked_how
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
@@ -40,6 +40,7 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
         choice=_choice(data.get("choice")),
         winners=_winners(groups),
         decisions=[(group.label, _decision(group)) for group in groups],
+        sure=marked_how(rows, mark="★ and bold"),
         fronts=_fronts(groups, rows),
         displacement=[_displacement(grid, axis) for axis in axes_of(grid)],
         displacement_table=_displacement_table(grid),
@@ -151,7 +152,7 @@ def _gain(choice: Mapping[str, Any], step: Mapping[str, Any]) -> str:
 
 def _decision(case: Case) -> PageTable:
     columns = [column(name) for name in DECISION]
-    best = {id(row) for row in case.front()}
+    best = {id(row) for row in case.held()}
     lines = [Line(tuple(Cell(c.text(row), c.is_number) for c in columns), id(row) in best) for row in case.ordered()]
     heads = tuple((c.figure.label, c.figure.unit) for c in columns)
     return PageTable(f"{case.label}, least FLIP first", heads, tuple(lines), has_marks=True)

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError
-from ...metrics import PRIMARY, REGIONS, STAGES, Figure, error_and_time, metrics, metrics_in_order, pareto
+from ...metrics import PRIMARY, REGIONS, STAGES, Figure, differ, error_and_time, metrics, metrics_in_order, pareto
 
 Row = Mapping[str, Any]
 
@@ -44,6 +44,20 @@ class Case:
     def front(self, measure: str = PRIMARY) -> list[Row]:
         """Return the rows that no other beats in both error and time, in the order of the bench."""
         return pareto(self.rows, lambda row: error_and_time(row, measure))
+
+    def held(self, measure: str = PRIMARY) -> list[Row]:
+        """Return the rows of the front that are surely better than the quicker one before them.
+
+        The interval of their difference at the same instants excludes 0. None where there are too
+        few instants for an interval.
+        """
+        kept: list[Row] = []
+        for row in sorted(self.front(measure), key=lambda row: error_and_time(row, measure)[1] or 0.0):
+            if row["quality"][measure].get("interval") is None:
+                continue
+            if not kept or differ(kept[-1]["at_instants"][measure], row["at_instants"][measure]):
+                kept.append(row)
+        return kept
 
 
 def cases(rows: Iterable[Row]) -> list[Case]:
@@ -99,6 +113,16 @@ def _quality(name: str, which: str) -> Callable[[Row], float | None]:
     return lambda row: row["quality"][name][which]
 
 
+def _half_width(name: str) -> Callable[[Row], float | None]:
+    """Return what takes half the interval of a metric's mean out of a row."""
+
+    def value(row: Row) -> float | None:
+        interval = row["quality"][name].get("interval")
+        return None if interval is None else (interval[1] - interval[0]) / 2
+
+    return value
+
+
 def _region(name: str, figure: str) -> Callable[[Row], float | None]:
     return lambda row: ((row.get("regions") or {}).get(name) or {}).get(figure)
 
@@ -121,7 +145,9 @@ def _columns() -> dict[str, Column]:
         columns.append(Column(Figure(f"{stage}_ms_p95", f"{label}p95".strip(), "ms", 2), _time(stage, "p95")))
     for figure in (metric.short_figure for metric in metrics_in_order()):
         tail = attrs.evolve(figure, name=f"{figure.name}_p95", label=f"{figure.label} p95")
+        spread = attrs.evolve(figure, name=f"{figure.name}_spread", label=f"{figure.label} ±")
         columns += [Column(figure, _quality(figure.name, "mean")), Column(tail, _quality(figure.name, "p95"))]
+        columns.append(Column(spread, _half_width(figure.name)))
     for region in REGIONS:
         columns.append(Column(Figure(f"{region}_share", f"{region} share", "%", 1, 100), _region(region, "share")))
         columns.append(Column(Figure(f"{region}_flip", f"FLIP {region}", "", 3), _region(region, "flip")))

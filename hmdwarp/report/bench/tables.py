@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...metrics import PRIMARY, metrics_in_order
+from ...metrics import LEAST_INSTANTS, PRIMARY, metrics_in_order
 from ..words import name_pieces
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 
@@ -14,9 +14,16 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 _RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
-DECISION = ("warp", "fill", "total_ms", "total_ms_p95", *_RANKS, "mismatch")
-_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%"}
-_OPTIONAL = {"total_ms_p95": 1, "mismatch": 3, **{name: rank for name, rank in _RANKS.items() if rank < math.inf}}
+_SPREAD = f"{PRIMARY}_spread"
+_RANKED = [column for name in _RANKS for column in ((name, _SPREAD) if name == PRIMARY else (name,))]
+DECISION = ("warp", "fill", "total_ms", "total_ms_p95", *_RANKED, "mismatch")
+_HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%", _SPREAD: "±"}
+_OPTIONAL = {
+    "total_ms_p95": 1,
+    _SPREAD: 3.5,
+    "mismatch": 3,
+    **{name: rank for name, rank in _RANKS.items() if rank < math.inf},
+}
 # Columns that go where the terminal is narrow, the least important first.
 _DROPPED_FIRST = sorted(_OPTIONAL, key=_OPTIONAL.__getitem__)
 _GAP = 2  # between two columns
@@ -51,7 +58,7 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
         if len(groups) > 1:
             table.add_section()
             table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
-        best = _identities(group.front(PRIMARY))
+        best = _identities(group.held(PRIMARY))
         for row in group.ordered(PRIMARY):
             marked = id(row) in best
             cells = [
@@ -115,14 +122,23 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
 
 def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock", ""), "?") for row in rows})
-    order = f"ordered by {measure_label(PRIMARY)}; {MARK}: no other is both quicker and better"
-    lines = [order, f"ms: median per eye, {', '.join(clocks)}"]
+    lines = [f"ordered by {measure_label(PRIMARY)}; {marked_how(rows)}"]
+    if _SPREAD in names:
+        lines.append("±: 95 % interval of the mean")
+    lines += [f"ms: median per eye, {', '.join(clocks)}"]
     if "mismatch" in names:
-        lines[1] += "; mis%: hole for one eye only"
+        lines[-1] += "; mis%: hole for one eye only"
     left_out = [_head(name) for name in DECISION if name not in names]
     if left_out:
         lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
     return "\n".join(lines)
+
+
+def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
+    """Return what the mark says, or why no row has one."""
+    if all(row["quality"][PRIMARY].get("interval") is None for row in rows):
+        return f"no {mark}: intervals take {LEAST_INSTANTS} instants"
+    return f"{mark}: no other is both quicker and better, for sure (95 %)"
 
 
 def choice_terms(choice: Mapping[str, Any]) -> str:
@@ -135,11 +151,12 @@ def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, ma
     """Return a Markdown table of the rows in their order, one line each; it ends with a line feed.
 
     columns: names of COLUMNS. mark: a metric; rows on the Pareto front of it and time get bold
-    names. Warps and fills are set as code. Errors: HmdwarpError for an unknown column.
+    names, if their lead holds. Warps and fills are set as code.
+    Errors: HmdwarpError for an unknown column.
     """
     rows = list(rows)
     chosen = [column(name) for name in columns]
-    best = _identities(row for case in cases(rows) for row in case.front(mark)) if mark else set()
+    best = _identities(row for case in cases(rows) for row in case.held(mark)) if mark else set()
     heads = [f"{c.figure.label} {c.figure.unit}".strip() for c in chosen]
     lines = [heads, ["---:" if c.is_number else "---" for c in chosen]]
     lines += [[_markdown_cell(c.figure.name, c.text(row), id(row) in best) for c in chosen] for row in rows]

@@ -19,8 +19,9 @@ def build() -> Scene:
     model = StoredModel("room")
     textures = textures_named("planks", "wood", "bricks", "wallpaper", "plaster", "fabric", "speckle", "foliage")
     textures += textures_named("grass", "roof", "facade", "mesh", "map", "books", "posters")
-    floor = sun_floor(textures[0].image, model.mask("sun-shadow"))
-    textures.append(Texture("sun-floor", floor, repeat=False))
+    planks = textures[0]
+    floor = Texture("sun-floor", lambda: sun_floor(planks.image, model.mask("sun-shadow")), repeat=False)
+    textures.append(floor)
     return Scene("room", SUMMARY, model.meshes(textures), textures, SKY, walk_bounds_m=WALK_BOUNDS_M)
 
 

@@ -45,5 +45,5 @@ _LINEAR = {"floor-normals"}
 
 
 def textures_named(*names: str) -> list[Texture]:
-    """Paint the textures of these names."""
-    return [Texture(name, _PAINTERS[name](), srgb=name not in _LINEAR, repeat=name not in _CLAMPED) for name in names]
+    """Return the textures of these names; each is painted when its image is first used."""
+    return [Texture(name, _PAINTERS[name], srgb=name not in _LINEAR, repeat=name not in _CLAMPED) for name in names]

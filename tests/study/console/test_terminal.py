@@ -133,6 +133,7 @@ ASKED = (
 )
 
 
+@pytest.mark.slow(10)
 def test_what_is_looked_for_is_there_in_every_size(log):
     """Sizes follow each other in one window, which is filled anew each time."""
     with played(log, COLUMNS="80", LINES="24") as terminal:  # a shell's own, which must not count

@@ -65,6 +65,7 @@ def check_complete(path) -> None:
             assert seen.get(about), f"{event.key} was asked about what this sitting had not seen"
 
 
+@pytest.mark.slow(20)
 @pytest.mark.parametrize("after", [False, True], ids=["before it is written", "after it was written"])
 def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path, after):
     """A fault of ours at each of them in turn.

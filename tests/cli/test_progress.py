@@ -1,0 +1,52 @@
+"""Where there is no terminal, a long run tells in lines what it does and how long it will take."""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.cli import _show
+
+
+@pytest.fixture
+def lines():
+    return _show._Lines("refreshes")
+
+
+def test_an_estimate_comes_from_the_steps_after_the_first(lines):
+    """The first step took 20 s of warming up; the ten after it took 1 s each."""
+    lines.update(0, 61, 100.0)
+    assert lines.line() == "refreshes: still making ready"
+    lines.update(1, 61, 120.0)
+    lines.update(11, 61, 130.0)
+    assert lines.line() == "refreshes: 11 of 61, about 50 s to go"
+
+
+def test_minutes_are_told_as_minutes(lines):
+    lines.update(1, 1001, 0.0)
+    lines.update(2, 1001, 1.2)
+    assert lines.line() == "refreshes: 2 of 1001, about 20 min to go"
+
+
+def test_no_estimate_from_one_step(lines):
+    lines.update(1, 61, 0.0)
+    assert lines.line() == "refreshes: 1 of 61"
+
+
+def test_at_the_end_it_tells_what_is_left(lines):
+    lines.update(1, 2, 0.0)
+    lines.update(2, 2, 1.0)
+    assert lines.line() == "refreshes: 2 of 2; the last pictures are measured, then the results are written"
+
+
+def test_a_replay_tells_its_progress_without_a_terminal(command, quick, monkeypatch):
+    monkeypatch.setattr(_show, "LINE_EVERY_S", 0.001)
+    monkeypatch.setattr(_show, "ESTIMATE_AFTER_S", 0.0)
+    done = command("replay", "still", *(word for word in quick if word != "--quiet")).done()
+    told = done.err.splitlines()
+    assert "making ready: scene 'planes', OpenGL, measuring; then 6 refreshes of 'still'" in told
+    assert any(line.startswith("refreshes: ") for line in told)
+
+
+def test_quiet_tells_nothing(command, quick, monkeypatch):
+    monkeypatch.setattr(_show, "LINE_EVERY_S", 0.001)
+    assert command("replay", "still", *quick).err == ""

@@ -1,0 +1,79 @@
+"""Every target of the Makefile runs: here, with settings that make it small, or as LISTED says."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import attrs
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+TARGETS = re.findall(r"^([a-z-]+):(?!=)", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+
+
+@attrs.frozen
+class Small:
+    """How a target is run here."""
+
+    settings: dict[str, str] = attrs.field(factory=dict)
+    # What it prints, among other things.
+    prints: str = ""
+    # Benches end with 1 where a limit is not kept, as on a machine that does other things as well.
+    statuses: tuple[int, ...] = (0,)
+
+
+SMALL = {
+    "help": Small(prints="make replay"),
+    "replay": Small({"SECONDS": "0.1", "OPTIONS": "--size 48x40 --scene planes --workers 0"}, "report: "),
+    "test-kill": Small({"KILLS": "1", "OPTIONS": "-p no:cacheprovider"}, "1 kills"),
+    "bench-quick": Small({"OPTIONS": "--rounds 1 --seconds 0"}, "warpFrame"),
+    "bench-live": Small({"OPTIONS": "--frames 2"}, "A refresh outside OpenGL", statuses=(0, 1)),
+    "docs": Small({"OPTIONS": "readme"}),
+}
+LISTED = {
+    "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
+    "test": "is the suite itself",
+    "test-openxr": "needs root and apt, and builds 1.4 GB; where they are there it runs as part of the suite",
+    "check": "is the four below",
+    "check-lint": "tests/test_checks.py runs it",
+    "check-format": "tests/test_checks.py runs it",
+    "check-types": "tests/test_checks.py runs it",
+    "check-shaders": "runs tests/gpu/test_shader_files.py, a part of the suite",
+    "site": "tests/packaging/test_site.py runs it",
+}
+
+
+def test_every_target_is_run_or_says_why_not():
+    assert sorted([*SMALL, *LISTED]) == sorted(TARGETS)
+
+
+@pytest.mark.slow(15)
+@pytest.mark.parametrize("target", SMALL)
+def test_it_runs(target, tmp_path):
+    small = SMALL[target]
+    at = _copy(tmp_path) if target == "docs" else ROOT  # docs writes its pages
+    settings = {"OUT": str(tmp_path / "out"), **small.settings}
+    lines = _printed("make", "-n", target, *(f"{name}={value}" for name, value in settings.items()))
+    # The environment is that of this test, not the checkout's, which may have none.
+    script = lines.replace(".ci/setup\n", "").replace(".venv/bin/", f"{Path(sys.executable).parent}/")
+    done = subprocess.run(["sh", "-ec", script], cwd=at, capture_output=True, text=True, check=False)
+    assert done.returncode in small.statuses and "Traceback" not in done.stderr, done.stdout + done.stderr
+    assert small.prints in done.stdout, done.stdout + done.stderr
+
+
+def _copy(folder: Path) -> Path:
+    """The pages and what writes them, apart."""
+    for name in ("docs", "README.md", "CONTRIBUTING.md"):
+        source = ROOT / name
+        shutil.copytree(source, folder / name) if source.is_dir() else shutil.copy(source, folder)
+    (folder / "tests").symlink_to(ROOT / "tests")
+    return folder
+
+
+def _printed(*command: str) -> str:
+    done = subprocess.run([*command, "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True)
+    return done.stdout
