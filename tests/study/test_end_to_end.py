@@ -121,7 +121,7 @@ def test_the_known_effects_come_back_inside_their_intervals(study):
     (scale,) = json.loads((study.made / "analysis" / "analysis.json").read_text())["scales"]
     assert len(scale["comparisons"]) == 2
     for row in scale["comparisons"]:
-        effect = known_effect(study, Comparison("main", row["a"], row["b"]))
+        effect = known_effect(study, Comparison("main", row["baseline"], row["condition"]))
         assert effect > 0.5  # a warp helps these people
         assert row["low"] <= effect <= row["high"]
         assert row["shift_low"] <= effect <= row["shift_high"]

@@ -142,6 +142,8 @@ def _part(
     if reference and reference["missed"]:
         rows = compared(ratings, scale, families, resampling, without={part: set(reference["missed"])})
         found["without"] = [
-            {key: row[key] for key in ("a", "b", "n", "mean", "p", "holm")} for row in rows if row["part"] == part
+            {key: row[key] for key in ("condition", "baseline", "n", "mean", "p", "holm")}
+            for row in rows
+            if row["part"] == part
         ]
     return found

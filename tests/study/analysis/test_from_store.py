@@ -205,7 +205,7 @@ def test_one_person_is_one_person(contents, design):
 def test_the_planned_family_is_compared(contents, design):
     data = analyse(from_contents(contents, design))
     (row,) = data["scales"][0]["comparisons"]
-    assert (row["family"], row["a"], row["b"], row["worse"]) == ("the warp", "late", "warped", 0)
+    assert (row["family"], row["baseline"], row["condition"], row["worse"]) == ("the warp", "late", "warped", 0)
     assert row["mean"] == pytest.approx(2.0)
     assert "all differences are the same" in row["sentence"]  # as the grades were made: no interval, and no NaN
 

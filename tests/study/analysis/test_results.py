@@ -96,7 +96,7 @@ def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
         assert "no interval" in row["sentence"] and row["low"] is row["high"] is None
         json.dumps(row, allow_nan=False)
         _, ((name, _, _, bca, _, exact, *_),) = comparison_lines([row])
-        assert name == "late → warped" and bca == "–" and (exact == "–") == (len(late) == 1)
+        assert name == "warped over late" and bca == "–" and (exact == "–") == (len(late) == 1)
 
 
 def test_an_exact_interval_is_given_where_it_is_sure_of_anything():
@@ -254,7 +254,7 @@ def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
 
 def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
     path = tmp_path / "claims.toml"
-    claims = ("latency_ms = 200\ndifference = 1.50", 'a = "p"\nb = "q"\ndifference = 2.0')
+    claims = ("latency_ms = 200\ndifference = 1.50", 'better = "q"\nbaseline = "p"\ndifference = 2.0')
     path.write_text('title = "it"\n' + "".join(f'[[claim]]\npart = "x"\n{claim}\n' for claim in claims))
     assert [one.step for one in load_claims(path).claims] == [0.01, 0.1]
 
