@@ -24,7 +24,7 @@ from .descriptives import (
     missing_rows,
     place_residuals,
     questionnaire_rows,
-    reference_missed,
+    reference_votes,
     scale_or_none,
     session_counts,
     sickness_rows,
@@ -126,7 +126,7 @@ def _part(
     info, table = ratings.scale_info[scale], ratings.table(part, scale)
     test = friedman_row(table)
     effects = order_effects(ratings.of(part, scale))
-    reference = reference_missed(table, ratings.references(part), info)
+    reference = reference_votes(table, ratings.references(part), info)
     found = {
         "part": part,
         "participants": len(table.participants),

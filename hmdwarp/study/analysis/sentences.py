@@ -165,16 +165,24 @@ def of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
 
 
 def of_reference(row: Row | None) -> str:
-    """Say whether people rated the hidden reference as good."""
+    """Say how people rated the hidden reference among their other ratings; ties are ties."""
     if row is None:
         return "Without a hidden reference the ratings do not show who judged with care."
     if not row["rated"]:
         return "The hidden reference was not rated."
-    if not row["missed"]:
-        who = {1: "The only participant", 2: "Both"}.get(row["rated"], f"All {row['rated']}")
-        return f"{who} who rated the hidden reference put it in the better half of their ratings."
-    return (
-        f"{len(row['missed'])} of {row['rated']} rated the hidden reference worse than the median of their other "
-        "ratings "
-        f"({listed(row['missed'])}). Their ratings are kept; the comparisons without them are listed as well."
-    )
+    said = [f"{_reference_votes(row)} the median of their other ratings."]
+    if row["flat"]:
+        said.append(f"{row['flat']} of them gave everything the same rating, which shows nothing.")
+    if row["missed"]:
+        said.append(f"Worse: {listed(row['missed'])}.")
+        said.append("Their ratings are kept; the comparisons without them are listed as well.")
+    return " ".join(said)
+
+
+def _reference_votes(row: Row) -> str:
+    """Return "3 of 5 who rated the hidden reference rated it better than and 2 the same as"."""
+    counts = {"better than": row["better"], "the same as": row["same"], "worse than": len(row["missed"])}
+    (way, most), *others = ((way, count) for way, count in counts.items() if count)
+    who = f"{most} of {row['rated']}" if others else {1: "The only participant", 2: "Both"}.get(most, f"All {most}")
+    ways = [f"{who} who rated the hidden reference rated it {way}"]
+    return listed([*ways, *(f"{count} {way}" for way, count in others)])

@@ -286,3 +286,35 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
 
 def test_a_reference_that_nobody_rated_is_not_praised():
     assert of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."
+
+
+REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the best grade
+    (
+        {"late": [1] * 8, "warped": [4] * 8, "other": [4] * 8, "best": [4] * 8},  # tied for worst
+        "All 8 who rated the hidden reference rated it the same as the median of their other ratings.",
+    ),
+    (
+        {"late": [3, 3], "warped": [3, 3], "best": [3, 3]},
+        "Both who rated the hidden reference rated it the same as the median of their other ratings. 2 of them gave "
+        "everything the same rating, which shows nothing.",
+    ),
+    (
+        {"late": [5, 5, 2, 3], "warped": [4, 4, 3, 3], "best": [1, 2, 5, 3]},
+        "2 of 4 who rated the hidden reference rated it better than, 1 the same as and 1 worse than the median of "
+        "their other ratings. 1 of them gave everything the same rating, which shows nothing. Worse: c. Their ratings "
+        "are kept; the comparisons without them are listed as well.",
+    ),
+    (
+        {"late": [5], "warped": [4], "best": [1]},
+        "The only participant who rated the hidden reference rated it better than the median of their other ratings.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("values", "says"), REFERENCE, ids=["tied for worst", "flat", "mixed", "one"])
+@pytest.mark.parametrize("turned", [False, True], ids=["low is good", "high is good"])
+def test_a_tie_with_the_reference_is_a_tie(values, says, turned):
+    scale = attrs.evolve(GRADE, low_is_good=not turned)
+    values = {name: [7 - one if turned else one for one in column] for name, column in values.items()}
+    (part,) = analyse(ratings_of(values, reference="best", measure=scale))["scales"][0]["parts"]
+    assert part["reference_sentence"] == says
