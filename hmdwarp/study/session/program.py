@@ -33,6 +33,7 @@ def run_session(
     *,
     console: Console | None = None,
     respondent: Respondent | None = None,
+    quiet: bool = False,
     on_end: Callable[[Session], None] = lambda session: None,
 ) -> Session:
     """Run a session until it is over or interrupted, and return it with its status.
@@ -40,7 +41,7 @@ def run_session(
     Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
 
     say: gets the closing words, and messages from before there is a console. console, respondent:
-    None for those of the options. on_end: gets the session after the closing words, before the
+    None for those of the options. quiet: whether the console of lines only answers commands. on_end: gets the session after the closing words, before the
     signal that ended it is raised once more; not where an error says it all.
 
     Errors: InputError for wrong options, before anything is opened; MachineError for what the
@@ -54,7 +55,7 @@ def run_session(
         answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
         words = ClosingWords(options, design, store, say, on_end)
         stack.callback(words.say)
-        console = stack.enter_context(console or make_console(options.console, f"study {design.name}"))
+        console = stack.enter_context(console or make_console(options.console, f"study {design.name}", quiet=quiet))
         first = design.part(part).conditions[0]
         live = live_options(first.settings, source=options.source, trace=options.trace)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))

@@ -22,7 +22,9 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     if isinstance(step, Pause):
         return "break"
     if isinstance(step, Read):
-        return {READY: "about to begin", STOP_RULE: "the session ends", END: "over"}.get(step.key, "consent")
+        return {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}.get(
+            step.key, "consent"
+        )
     if isinstance(step, Ask) and not step.about:
         items, title = step.scale.items, step.scale.title
         return title if len(items) == 1 else f"{title}, item {items.index(step.item) + 1} of {len(items)}"
