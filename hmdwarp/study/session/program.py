@@ -16,7 +16,7 @@ from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
-from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
+from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, seconds_since, store_folder
 from .closing_words import ClosingWords
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
@@ -41,8 +41,9 @@ def run_session(
     Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
 
     say: gets the closing words, and messages from before there is a console. console, respondent:
-    None for those of the options. quiet: whether the console of lines only answers commands. on_end: gets the session after the closing words, before the
-    signal that ended it is raised once more; not where an error says it all.
+    None for those of the options. quiet: whether the console of lines only answers commands.
+    on_end: gets the session after the closing words, before the signal that ended it is raised once
+    more; not where an error says it all.
 
     Errors: InputError for wrong options, before anything is opened; MachineError for what the
     machine lacks, and for a display that does not come back. Each says how to resume.
@@ -155,7 +156,10 @@ class _Program:
         store, display = self.store, self.display
         steps = steps_of(self.design, session.order, session.part)
         sources = CommandSources(self.console, self.answers_for(session))
-        context = SessionContext(self.design, session, store, display, sources, steps, store.done(session))
+        before_s = seconds_since(session.started_utc) if self.options.resume else 0.0
+        context = SessionContext(
+            self.design, session, store, display, sources, steps, store.done(session), before_s=before_s
+        )
         every = self._all_options()
         scenes = {name: load_scene(name) for name in {one.scene for one in every}}
         wait_s = first_picture_wait_s([one.latency_ms for one in every])
@@ -171,7 +175,7 @@ class _Program:
             trials,
             Driver(display, no_pipeline, self.ending, self.console.say),
             self.ending,
-            hints_for(display.name),
+            hints_for(display.name, follows_trace=bool(self.options.trace)),
             resumed=self.options.resume,
             answered=asks.get(last.key) if last is not None else None,
             about={one.key: showings[one.showing] for one in answers if one.showing is not None},

@@ -66,7 +66,7 @@ def test_news_are_what_an_experimenter_should_know():
 
 
 def test_a_second_scale_that_asks_the_same_is_announced():
-    """Who reads the questions aloud must not miss it; nor may an answer typed for the first reach it."""
+    """Who reads the questions aloud must not miss it; no answer typed for the first reaches it."""
     first = attrs.evolve(ASKING, question=attrs.evolve(GRADE, scale="School grade"))
     second = attrs.evolve(first, question=attrs.evolve(first.question, scale="Quality, continuous", most=100.0))
     (line,) = news(first, second)
