@@ -125,9 +125,11 @@ class DesktopDisplay:
         self._views.look(view)
 
     def restart(self) -> None:
-        """Begin a recorded head anew."""
+        """Begin a recorded head anew, or let the mouse turn the head without a click."""
         if isinstance(self.source, LoopedSource):
             self.source.restart()
+        else:
+            self._commands.input.look()
 
     def wait(self) -> Tick | None:
         """Wait until it is time for the next picture; None while the window is minimised."""

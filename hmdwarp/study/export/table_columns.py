@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from ...metrics import metrics_in_order
-from ..actual import NUMBERS, TEXTS
+from ..actual import FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
 from ..store import ORIGINS, STATUSES
@@ -102,6 +102,11 @@ _ACTUAL_TEXTS = {
     "linear_speed_m_s": ("Speed of the head", "m/s"),
     "lost_s": ("Time without a display", "s"),
     "tracking_lost_share": ("Share of pictures for a head pose held because tracking was lost", ""),
+    "onset_s": ("From the start of the session to the first picture", "s"),
+    "block": ("Block of trials between two planned breaks, from 1 on; 0 is the practice", ""),
+    "head_turn_deg": ("Largest angle of the head from its first direction", "deg"),
+    "head_shift_m": ("Largest distance of the head from its first place", "m"),
+    "head_still": ("Whether the head hardly moved, so that little could be seen of the latency", ""),
 }
 _OF = {"_median": "median", "_p95": "95th percentile", "_sd": "standard deviation", "_mean": "mean"}
 _TEXTS = {
@@ -122,12 +127,11 @@ def _actual(name: str) -> Column:
     text, unit = _ACTUAL_TEXTS.get(
         stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
     )
-    return Column(
-        f"actual_{name}", INTEGER if name in ("pictures", "missed") else NUMBER, f"As it was shown: {text}{how}", unit
-    )
+    kind = FLAG if name in FLAGS else INTEGER if name in ("pictures", "missed", "block") else NUMBER
+    return Column(f"actual_{name}", kind, f"As it was shown: {text}{how}", unit)
 
 
-ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *TEXTS))
+ACTUAL_COLUMNS = tuple(_actual(name) for name in (*NUMBERS, *FLAGS, *TEXTS))
 MEASURED_COLUMNS = (
     *(Column(f"measured_{m.name}", NUMBER, f"Afterwards, mean of the measured pictures: {m.description}", m.unit)
       for m in metrics_in_order()),

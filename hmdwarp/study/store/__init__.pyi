@@ -1,4 +1,5 @@
 from .clock import Clock as Clock
+from .clock import seconds_since as seconds_since
 from .folders import DATABASE as DATABASE
 from .folders import store_folder as store_folder
 from .records import COMPLETE as COMPLETE
