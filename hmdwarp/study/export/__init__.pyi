@@ -1,4 +1,5 @@
 from .export_rows import answer_rows as answer_rows
+from .export_rows import declined as declined
 from .export_rows import long_rows as long_rows
 from .export_rows import of_origin as of_origin
 from .export_rows import plan_of as plan_of

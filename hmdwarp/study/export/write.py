@@ -15,7 +15,7 @@ from ..extra import INSTALL
 from ..scales import QUESTIONNAIRE, RATING, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
-from .export_rows import Row, all_scales, answer_rows, of_origin, revision_rows, score_rows
+from .export_rows import Row, all_scales, answer_rows, declined, of_origin, revision_rows, score_rows
 from .formats import csv_text, has_parquet, tsv_text, write_parquet
 from .table_columns import Column, columns_for
 
@@ -83,6 +83,8 @@ def export(
                 f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it "
                 "ran with"
             )
+        if count := declined(contents, options.origin):
+            notes.append(f"{counted(count, 'person')} declined to take part: in no table")
         notes += _tables(folder, kept, design, answers, ratings, options)
         text = _readme(design, kept, ratings, options.origin)
         motion = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)

@@ -3,6 +3,7 @@ from .clock import seconds_since as seconds_since
 from .folders import DATABASE as DATABASE
 from .folders import store_folder as store_folder
 from .records import COMPLETE as COMPLETE
+from .records import DECLINED as DECLINED
 from .records import INTERRUPTED as INTERRUPTED
 from .records import ORIGINS as ORIGINS
 from .records import PERSON as PERSON

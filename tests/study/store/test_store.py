@@ -9,9 +9,21 @@ import sqlite3
 import numpy as np
 import pytest
 
-from hmdwarp.errors import HmdwarpError
+from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.study.design import WILLIAMS, rows_for
-from hmdwarp.study.store import COMPLETE, INTERRUPTED, PILOT, RUNNING, SICK, SIMULATED, STOPPED, Store, store_folder
+from hmdwarp.study.store import (
+    COMPLETE,
+    DECLINED,
+    INTERRUPTED,
+    PILOT,
+    RUNNING,
+    SICK,
+    SIMULATED,
+    STOPPED,
+    Session,
+    Store,
+    store_folder,
+)
 from hmdwarp.study.store import _json as json_
 
 from .sessions import SetClock, answered, asks, begun, design, go_through, shows, steps, whole
@@ -162,6 +174,38 @@ def test_what_a_terminal_broke_does_not_break_a_session(store):
     store.record(session, "remark", text="caf\udce9 \0 \N{GRINNING FACE}", **{"odd \udce9": 1})
     assert store.contents().events[-1].data == {"text": "caf? \0 \N{GRINNING FACE}", "odd ?": 1}
     assert store.end(session, STOPPED, "\udce9").why == "?"
+
+
+def decline(store, code: str = "P1") -> Session:
+    """A session whose consent is refused."""
+    session = begun(store, code)
+    store.record(session, "refused", "consent", by="participant")
+    return store.end(session, DECLINED)
+
+
+def test_who_declines_has_a_status_of_their_own_and_may_still_agree(store):
+    assert decline(store).status == DECLINED
+    with pytest.raises(InputError, match="session 1 of part 'one' declined"):
+        begun(store, "P1")
+    session = begun(store, "P1", new_session=True)
+    store.record(session, "refused", "consent", by="participant")
+    store.end(session, INTERRUPTED)  # the program died before it could end the session
+    session = store.resume("P1")
+    store.finish_step(session, "consent")  # agreed, in the second run
+    assert store.end(session, STOPPED).status == STOPPED
+    with pytest.raises(ValueError, match="cannot end as 'declined'"):
+        store.end(begun(store, "P2"), DECLINED)
+    assert [one.status for one in store.contents().sessions] == [DECLINED, STOPPED, RUNNING]
+
+
+def test_a_store_of_before_that_status_tells_who_declined(store):
+    """Then such a session ended as stopped, with the same journal."""
+    session = begun(store, "P1")
+    store.record(session, "refused", "consent", by="participant")
+    db = store._connection.db
+    db.execute("UPDATE session SET status = 'stopped' WHERE id = ?", (session.id,))
+    assert store.contents().sessions[0].status == DECLINED
+    assert db.execute("SELECT status FROM session").fetchone() == ("stopped",), "older versions read it too"
 
 
 # --- who gets which order
