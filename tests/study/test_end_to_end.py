@@ -60,12 +60,12 @@ class Study:
 def study(tmp_path_factory) -> Study:
     folder = tmp_path_factory.mktemp("study")
     file, model = tiny.write(folder, **PEOPLE)
-    data, made = folder / "tiny-data", folder / "made"
+    data, made = folder / "tiny-simulated-data", folder / "made"
     with Nursery() as nursery:
         for code in CODES:
             done = live(nursery, tiny.session(file, model, code))
             assert done.status == 0, done.said
-        assert live(nursery, tiny.session(file, model, PILOT, "--pilot")).status == 0
+        assert live(nursery, tiny.session(file, model, PILOT, "--pilot", "--store", str(data))).status == 0
     tiny.ran("study", "export", file, "--out", made / "export", "--simulated", "--quiet")
     tiny.ran("study", "analyse", file, "--out", made / "analysis", "--simulated", "--quiet")
     with Store(data) as store:

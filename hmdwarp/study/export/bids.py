@@ -8,7 +8,7 @@ Source: BIDS specification 1.9 (bids-specification.readthedocs.io), "Behavioral 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Any
 
@@ -23,7 +23,7 @@ from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
 from .export_rows import Row, all_scales
 from .formats import tsv_text
-from .head_motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
+from .head_motion import TrackingSystem, channels_json, channels_text, motion_json, motion_text, software
 from .table_columns import COLUMNS, Column, columns_for, label_of
 
 VERSION = "1.9.0"
@@ -140,10 +140,11 @@ class _Tree:
         track = load_trace(self.contents.folder / "traces" / showing.trace).track
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
-        stem = f"motion/{self._stem(session)}_tracksys-{TRACKSYS}_run-{run:02d}"
+        facts = self._facts(session, showing)
+        stem = f"motion/{self._stem(session)}_tracksys-{TrackingSystem.of(facts).label}_run-{run:02d}"
         folder = self._folder(session)
         self._text(f"{folder}/{stem}_motion.tsv", motion_text(track))
-        self._json(f"{folder}/{stem}_motion.json", motion_json(track, self._task(session), session.facts))
+        self._json(f"{folder}/{stem}_motion.json", motion_json(track, self._task(session), facts))
         self._text(f"{folder}/{stem}_channels.tsv", channels_text())
         self._json(f"{folder}/{stem}_channels.json", channels_json())
         return {
@@ -153,6 +154,15 @@ class _Tree:
             "condition": showing.condition,
             "presentation": showing.presentation,
         }
+
+    def _facts(self, session: Session, showing: Showing) -> Mapping[str, Any]:
+        """Return the facts of the run of the program that showed it; a session may be resumed."""
+        resumed = [
+            event.data
+            for event in self.contents.events
+            if (event.session, event.kind) == (session.id, "resume") and event.at_utc <= showing.started_utc
+        ]
+        return next((facts for facts in reversed(resumed) if facts), session.facts)
 
     def scans(self, session: Session, files: Sequence[Row]) -> None:
         """List the files with their times since the beginning of the session."""

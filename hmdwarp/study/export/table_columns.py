@@ -117,6 +117,7 @@ _TEXTS = {
     "hmdwarp": "Version of hmdwarp",
     "size": "Pixels of one eye",
     "source": "Display",
+    "headset": "Headset; where a window or trace leads the head, only its optics were emulated",
 }
 
 

@@ -1,6 +1,7 @@
 from .clock import Clock as Clock
 from .clock import seconds_since as seconds_since
 from .folders import DATABASE as DATABASE
+from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
 from .records import COMPLETE as COMPLETE
 from .records import DECLINED as DECLINED

@@ -7,13 +7,16 @@ import csv
 import json
 import re
 
+import attrs
 import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.study.export import CHANNELS, Rates, export, motion_text
+from hmdwarp.study.design import Show, steps_of
+from hmdwarp.study.export import CHANNELS, Rates, TrackingSystem, export, motion_text
+from hmdwarp.study.store import PERSON, Store
 
-from .conftest import write_trace
+from .conftest import Day, write_trace
 
 SUB, SES = r"sub-(?P<sub>[0-9a-zA-Z]+)", r"ses-(?P<ses>[0-9a-zA-Z]+)"
 TASK = r"task-[0-9a-zA-Z]+"
@@ -162,6 +165,42 @@ def test_no_date_and_no_code_is_in_any_byte(tree):
                 word,
                 data[max(0, data.find(word) - 40) :][:80],
             )
+
+
+HEADSET = {"runtime": "Monado", "runtime_version": "25.0.0", "headset": "Index"}
+LED = [  # facts of a session; label, name, model
+    ({"source": "desktop", "headset": "rift-dk1"}, ("mouse", "mouse and keyboard of a desktop window", "")),
+    ({"source": "desktop", "headset": "rift-dk1", "trace": "secret.csv"}, ("trace", "head trace, replayed", "")),
+    (
+        {"source": "openxr", "headset": "Index", "display": HEADSET},
+        ("hmd", "Index, by OpenXR runtime Monado 25.0.0", "Index"),
+    ),
+    ({"headset": "rift-dk1"}, ("unknown", "not recorded", "")),
+]
+
+
+@pytest.mark.parametrize(("facts", "wanted"), LED, ids=[wanted[0] for _, wanted in LED])
+def test_what_led_the_head_is_named_and_not_the_emulated_headset(facts, wanted):
+    assert attrs.astuple(TrackingSystem.of(facts)) == wanted
+
+
+def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, design):
+    """Begun with a mouse and resumed in a headset: each trial's own."""
+    with Store(tmp_path / "data", create=True, clock=Day()) as store:
+        session = store.begin(design, None, "P1", PERSON, facts={"source": "desktop", "headset": "rift-dk1"})
+        steps = [step for step in steps_of(design, session.order, session.part) if isinstance(step, Show)]
+        for step in steps[:2]:
+            if step is steps[1]:
+                store.end(session, "interrupted")
+                store.resume("P1", facts={"source": "openxr", "display": HEADSET})
+            showing = store.begin_showing(session, step, {})
+            write_trace(store.traces / showing.trace, step.trial)
+            store.end_showing(session, showing, {}, complete=True)
+        contents = store.contents()
+    tree = export(contents, design, tmp_path / "out").folder / "bids"
+    sides = [loaded(path) for path in sorted(tree.rglob("*_motion.json"), key=lambda path: "tracksys-hmd" in path.name)]
+    assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[2][1][1]]
+    assert ["ManufacturersModelName" in side for side in sides] == [False, True]
 
 
 def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design, tmp_path):

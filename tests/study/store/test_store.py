@@ -22,6 +22,7 @@ from hmdwarp.study.store import (
     STOPPED,
     Session,
     Store,
+    folder_to_read,
     store_folder,
 )
 from hmdwarp.study.store import _json as json_
@@ -344,6 +345,19 @@ def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):
     from hmdwarp.study.design import load_design
 
     assert store_folder(load_design("quick"), None).as_posix() == "quick-data"
+
+
+def test_rehearsals_lie_apart_and_are_found_by_name(tmp_path):
+    study = design(path=str(tmp_path / "late.toml"))
+    assert store_folder(study, None, SIMULATED) == tmp_path / "late-simulated-data"
+    assert store_folder(study, None, PILOT) == tmp_path / "late-pilot-data"
+    with Store(store_folder(study, None, SIMULATED), create=True) as store:
+        whole(store, "P1", origin=SIMULATED)
+    with Store(store_folder(study, None), create=True) as store:
+        whole(store, "P1"), "the rehearsal does not stand in the way"
+    assert folder_to_read(study, None, SIMULATED) == tmp_path / "late-simulated-data"
+    with pytest.raises(InputError, match=r"no data, pilot, of 'late' yet: .*leave out --pilot for .*--simulated for"):
+        folder_to_read(study, None, PILOT)
 
 
 def test_the_folder_is_its_owner_s_alone(store, tmp_path):
