@@ -18,12 +18,13 @@ from ...errors import TraceError
 from ...poses import load_trace
 from ...report import OutputFolder
 from ...version import __version__
-from ..design import Design
+from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
-from .export_rows import Row, all_scales
+from .export_rows import Row, all_scales, sessions_of
 from .formats import tsv_text
 from .head_motion import TrackingSystem, channels_json, channels_text, motion_json, motion_text, software
+from .short_tables import EVENTS, RUN_EVENTS, event_rows
 from .table_columns import COLUMNS, Column, columns_for, label_of
 
 VERSION = "1.9.0"
@@ -63,7 +64,8 @@ def write_bids(
 
     contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
     """
-    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design))
+    shows = {one.session.id: one.shows for one in sessions_of(contents, design)}
+    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
     tree.head(readme)
     count, written = sum(_has_motion(one) for one in contents.showings), 0
     left_out: list[str] = []
@@ -71,6 +73,7 @@ def write_bids(
         files = tree.behaviour(
             session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
         )
+        tree.events(session)
         for showing in (one for one in contents.showings if one.session == session.id and _has_motion(one)):
             try:
                 files.append(tree.motion(session, showing, len(files)))
@@ -97,6 +100,7 @@ class _Tree:
     design: Design
     task: str
     scales: dict[str, Scale]
+    shows: dict[int, Mapping[str, Show]]  # planned showings of each session, by key
 
     def head(self, readme: str) -> None:
         """Write the files of the whole data set."""
@@ -135,12 +139,26 @@ class _Tree:
         self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **sidecar(columns, self.scales)})
         return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
 
+    def events(self, session: Session) -> None:
+        """Write the trials of a session, with their times since it began."""
+        shown = (one for one in self.contents.showings if one.session == session.id and one.complete)
+        self._events(session, f"beh/{self._stem(session)}", event_rows(session, self.shows[session.id], shown))
+
+    def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
+        self._text(f"{self._folder(session)}/{stem}_events.tsv", tsv_text(rows, columns))
+        self._json(
+            f"{self._folder(session)}/{stem}_events.json",
+            self._task(session) | self._presented(session) | sidecar(columns),
+        )
+
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
         """Write the head motion of a showing. Errors: TraceError for an unreadable trace."""
         track = load_trace(self.contents.folder / "traces" / showing.trace).track
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
         facts = self._facts(session, showing)
+        events = [row | {"onset": 0.0} for row in event_rows(session, self.shows[session.id], [showing])]
+        self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, RUN_EVENTS)
         stem = f"motion/{self._stem(session)}_tracksys-{TrackingSystem.of(facts).label}_run-{run:02d}"
         folder = self._folder(session)
         self._text(f"{folder}/{stem}_motion.tsv", motion_text(track))
@@ -174,8 +192,15 @@ class _Tree:
         return {
             "TaskName": self.design.name,
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
+            "Instructions": " ".join(["After each trial:", *(_asked(scale) for scale in self.design.scales)]),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
+
+    def _presented(self, session: Session) -> dict[str, Any]:
+        machine = session.facts.get("machine", {})
+        system = " ".join(str(machine[key]) for key in ("system", "release") if key in machine)
+        made_by = {"SoftwareName": "hmdwarp", "SoftwareVersion": session.facts.get("hmdwarp", __version__)}
+        return {"StimulusPresentation": {"OperatingSystem": system or "n/a", **made_by}}
 
     def _folder(self, session: Session) -> str:
         return f"sub-{session.sub}/ses-{session.number:02d}"
@@ -206,6 +231,10 @@ def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -
             one.name: one.title or one.name for scale in scales.values() for one in scale.scores
         }
     return out
+
+
+def _asked(scale: Scale) -> str:
+    return scale.prompt or scale.items[0].text
 
 
 def _about(scale: Scale) -> str:

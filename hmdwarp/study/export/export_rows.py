@@ -12,6 +12,7 @@ from ...errors import InputError
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
 from ..scales import RATING, Scale, scored
 from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
+from .short_tables import onset_s
 from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
 
 Row = dict[str, Any]
@@ -178,6 +179,8 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "seconds_to_answer": None if answer is None else answer.seconds,
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
+        "onset": None if showing is None else onset_s(session, showing),
+        "duration": None if showing is None else showing.actual.get("seconds"),
         "answered_by": None if answer is None else answer.by,
         **({} if showing is None else {f"actual_{name}": value for name, value in showing.actual.items()}),
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
@@ -200,10 +203,11 @@ def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | No
 
 def _shown(data: SessionData, show: Show | None) -> Row:
     if show is None:
-        return {"trial": None, "repeat": None, "condition": None, "reference": None, "previous": None}
+        return {"trial": None, "block": None, "repeat": None, "condition": None, "reference": None, "previous": None}
     before = {one.trial: one.condition.name for one in data.shows.values() if one.trial}
     return {
         "trial": show.trial,
+        "block": show.block,
         "repeat": show.repeat,
         "condition": show.condition.name,
         "reference": show.condition.reference,

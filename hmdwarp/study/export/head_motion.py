@@ -27,6 +27,7 @@ CHANNELS = (
     ("head_quat_z", "quat_z", "ORNT", "n/a"),
     ("head_quat_w", "quat_w", "ORNT", "n/a"),
 )
+_NO_CHANNELS = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "VEL")
 _UNEVEN = 0.05  # of a median step: smaller deviations are the timer's
 
 
@@ -115,10 +116,13 @@ def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, A
         "LATENCYChannelCount": 1,
         "POSChannelCount": 3,
         "ORNTChannelCount": 4,
+        **{f"{kind}ChannelCount": 0 for kind in _NO_CHANNELS},
         "TrackedPointsCount": 1,
         "MissingValues": "n/a",
         "SubjectArtefactDescription": "n/a",
-        **({"ManufacturersModelName": system.model} if system.model else {}),
+        "Manufacturer": "n/a",
+        "ManufacturersModelName": system.model or "n/a",
+        "DeviceSerialNumber": "n/a",  # would identify the machine
         "SoftwareVersions": software(facts.get("hmdwarp", ""), facts.get("display", {})),
     }
 

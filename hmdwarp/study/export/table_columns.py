@@ -47,6 +47,7 @@ _WHO = (
 )  # fmt: skip
 _WHAT = (
     Column("trial", INTEGER, "Place of the trial in the session, from 1 on; 0 is the practice"),
+    Column("block", INTEGER, "Trials between two planned breaks, from 1 on; 0 is the practice"),
     Column("repeat", INTEGER, "Which time the condition was shown in this session, from 1 on"),
     Column("condition", TEXT, "Name of the condition"),
     Column("reference", FLAG, "Whether it is the hidden reference"),
@@ -105,7 +106,6 @@ _ACTUAL_TEXTS = {
     "lost_s": ("Time without a display", "s"),
     "tracking_lost_share": ("Share of pictures for a head pose held because tracking was lost", ""),
     "onset_s": ("From the start of the session to the first picture", "s"),
-    "block": ("Block of trials between two planned breaks, from 1 on; 0 is the practice", ""),
     "head_turn_deg": ("Largest angle of the head from its first direction", "deg"),
     "head_shift_m": ("Largest distance of the head from its first place", "m"),
     "head_still": ("Whether the head hardly moved, so that little could be seen of the latency", ""),
@@ -130,7 +130,7 @@ def _actual(name: str) -> Column:
     text, unit = _ACTUAL_TEXTS.get(
         stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
     )
-    kind = FLAG if name in FLAGS else INTEGER if name in ("pictures", "missed", "block") else NUMBER
+    kind = FLAG if name in FLAGS else INTEGER if name in ("pictures", "missed") else NUMBER
     return Column(f"actual_{name}", kind, f"As it was shown: {text}{how}", unit)
 
 
@@ -154,7 +154,7 @@ OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTING
 _BY_NAME = {column.name: column for column in (*COLUMNS, *_PHASE)}
 
 
-def _column_of(name: str) -> Column:
+def column_of(name: str) -> Column:
     """Return the column of that name, by default a setting of a study."""
     if name in _BY_NAME:
         return _BY_NAME[name]
@@ -167,7 +167,7 @@ def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> 
     others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
     names = (*after[:before], *others, *more, *after[before:])
-    return tuple(_column_of(name) for name in names)
+    return tuple(column_of(name) for name in names)
 
 
 def label_of(text: str) -> str:

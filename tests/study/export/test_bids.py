@@ -6,6 +6,7 @@ Names and contents by the rules of the specification, poses as they were recorde
 import csv
 import json
 import re
+from datetime import datetime
 
 import attrs
 import numpy as np
@@ -24,8 +25,9 @@ TASK = r"task-[0-9a-zA-Z]+"
 NAMES = [
     r"(README|dataset_description\.json|participants\.(tsv|json))",
     rf"{SUB}/{SES}/sub-(?P=sub)_ses-(?P=ses)_scans\.(tsv|json)",
-    rf"{SUB}/{SES}/beh/sub-(?P=sub)_ses-(?P=ses)_{TASK}_beh\.(tsv|json)",
+    rf"{SUB}/{SES}/beh/sub-(?P=sub)_ses-(?P=ses)_{TASK}_(beh|events)\.(tsv|json)",
     rf"{SUB}/{SES}/motion/sub-(?P=sub)_ses-(?P=ses)_{TASK}_tracksys-[0-9a-zA-Z]+_run-[0-9]+_(motion|channels)\.(tsv|json)",
+    rf"{SUB}/{SES}/motion/sub-(?P=sub)_ses-(?P=ses)_{TASK}_run-[0-9]+_events\.(tsv|json)",
 ]
 
 
@@ -122,6 +124,29 @@ def test_poses_are_as_they_were_recorded(tree, store):
     assert count == 4 + 3 + 4
 
 
+def test_trials_are_events_of_the_session_and_of_each_recording(tree, store):
+    """Onset and duration first, as the specification wants them, by the session's own clock."""
+    for session in store.contents().sessions:
+        folder = tree / f"sub-{session.sub}" / "ses-01"
+        (file,) = folder.glob("beh/*_events.tsv")
+        rows = table(file)
+        assert list(rows[0])[:3] == ["onset", "duration", "trial_type"]
+        shown = [one for one in store.contents().showings if one.session == session.id]
+        assert [row["trial_type"] for row in rows] == [one.condition for one in shown]
+        assert [int(row["trial"]) for row in rows] == [one.trial for one in shown]
+        begun = datetime.fromisoformat(session.started_utc)
+        for row, one in zip(rows, shown, strict=True):
+            assert float(row["onset"]) == (datetime.fromisoformat(one.started_utc) - begun).total_seconds() > 0
+            assert float(row["duration"]) == 1.5
+        for path in folder.glob("motion/*_motion.tsv"):  # the validator looks for events of the same run
+            stem = re.sub(r"_tracksys-\w+?(?=_run)", "", path.name.removesuffix("_motion.tsv"))
+            (row,) = table(path.with_name(f"{stem}_events.tsv"))
+            assert (float(row["onset"]), float(row["duration"])) == (0, 1.5)
+        side = loaded(file.with_suffix(".json"))
+        assert side["StimulusPresentation"]["SoftwareName"] == "hmdwarp"
+        assert side["Instructions"] == "After each trial: How good was that, all in all?"
+
+
 def test_rates_tell_how_uneven_samples_are(tmp_path):
     track = write_trace(tmp_path / "a.csv", 1, samples=400)
     steps = np.diff(track.time_ns)
@@ -200,7 +225,7 @@ def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, desi
     tree = export(contents, design, tmp_path / "out").folder / "bids"
     sides = [loaded(path) for path in sorted(tree.rglob("*_motion.json"), key=lambda path: "tracksys-hmd" in path.name)]
     assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[2][1][1]]
-    assert ["ManufacturersModelName" in side for side in sides] == [False, True]
+    assert [side["ManufacturersModelName"] for side in sides] == ["n/a", "Index"]
 
 
 def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design, tmp_path):
