@@ -197,14 +197,47 @@ def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
     said = tiny.ran(*asked, "--out", tmp_path)
     assert "people who begin" in said and "find it in" in said
     data = json.loads((tmp_path / "power.json").read_text())
-    assert [row["n"] for row in data["rows"]] == [8, 12, 16] * 2
-    assert all(0 <= row["power_low"] <= row["power"] <= row["power_high"] <= 1 for row in data["rows"])
+    (scale,) = data["scales"]
+    assert scale["scale"] == "grade" and [row["n"] for row in scale["rows"]] == [8, 12, 16] * 2
+    assert all(0 <= row["power_low"] <= row["power"] <= row["power_high"] <= 1 for row in scale["rows"])
     assert (tmp_path / "power.csv").read_text().count("\n") == 7
     picture = np.asarray(Image.open(tmp_path / "power.png"))
     assert picture.shape[0] > 300 and picture.std() > 10
     again = tmp_path / "again"
     assert tiny.ran(*asked, "--quiet", "--out", again) == ""
     assert all((again / name).read_bytes() == (tmp_path / name).read_bytes() for name in ("power.json", "power.csv"))
+
+
+@pytest.fixture
+def two_scales(tmp_path):
+    """A study that asks on two scales after each trial."""
+    study = tmp_path / "two.toml"
+    study.write_text(tiny.STUDY.replace('scales = ["grade"]', 'scales = ["acr", "slider"]'), encoding="utf-8")
+    return study
+
+
+EFFECT = ("--effect", 0.5, "--sd", 1, "--n", "8,12", "--studies", 20)
+
+
+def test_a_study_with_two_scales_is_planned_on_both_or_on_one(two_scales, tmp_path):
+    said = tiny.ran("study", "power", two_scales, *EFFECT, "--out", tmp_path / "both")
+    assert "acr: Quality in five grades (ACR)" in said and "slider: Quality, continuous" in said
+    assert "in the units of each scale" in said
+    both = json.loads((tmp_path / "both" / "power.json").read_text())["scales"]
+    assert [one["scale"] for one in both] == ["acr", "slider"]
+    tiny.ran("study", "power", two_scales, *EFFECT, "--scale", "slider", "--out", tmp_path / "one")
+    assert json.loads((tmp_path / "one" / "power.json").read_text())["scales"] == both[1:]
+    rows = list(csv.DictReader((tmp_path / "both" / "power.csv").read_text(encoding="utf-8").splitlines()))
+    assert [row["scale"] for row in rows] == ["acr"] * 4 + ["slider"] * 4
+
+
+def test_a_model_of_one_scale_plans_that_scale(two_scales, tmp_path):
+    model = tmp_path / "acr.toml"
+    model.write_text(tiny.MODEL.format(**tiny.USUAL).replace("rating.grade", "rating.acr"), encoding="utf-8")
+    asked = ("study", "power", two_scales, "--model", model, "--n", "8", "--studies", 20, "--out", tmp_path / "out")
+    done = tiny.program(*asked)
+    assert done.returncode == 2 and "no [rating.slider]" in done.stderr and "--scale (acr" in done.stderr
+    assert "people who begin" in tiny.ran(*asked, "--scale", "acr")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ...report import pair_text
@@ -10,7 +11,19 @@ from .proportions import Proportion, people_for
 from .simulation import Power, PowerAt
 
 COLUMNS = (
-    *("part", "condition", "baseline", "n", "power", "power_low", "power_high", "power_unlimited", "pairs", "complete"),
+    *(
+        "scale",
+        "part",
+        "condition",
+        "baseline",
+        "n",
+        "power",
+        "power_low",
+        "power_high",
+        "power_unlimited",
+        "pairs",
+        "complete",
+    ),
     *("true_effect", "planned_effect"),
 )
 
@@ -23,6 +36,7 @@ def power_rows(power: Power) -> list[dict[str, Any]]:
 def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
     found = at_n.found[one]
     return {
+        "scale": power.scale.name,
         "part": one.part,
         "condition": one.better,
         "baseline": one.baseline,
@@ -108,18 +122,24 @@ def _limits(power: Power) -> list[str]:
     return out
 
 
-def power_data(power: Power, target: float) -> dict[str, Any]:
-    """Return all results, for power.json."""
+def power_data(powers: Sequence[Power], target: float) -> dict[str, Any]:
+    """Return all results, for power.json. powers: of one study, on each of its scales."""
+    first = powers[0]
     return {
-        "study": power.design.name,
-        "scale": power.scale.name,
-        "studies": power.studies,
-        "seed": power.seed,
-        "alpha": power.alpha,
+        "study": first.design.name,
+        "studies": first.studies,
+        "seed": first.seed,
+        "alpha": first.alpha,
         "wanted": target,
-        "orders": power.balanced,
-        "complete_share": power.complete_share,
-        "rows": power_rows(power),
-        "all_found": [{"n": one.n, "power": one.all_found.value} for one in power.at],
-        "sentences": sentences(power, target),
+        "orders": first.balanced,
+        "scales": [
+            {
+                "scale": power.scale.name,
+                "complete_share": power.complete_share,
+                "rows": power_rows(power),
+                "all_found": [{"n": one.n, "power": one.all_found.value} for one in power.at],
+                "sentences": sentences(power, target),
+            }
+            for power in powers
+        ],
     }
