@@ -195,7 +195,7 @@ def test_effects_that_contradict_each_other_are_refused():
 def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
     asked = ("study", "power", "quick", "--effect", "0.8", "--sd", "1", "--n", "8..16", "--studies", "100")
     said = tiny.ran(*asked, "--out", tmp_path)
-    assert "people who begin" in said and "find it in" in said
+    assert "people who begin" in said and "it is found in" in said
     data = json.loads((tmp_path / "power.json").read_text())
     (scale,) = data["scales"]
     assert scale["scale"] == "grade" and [row["n"] for row in scale["rows"]] == [8, 12, 16] * 2

@@ -38,6 +38,7 @@ def plan(
 
 
 def _print_head(design: Design) -> None:
+    from ...report import counted
     from .._show import in_columns, paragraph
 
     paragraph(typer.style(design.title, bold=True))
@@ -51,7 +52,9 @@ def _print_head(design: Design) -> None:
     if design.sickness is not None:
         rows.append(("Sickness", _sickness(design.sickness)))
     if design.consent is not None:
-        rows.append(("Consent", f"text version {design.consent.version}, {len(design.consent.text.split())} words"))
+        rows.append(
+            ("Consent", f"text version {design.consent.version}, {counted(len(design.consent.text.split()), 'word')}")
+        )
     in_columns(rows)
 
 
@@ -118,10 +121,11 @@ def _common(design: Design, part: Part) -> dict[str, object]:
 
 
 def _print_part(design: Design, part: Part, orders: bool) -> None:
+    from ...report import counted
     from .._show import in_columns
 
     typer.echo()
-    typer.echo(typer.style(f"Part {part.name}: {len(part.conditions)} conditions", bold=True))
+    typer.echo(typer.style(f"Part {part.name}: {counted(len(part.conditions), 'condition')}", bold=True))
     shared = _common(design, part)
     rows = []
     for number, one in enumerate(part.conditions, 1):
@@ -180,7 +184,11 @@ def _balance(design: Design, part: Part, rows: tuple[Order, ...]) -> list[tuple[
     if found.pairs is not None:
         lines.append(("neighbours", f"each condition right after each other one {_times(found.pairs)}"))
     if found.seams is not None:
-        again = f"; {found.repeated} times a condition follows itself" if found.repeated else "; none follows itself"
+        again = (
+            f"; {_times((found.repeated,) * 2)} a condition follows itself"
+            if found.repeated
+            else "; none follows itself"
+        )
         lines.append(("seams", f"between two rounds, each right after each other one {_times(found.seams)}{again}"))
     if design.order == WILLIAMS:
         count = found.orders

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...report import pair_text
+from ...report import counted, pair_text
 from ..design import Comparison
 from .proportions import Proportion, people_for
 from .simulation import Power, PowerAt
@@ -69,11 +69,10 @@ def _enough(power: Power, one: Comparison, target: float) -> str:
     reached, last = power.enough(target, one), power.at[-1]
     name = f"{name_of(one, power)} (a true mean difference of {power.true_effect[one]:+.2f})"
     if reached is None:
-        return (
-            f"{name}: up to {last.n} people do not reach {target:.0%}; with {last.n} it is {_percent(last.found[one])}."
-        )
+        found = f"with {counted(last.n, 'person')} it is found in {_percent(last.found[one])} of studies"
+        return f"{name}: {target:.0%} is not reached; {found}."
     found = reached.found[one]
-    text = f"{name}: {reached.n} people find it in {_percent(found)} of studies."
+    text = f"{name}: with {counted(reached.n, 'person')} it is found in {_percent(found)} of studies."
     if reached is power.at[0]:
         text += " That is the smallest number tried; fewer may suffice."
     if found.is_uncertain_about(target):
@@ -92,7 +91,7 @@ def _together(power: Power, target: float) -> list[str]:
     if reached is None:
         return [f"No number of people tried gives {each} {target:.0%}."]
     together = f"all of them at once are found in {_percent(reached.all_found)} of studies"
-    return [f"With {reached.n} people {each} has {target:.0%} or more; {together}."]
+    return [f"With {counted(reached.n, 'person')} {each} has {target:.0%} or more; {together}."]
 
 
 def _invite(power: Power, target: float) -> list[str]:
@@ -103,7 +102,8 @@ def _invite(power: Power, target: float) -> list[str]:
     text = f"{1 - power.complete_share:.0%} of these people do not finish; the numbers above are people who begin."
     needed = people_for(reached.n, power.complete_share)
     if needed is not None:
-        text += f" For {reached.n} complete sessions plan {needed} people (enough nine times in ten)."
+        sessions = counted(reached.n, "complete session")
+        text += f" For {sessions} plan {counted(needed, 'person')} (enough nine times in ten)."
     return [text]
 
 
@@ -117,7 +117,7 @@ def _limits(power: Power) -> list[str]:
             out.append(
                 f"{name_of(one, power)}: the scale's ends and steps leave {true:+.2f} of {planned:+.2f}; a scale "
                 "without "
-                f"them would find {last.unlimited[one].value:.0%} with {last.n} people."
+                f"them would find {last.unlimited[one].value:.0%} with {counted(last.n, 'person')}."
             )
     return out
 
