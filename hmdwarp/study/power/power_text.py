@@ -69,8 +69,8 @@ def _enough(power: Power, one: Comparison, target: float) -> str:
     reached, last = power.enough(target, one), power.at[-1]
     name = f"{name_of(one, power)} (a true mean difference of {power.true_effect[one]:+.2f})"
     if reached is None:
-        found = f"with {counted(last.n, 'person')} it is found in {_percent(last.found[one])} of studies"
-        return f"{name}: {target:.0%} is not reached; {found}."
+        share = f"with {counted(last.n, 'person')} it is found in {_percent(last.found[one])} of studies"
+        return f"{name}: {target:.0%} is not reached; {share}."
     found = reached.found[one]
     text = f"{name}: with {counted(reached.n, 'person')} it is found in {_percent(found)} of studies."
     if reached is power.at[0]:
