@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
+import attrs
 import typer
 
-from ..options import Option
+from ..options import Declared, Option, option
 from ..poses.formats import formats
-from ..poses.options import TraceOptions
+from ..poses.options import MOTIONS, TraceOptions
 from ._options import Said, takes
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..poses.analysis import Analysis
     from ..poses.load import LoadedTrace
+    from ..poses.track_statistics import Analysis
 
 app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
@@ -34,8 +35,8 @@ def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
-    from ..poses.analysis import analyse
     from ..poses.load import load_trace
+    from ..poses.track_statistics import analyse
 
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
@@ -72,6 +73,7 @@ def convert(said: Said) -> None:
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
+    console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
     console.print(
         f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
@@ -79,23 +81,28 @@ def convert(said: Said) -> None:
     )
 
 
+@attrs.frozen
+class SynthOptions(Declared):
+    """A head that is made up."""
+
+    kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
+    out: Path = option(attrs.NOTHING, "The file to write.", kind=Path)
+    seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
+    seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
+    rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
+
+
 @app.command()
-def synth(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="still, look-around, reversals, walk or fast-turns.")],
-    out: Annotated[Path, typer.Option("--out", help="The file to write.")],
-    seed: Annotated[
-        int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default the recording's.")
-    ] = None,
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default the recording's.")] = None,
-    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 90.0,
-) -> None:
+@takes(SynthOptions)
+def synth(said: Said) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
     from ..report import write_stream
 
-    track = synthesise(kind, seed, seconds, rate)
-    write_stream(out, lambda stream: write_synthetic(track, stream))
-    typer.echo(f"{out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
+    options = SynthOptions.of(said)
+    track = synthesise(options.kind, options.seed, options.seconds, options.rate_hz)
+    write_stream(options.out, lambda stream: write_synthetic(track, stream))
+    typer.echo(f"{options.out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
 
 
 def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
@@ -117,6 +124,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
         "trace": str(loaded.path),
         "format": loaded.format,
         "origin": loaded.track.origin or "not told by the file",
+        "axes": loaded.axes,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
         "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",
@@ -132,7 +140,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
 def _speed_table(figures: Analysis) -> Table:
     from rich.table import Table
 
-    from ..poses.analysis import SPEED_PERCENTILES
+    from ..poses.track_statistics import SPEED_PERCENTILES
 
     table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
     table.add_column("")

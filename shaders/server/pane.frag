@@ -1,28 +1,27 @@
-// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, how far away the
-// nearest one is.
+// One transparent sheet, for blending over what lies behind it; or, with COLOUR 0, its depth.
 // In: uv and linear light of the sheet; inverse depth of the picture. Out: the sheet's own light,
 // premultiplied, and beside it the share of the light behind that passes, by colour (the second
 // source of the blending); or inverse depth in 1/m.
 // Source: Porter and Duff 1984, Compositing Digital Images (over); OpenGL 4.3 specification, 17.3.8
 // (dual-source blending).
 //
-// TESTS 0: whatever is there. 1: what the picture does not hide. 2: that, and where it hides all
-// there is, what it hides: so that it is known when a moving head sees past the thing before it.
+// TESTS 0: all sheets. 1: sheets that the picture does not occlude. 2: those and, in pixels where
+// it occludes all, the occluded ones, for when a moving head uncovers them.
 in vec2 uv;
 in vec3 light;
 
 uniform sampler2D surface;
 uniform float opacity;
-uniform vec3 tint; // share of the light behind that passes where the sheet itself does not stop it, by colour
+uniform vec3 tint; // transmission of the sheet, by colour, where its texture does not block the light
 #if TESTS
 uniform sampler2D picture; // its inverse depth
-uniform float keep;        // a little below 1: a sheet that lies on a surface is not hidden by it
+uniform float keep;        // a little below 1: a sheet that lies on a surface is not occluded by it
 #endif
 #if TESTS == 2
-uniform sampler2D unhidden; // inverse depth of the nearest sheet that is not hidden, -1: there is none
+uniform sampler2D unhidden; // inverse depth of the nearest visible sheet, -1: none
 #endif
 #if COLOUR
-uniform float covers; // 1: alpha is coverage, whatever passes; 0: the share that does not pass
+uniform float covers; // 1: alpha is coverage, whatever the transmission; 0: the share of light that does not pass
 
 layout(location = 0, index = 0) out vec4 veil;
 layout(location = 0, index = 1) out vec4 passing;
@@ -30,7 +29,7 @@ layout(location = 0, index = 1) out vec4 passing;
 layout(location = 0) out float inverse_depth;
 #endif
 
-const float LEAST = 1.0 / 256.0; // less than that is not there: mipmaps spread a little of everything everywhere
+const float LEAST = 1.0 / 256.0; // below this a sheet is absent: mipmaps spread traces of everything everywhere
 
 void main() {
     // Before a discard: after it the neighbours' uv, and so the mip level, would be undefined

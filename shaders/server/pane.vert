@@ -1,11 +1,11 @@
-// Puts the transparent sheets, or the overlay, where the eye sees them, exactly as scene.vert does,
-// and hands uv and light on.
+// Project the transparent sheets, or the overlay, exactly as scene.vert does, and pass uv and light
+// on.
 // In: metres relative to the scene's origin, to a body or to the head. Out: clip space, w = metres
 // along -z; uv; linear light.
 // Source: as scene.vert.
 uniform mat4 clip_from_scene;
 
-invariant gl_Position; // the drawings of one layer are two programs and must agree to the last bit
+invariant gl_Position; // the draws of one layer use two programs, which must agree to the last bit
 
 in vec3 in_position;
 in vec2 in_uv;

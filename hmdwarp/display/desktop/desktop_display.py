@@ -1,4 +1,4 @@
-"""The window as a display.
+"""The desktop window as a display.
 
 Pictures in it, a head moved by mouse and keys, commands by keys and control panel.
 """
@@ -11,37 +11,35 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from ...gpu.context import Gpu
-from ...headsets import Headset, load_headset
+from ...headsets import load_headset
 from ...poses import PoseSource
-from ...poses.desktop import Walker
 from ...poses.looped import LoopedSource
+from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Tick
 from ..status import Status
 from .control_panel import column_width
 from .opening import start
 from .pacing import Pacer
-from .views import ViewChoice
 from .window import Window
+from .window_views import SwitchableView
 
 if TYPE_CHECKING:
-    from ...geometry import Eyes
     from .. import Picture
 
 TITLE = "hmdwarp"
 MINIMISED_S = 0.1
 
 
-class DesktopDisplay:
-    """display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
+class DesktopDisplay(SwitchableView):
+    """A display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
 
-    Errors: MachineError that says why there is no window; InputError for an unknown headset.
+    Errors: MachineError with the reason why there is no window; InputError for an unknown headset.
     """
 
     name = "desktop"
-    distorts = takes_depth = ""
 
     def __init__(self, options: DisplayOptions) -> None:
-        self._views = ViewChoice(load_headset(options.headset), options.size, options.view)
+        super().__init__(load_headset(options.headset), options.size, options.view)
         with ExitStack() as closers:
             self._open(options, closers)
             self._closers = closers.pop_all()
@@ -59,7 +57,7 @@ class DesktopDisplay:
         self._window = Window(
             glfw,
             TITLE,
-            self._views.current.total_size,
+            self._view.total_size,
             column_width() if has_panel else 0,
             full_screen=options.full_screen,
             vsync=options.vsync,
@@ -90,39 +88,20 @@ class DesktopDisplay:
         }
 
     def _source(self, options: DisplayOptions, walker: Walker) -> PoseSource:
-        from .input import WalkerSource
+        from .window_input import WalkerSource
 
         if options.trace is not None:
             return LoopedSource(options.trace, self.now_ns)
         return WalkerSource(walker, self._commands.read)
 
     @property
-    def eyes(self) -> Eyes:
-        """Eyes of the present view."""
-        return self._views.current.eyes
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) of one eye's picture in the present view."""
-        return self._views.current.size
-
-    @property
-    def headset(self) -> Headset | None:
-        """The headset whose lens the plan corrects; None for the flat view."""
-        return self._views.current.headset
-
-    @property
     def rate_hz(self) -> float:
-        """Rate of the screen the window is on; 60 where it does not say."""
+        """Refresh rate of the window's screen; 60 where unknown."""
         return self._pacer.rate_hz
 
     def now_ns(self) -> int:
         """Return time.monotonic_ns."""
         return time.monotonic_ns()
-
-    def look(self, view: str) -> None:
-        """Switch to another view."""
-        self._views.look(view)
 
     def restart(self) -> None:
         """Begin a recorded head anew, or let the mouse turn the head without a click."""
@@ -145,7 +124,7 @@ class DesktopDisplay:
         self._screens.update(self.now_ns())
         now = self.now_ns()
         due = self._pacer.due(now)
-        if due > now:  # a sleep of nothing takes 60 us
+        if due > now:  # even a sleep of zero takes 60 us
             time.sleep((due - now) * 1e-9)
         self._begun_ns = self.now_ns()
         return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
@@ -153,7 +132,7 @@ class DesktopDisplay:
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw the eyes' pictures, the text over them and the control panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
-        self._painter.draw(canvases, self._views.current, self._window.framebuffer_size, self._status.column, label)
+        self._painter.draw(canvases, self._view, self._window.framebuffer_size, self._status.column, label)
         self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
         self._commands.pending += self._status.draw_panel()
         handed_over_ns = self.now_ns()
@@ -163,14 +142,14 @@ class DesktopDisplay:
         return handed_over_ns
 
     def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
-        """Return the text panel's (u, v) at a position in the window's own units."""
+        """Return (u, v) on the text panel of a position in the window's own units."""
         return self._painter.uv_at(*self._window.pixel_of(x, y))
 
     def commands(self) -> Sequence[Command]:
-        """Return the requests that change the run; the window has handled its own."""
+        """Return the commands that change the run; the window has handled its own."""
         return self._commands.take()
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show a Status in the title line and the control panel."""
         self._status.update(status, shows_help=self._painter.help)
 
@@ -179,5 +158,5 @@ class DesktopDisplay:
         return False
 
     def close(self) -> None:
-        """Release everything, in the opposite order."""
+        """Release everything, in reverse order."""
         self._closers.close()

@@ -1,6 +1,6 @@
 """EuRoC (ASL) ground truth.
 
-Ns, position, quaternion with w first, perhaps velocities and biases.
+Columns: ns, position, quaternion with w first, optionally velocities and biases.
 """
 
 from __future__ import annotations
@@ -8,13 +8,13 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.axes import OPENXR
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats
-from ._base import TraceFormat, named_layout, ordered
+from ._base import TraceFormat, named_layout, unnamed_layout
 from ._writing import write_rows
-from .tum import need_columns
 
 HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 
@@ -39,16 +39,10 @@ class Euroc(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="ns")
-        order = options.quat_order or ("wxyz" if options.format == self.name else None)
-        need_columns(head, 8)
-        return Layout(
-            time=0,
-            position=(1, 2, 3),
-            orientation=ordered(head, (4, 5, 6, 7), order),
-            unit="ns" if options.format else None,
-        )
+        return unnamed_layout(head, options, self.name, "wxyz", "ns" if options.format else None)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write(f"# axes: {OPENXR}\n")
         stream.write(HEADER + "\n")
         write_rows(track, stream, ",", stamp=str, order="wxyz")
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from ._base import DrawContext
 
 Blending = tuple[int, int, int, int]
-# rgb and alpha: factor of what is drawn, factor of what is there. Names that moderngl lacks are
-# OpenGL's.
+# rgb and alpha: factor of the source, factor of the destination. OpenGL's numbers: moderngl lacks
+# the names.
 _SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589
 OVER_KEEPING_COVERAGE = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
 OVER = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, _SRC1_ALPHA)
@@ -31,7 +31,7 @@ THROUGH = (moderngl.ZERO, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO)
 
 @attrs.frozen(eq=False)
 class _Run:
-    """Triangles of one mesh that are drawn one after the other: index range and mesh number."""
+    """Triangles of one mesh that are drawn in one call: index range and mesh number."""
 
     mesh: int
     first: int
@@ -39,10 +39,10 @@ class _Run:
 
 
 class Sheets:
-    """Some meshes of a scene on the GPU, drawn in order of their distance.
+    """Some meshes of a scene on the GPU, drawn in order of distance.
 
-    Triangles that pass through each other, or large ones close together, may come in the wrong
-    order where they overlap.
+    Triangles that intersect, or large ones close together, may come in the wrong order where they
+    overlap.
     """
 
     def __init__(self, context: DrawContext, meshes: Sequence[Mesh]) -> None:
@@ -68,8 +68,8 @@ class Sheets:
     ) -> None:
         """Draw all sheets of `view` at that instant, farthest first.
 
-        blending: None for a depth, of which the nearest stays. hidden_by_surfaces: whether what is
-        blended is tested against the depth buffer.
+        blending: None to draw depth, of which the nearest wins. hidden_by_surfaces: whether blended
+        sheets are tested against the depth buffer.
         """
         runs, eye_from = self._ordered(view, time_ns)
         gl, clip = self._context.gpu.gl, clip_from_eye(view.fov)
@@ -96,7 +96,7 @@ class Sheets:
 
     def _array(self, program: Draw) -> moderngl.VertexArray:
         if program.program not in self._arrays:
-            lit = "in_light" in program.program  # the compiler leaves it out for depth alone
+            lit = "in_light" in program.program  # the compiler removes it when only depth is drawn
             layout, names = ("3f4 2f4 3f4", ("in_light",)) if lit else ("3f4 2f4 12x", ())
             inputs = [(self._vertices, layout, "in_position", "in_uv", *names)]
             self._arrays[program.program] = self._context.gpu.gl.vertex_array(
@@ -107,7 +107,7 @@ class Sheets:
     def _ordered(self, view: View, time_ns: int) -> tuple[list[_Run], list[NDArray]]:
         """Return the runs, farthest first, and eye_from_mesh (4x4) of each mesh.
 
-        Kept for the next drawing: those of one picture follow each other.
+        Cached for the next call: the draws of one picture follow each other.
         """
         key = (view.pose, view.head_from_eye, time_ns)
         if self._order is None or any(a is not b and a != b for a, b in zip(self._order[0], key, strict=True)):
@@ -130,7 +130,7 @@ class Sheets:
         self._written_ns = time_ns
 
     def _eye_from(self, mesh: Mesh, view: View, time_ns: int) -> NDArray[np.float64]:
-        """Return 4x4, relative to the eye before anything is turned.
+        """Return 4x4, relative to the eye before any rotation.
 
         Head-locked meshes are placed in the head's space.
         """

@@ -1,4 +1,4 @@
-"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes and depth."""
+"""Sheets whose alpha passes all light or none, such as fences: surfaces with holes and depth."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @parts.register
 class Cutouts(Part):
-    """Drawn before all others: the depth buffer is still that of the surfaces.
+    """Drawn before all other parts, while the depth buffer is still that of the surfaces.
 
     As part of the veil, such a sheet seen through glass would move with the glass. Its edges are
     blended; their depth is that of the side that covers more.

@@ -1,4 +1,4 @@
-"""What is fixed to the head (a HUD): drawn over everything, or a layer that is never warped."""
+"""Head-locked content (a HUD): drawn over everything, or a layer that is never warped."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @parts.register
 class Overlay(Part):
-    """Drawn into the picture, it leaves the depth of what it hides."""
+    """Drawn into the picture, it keeps the depth of what it covers."""
 
     name = "overlay"
     order = 95

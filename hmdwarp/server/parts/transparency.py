@@ -1,4 +1,4 @@
-"""Glass and the like: blended over the picture, or a veil with a depth of its own."""
+"""Transparent sheets: blended over the picture, or a veil with a depth of its own."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 @parts.register
 class Transparency(Part):
-    """Blended into the picture, sheets leave the depth of what lies behind.
+    """Blended into the picture, sheets keep the depth of what lies behind.
 
     As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the
-    picture hides is left out where another is not hidden; else it is there, for when the head looks
-    past what stood before it.
+    picture occludes is left out where another is visible; elsewhere it is kept for when the head
+    moves and uncovers it.
     """
 
     name = "transparency"
@@ -82,7 +82,7 @@ class Transparency(Part):
         self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
 
     def _unhidden_of(self, size: tuple[int, int]) -> moderngl.Texture:
-        """Return a texture for the depth of sheets that are not hidden, used within one picture."""
+        """Return a texture for the depth of visible sheets, valid within one picture."""
         if size not in self._unhidden:
             self._unhidden[size] = allocate(self.context.gpu.gl, size, SCALAR)
         return self._unhidden[size]

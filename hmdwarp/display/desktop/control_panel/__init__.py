@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -23,17 +22,17 @@ def make_control_panel(
     gl: moderngl.Context,
     *,
     into: moderngl.Framebuffer | None = None,
-    clock: Callable[[], float] | None = None,
     scale: float = 1.0,
     controls: tuple[Control, ...] = CONTROLS,
 ) -> ControlPanel | None:
     """Return a control panel for a glfw window with the context `gl`.
 
-    None where its package is missing: PANEL_REMEDY says how to get it. Make it after the window has
-    set its callbacks: they are chained, and all of them are still called.
+    None if its package is missing: PANEL_REMEDY names the remedy. Make it after the window has set
+    its callbacks: it chains them, and all are still called.
     window: None for a panel without input, at that content scale. into: framebuffer, by default the
-    window's. clock: running seconds; by default glfw's, or without a window a sixtieth more at each
-    call. controls: those it shows.
+    window's. controls: those it shows.
+
+    Its clock is glfw's, or without a window a sixtieth of a second more at each call.
     """
     if not installed():
         return None
@@ -44,14 +43,14 @@ def make_control_panel(
 
     panel_input = ImGuiInput(window) if window is not None else NoInput(scale)
     ticking = glfw.get_time if window is not None else count(1, 1 / 60).__next__
-    return ControlPanel(gl, panel_input, into or gl.detect_framebuffer(0), clock or ticking, controls)
+    return ControlPanel(gl, panel_input, into or gl.detect_framebuffer(0), ticking, controls)
 
 
 def installed() -> bool:
-    """Return whether the control panel's package is there and loads (it needs libX11).
+    """Return whether the control panel's package is installed and loads (it needs libX11).
 
-    It names its own glfw library in the environment, for the glfw package. That package has loaded
-    its own already, and programs started from here keep theirs.
+    It sets the environment variable that points the glfw package to its own library. That package
+    has already loaded its own, and child processes must keep theirs.
     """
     import glfw  # noqa: F401 (first)
 
@@ -72,6 +71,6 @@ def column_width() -> int:
     """Return the width of the control panel at a content scale of 1; 0 without its package."""
     if not installed():
         return 0
-    from .style import WIDTH
+    from .panel_style import WIDTH
 
     return WIDTH

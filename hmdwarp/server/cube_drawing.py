@@ -1,4 +1,4 @@
-"""Draws everything around an eye: the six faces of geometry.cube in one texture."""
+"""Draw everything around an eye: the six faces of geometry.cube in one texture."""
 
 from __future__ import annotations
 

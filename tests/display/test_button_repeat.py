@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.openxr.pressing import FIRST_NS, LET_GO, NEXT_NS, PUSHED, Pressing
+from hmdwarp.display.openxr.button_repeat import FIRST_NS, LET_GO, NEXT_NS, PUSHED, ButtonRepeat
 from hmdwarp.display.openxr.profiles import AXES, BUTTONS, PROFILES
 from hmdwarp.study.dialogs import CONTROLS
 
@@ -22,7 +22,7 @@ class Hands:
     """Each call is a refresh later."""
 
     def __init__(self) -> None:
-        self._pressing, self._now_ns = Pressing(), 0
+        self._repeat, self._now_ns = ButtonRepeat(), 0
         self.are()
 
     def are(self, seconds: float = 0.0, **states: float) -> list[str]:
@@ -32,11 +32,11 @@ class Hands:
             self._now_ns += PERIOD_NS
             buttons = {name: bool(state) for name, state in states.items() if name in BUTTONS}
             axes = {name: state for name, state in states.items() if name in AXES}
-            asked += self._pressing.step(buttons, axes, self._now_ns)
+            asked += self._repeat.step(buttons, axes, self._now_ns)
         return asked
 
     def unheard(self) -> None:
-        self._pressing.forget()
+        self._repeat.forget()
 
 
 @pytest.mark.parametrize("name", ["confirm", "menu"])
@@ -58,11 +58,11 @@ def test_a_held_direction_goes_on():
 
 
 def test_after_a_stall_one_step_comes_and_not_many():
-    pressing = Pressing()
-    pressing.step({}, {}, 0)
-    assert pressing.step({"left": True}, {}, 1) == ["left"]
-    assert pressing.step({"left": True}, {}, 10_000_000_000) == ["left"]
-    assert pressing.step({"left": True}, {}, 10_000_000_001) == []
+    repeat = ButtonRepeat()
+    repeat.step({}, {}, 0)
+    assert repeat.step({"left": True}, {}, 1) == ["left"]
+    assert repeat.step({"left": True}, {}, 10_000_000_000) == ["left"]
+    assert repeat.step({"left": True}, {}, 10_000_000_001) == []
 
 
 @pytest.mark.parametrize(("axis", "least", "most"), [("across", "left", "right"), ("along", "down", "up")])
@@ -91,11 +91,11 @@ def test_a_pad_counts_while_it_is_pressed():
 
 
 def test_what_was_down_when_it_was_first_heard_of_was_not_pressed_for_us():
-    pressing = Pressing()
-    assert pressing.step({"confirm": True, "right": True}, {"along": 1.0}, 0) == []
-    assert pressing.step({"confirm": True, "right": True}, {"along": 1.0}, 2 * FIRST_NS) == []
-    assert pressing.step({}, {}, 2 * FIRST_NS + 1) == []
-    assert pressing.step({"confirm": True}, {}, 2 * FIRST_NS + 2) == ["confirm"]
+    repeat = ButtonRepeat()
+    assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 0) == []
+    assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 2 * FIRST_NS) == []
+    assert repeat.step({}, {}, 2 * FIRST_NS + 1) == []
+    assert repeat.step({"confirm": True}, {}, 2 * FIRST_NS + 2) == ["confirm"]
     hands = Hands()
     hands.are(confirm=1)
     hands.unheard()  # the runtime's own menu was over it, say

@@ -1,4 +1,4 @@
-"""The head alone, for recording.
+"""Head tracking alone, for recording.
 
 Without pictures where the runtime allows it, else with empty frames.
 """
@@ -15,24 +15,23 @@ from ...errors import MachineError
 from ...poses import PoseSample
 from .. import Closed
 from .calls import Calls
-from .connection import IDLE_S, READY_S, Connection, connect
+from .connection import IDLE_S, READY_S, Connected, connect
 from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
 from .instance import HEADLESS_EXTENSION, RATE_EXTENSION, WITHOUT_PICTURES, Instance, offered_extensions, open_instance
-from .session import Session
+from .openxr_session import Session
 from .tracking import HeadTracker, Spaces
 
-DEFAULT_HZ = 90.0  # what most headsets have
+DEFAULT_HZ = 90.0  # the rate of most headsets
 
 
-class OpenXrHead:
+class OpenXrHead(Connected):
     """A PoseSource on CLOCK_MONOTONIC, for the headset of the active OpenXR runtime.
 
     Call poll() at least every tenth of a second. Use as a context manager, or call close(). about:
     runtime, runtime_version, headset, graphics ("none" where none was needed), space. rate_hz: of
-    the display, 90 where the runtime does not say. watching: as in DisplayOptions.
-    Errors: MachineError that says which of loader, runtime, service, headset or extension is
-    missing.
+    the display, 90 where the runtime does not report it. watching: as in DisplayOptions.
+    Errors: MachineError naming which of loader, runtime, service, headset or extension is missing.
     """
 
     name = "openxr"
@@ -40,7 +39,6 @@ class OpenXrHead:
     def __init__(self, watching: Callable[[str], AbstractContextManager[object]] = nullcontext) -> None:
         self._calls, self._tracker = Calls(watching), HeadTracker()
         self._graphics: Graphics | None = None
-        self._connection: Connection | None = None
         self._cleanup = ExitStack()
         try:
             self._open()
@@ -92,17 +90,17 @@ class OpenXrHead:
         try:
             rate_hz = xr.get_display_refresh_rate_fb(self._session.handle)
             return float(getattr(rate_hz, "value", rate_hz))
-        except xr.XrException:  # a display that has none, without pictures
+        except xr.XrException:  # a display without any, if no pictures are submitted
             return 0.0
 
     def now_ns(self) -> int:
-        """Return this instant."""
+        """Return the current time."""
         return time.monotonic_ns()
 
     def poll(self) -> bool:
-        """Process the runtime's events; return whether there are poses now.
+        """Process the runtime's events; return whether poses are available.
 
-        Where frames are needed for that it hands over an empty one, which takes until the next
+        Where frames are needed for that it submits an empty one, which takes until the next
         refresh.
         Errors: Closed; Lost.
         """
@@ -118,10 +116,10 @@ class OpenXrHead:
         return True
 
     def start(self) -> None:
-        """Do nothing: it runs already."""
+        """Do nothing: it is already running."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the head as PoseSource.head_at: HELD while the runtime does not know.
+        """Return the head pose as PoseSource.head_at: HELD while tracking is lost.
 
         Errors: Lost.
         """
@@ -129,7 +127,7 @@ class OpenXrHead:
 
     @property
     def lost(self) -> bool:
-        """Whether the runtime did not know the head at the last reading."""
+        """Whether tracking was lost at the last reading."""
         return self._tracker.lost
 
     def reopen(self) -> bool:
@@ -143,13 +141,11 @@ class OpenXrHead:
         return True
 
     def _disconnect(self) -> None:
-        made, self._connection = self._connection, None
-        if made is not None:
-            made.close()
+        super()._disconnect()
         self._cleanup.close()
 
     def close(self) -> None:
-        """Release everything. May be called twice."""
+        """Release everything. Safe to call twice."""
         self._disconnect()
         graphics, self._graphics = self._graphics, None
         if graphics is not None:

@@ -1,4 +1,4 @@
-"""Moves the rendered picture's moving pixels on to the instant at which they are shown.
+"""Advance the rendered picture's moving pixels to the instant at which they are shown.
 
 The view stays the one the picture was rendered for.
 """
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
 
-# What deforms swings: limbs and cloth come and go about once in SWING_S. After a latency L a swing
-# has gone about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
+# Deforming things swing: limbs and cloth return about once in SWING_S. After a latency L a swing
+# has moved about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
 # SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms, 0.24 at 400, 0.16 at
 # 800, and nothing from half a swing on, where the speed predicts nothing. Held at 0.25 s instead,
 # the result at 800 ms was worse.
 SWING_S = 2.0
-REACH_S = SWING_S / 8  # the longest
+REACH_S = SWING_S / 8  # the longest extrapolation
 REACH_M = 0.3
-STEEPEST_DEG = 85.0  # from facing: steeper planes come apart, as in the mesh warps
+STEEPEST_DEG = 85.0  # angle from facing; steeper planes tear, as in the mesh warps
 NEAREST_M = 0.02
 MOST_BODIES = 4096
 MOST_SIDE = 2**16 - 1  # a pixel's index has 16 bits a side
@@ -42,12 +42,12 @@ QUADS = 2**14  # in one draw: a corner's index has 16 bits
 ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
 # Image units; images that are read have the units of their textures.
 SPLIT_UNITS = {"still_colour": 4, "still_inverse_depth": 5}
-STILL = 1e-9  # pixels: what rounding leaves of a body that rests, far below any motion
+STILL = 1e-9  # pixels: rounding of a body at rest, far below any motion
 RIGID, SOFT = "rigid_motion", "soft_motion"
 
 
 def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) -> WarpMap:
-    """Return the map from rendered pixels of a body to where the same view sees it `age_ns` later.
+    """Return the map from rendered pixels of a body to where the same view shows it `age_ns` later.
 
     It is the map of an eye that moves the other way. Everything is relative to the eye, in float64.
     Source: McMillan and Bishop 1995, eq. 8-10.
@@ -63,7 +63,7 @@ def swing_seconds(age_ns: int) -> float:
 
 
 def rests(moved: WarpMap) -> bool:
-    """Return whether a map leaves every pixel where it is."""
+    """Return whether a map leaves every pixel in place."""
     return bool(np.abs(moved.H - np.eye(3)).max() <= STILL and np.abs(moved.e).max() <= STILL)
 
 
@@ -82,9 +82,9 @@ class _Moved:
 class MotionPass(RenderedPass):
     """Moves bodies by their pose and speed, and deforming things by their velocity.
 
-    Velocities apply for swing_seconds() and REACH_M at most. Every moving pixel is drawn as the
-    square it covers, with a depth test against all else; it leaves a hole. Both kinds move at once:
-    the velocities and ids of one no longer fit after the other has moved.
+    Velocities are extrapolated for swing_seconds() and REACH_M at most. Every moving pixel is drawn
+    as the square it covers, with a depth test against everything else, and leaves a hole behind.
+    Both kinds move at once: the velocities and ids of one no longer fit after the other has moved.
     """
 
     name = "motion"
@@ -111,8 +111,8 @@ class MotionPass(RenderedPass):
         self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
         self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
-        # Maps of the bodies; masks, how many before, draws, the list: bound as they are numbered in
-        # the shaders.
+        # Body maps; masks, prefix counts, draws, the list: bound in the order of the shaders'
+        # numbers.
         sizes = (
             4 * MAP_FLOATS * MOST_BODIES,
             4 * self._words,
@@ -139,7 +139,7 @@ class MotionPass(RenderedPass):
         return attrs.evolve(inputs, rendered=rendered, others=tuple(others))
 
     def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
-        """Return the image as it is `age_ns` later; itself where nothing has moved by then.
+        """Return the image as it is `age_ns` later; the same object where nothing has moved.
 
         The result has no ids and velocities: they no longer fit.
         """
@@ -204,7 +204,7 @@ class MotionPass(RenderedPass):
         into.framebuffer.color_mask = ((False,) * 4,) * 2  # type: ignore[assignment]  # one mask for each attachment
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             into.framebuffer.clear(depth=1.0)
-        # Outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew.
+        # Outside the scope: moderngl 5.13 applies a mask only when it binds the framebuffer again.
         into.framebuffer.color_mask = mask
         with drawing_into(into.framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             gl.depth_func = "<"
@@ -220,7 +220,7 @@ class MotionPass(RenderedPass):
 def _table(maps: Sequence[WarpMap]) -> np.ndarray:
     """Return (n, 4, 4) float32: the columns of H, then e.
 
-    The first column's fourth number is 1 for a body that moves.
+    The first column's fourth number is 1 for a moving body.
     """
     table = np.zeros((len(maps), 4, 4), np.float32)
     for row, one in zip(table, maps, strict=True):

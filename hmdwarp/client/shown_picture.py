@@ -1,4 +1,4 @@
-"""The shown picture on its way through fills and effects."""
+"""The shown picture as it passes through fills and effects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class ShownPicture:
 
     # rgba16f, linear, coverage in alpha.
     colour: Canvas
-    # r32f of the same size, 1/m in the shown view, -1 where it is unknown (a hole, or a guess
+    # r32f of the same size, 1/m in the shown view, -1 where unknown (a hole, or a filled pixel
     # without depth); None where no pass of the plan reads it.
     inverse_depth: moderngl.Texture | None = None
 

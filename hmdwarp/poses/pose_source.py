@@ -1,4 +1,4 @@
-"""Sources of head poses, as the loop sees them."""
+"""Sources of head poses."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from .track import PoseTrack
 
 @runtime_checkable
 class PoseSource(Protocol):
-    """Something that knows where the head is: a recording, a mouse, a headset."""
+    """A source of head poses: a recording, a mouse, a headset."""
 
     def start(self) -> None:
-        """Get ready; called once before the first `head_at`."""
+        """Prepare; called once before the first `head_at`."""
 
     def head_at(self, time_ns: int) -> PoseSample:
         """Return world_from_head at an instant of this source's clock."""
 
     def close(self) -> None:
-        """Release devices; may be called twice."""
+        """Release devices; safe to call twice."""
 
 
 class RecordedSource:

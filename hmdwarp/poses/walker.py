@@ -1,6 +1,6 @@
-"""A head led by mouse and keys: the mouse turns it, the keys walk it.
+"""A head moved by mouse and keys: the mouse turns it, the keys walk it.
 
-Knows no window and reads no clock.
+Depends on no window and reads no clock.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ EYE_HEIGHT_M = 1.6
 WALK_M_S, FASTER = 1.4, 3.0  # a pedestrian's pace (Browning et al. 2006 measured 1.4 m/s); with shift, a run
 STEEPEST_RAD = math.radians(89.0)
 # Time constants of turning and walking. 20 ms: the steps of a mouse that is read at 60 Hz become a
-# smooth turn; a longer one would be felt. 80 ms: a step's start and stop.
+# smooth turn; more would be noticeable. 80 ms: a step's start and stop.
 TURN_S, WALK_S = 0.020, 0.080
 HORIZON_NS = 50_000_000
 GRID_NS = 4_000_000
 KEPT_NS = 250_000_000
-# No input for this long means that the program was stopped, or busy with a new scene.
+# No input for this long means that the program was suspended, or busy with a new scene.
 DEAF_NS = 1_000_000_000
 STILL_M_S, STILL_RAD = 1e-6, 1e-9
 
@@ -73,7 +73,7 @@ class _State:
         return _State(time_ns, position, velocity, yaw, pitch, self.yaw_goal, self.pitch_goal, self.wish)
 
     def settled(self) -> _State:
-        """Drop the last bit of motion, which an exponential never loses."""
+        """Zero out residual motion, which an exponential never loses."""
         if not any(self.wish) and max(map(abs, self.velocity)) < STILL_M_S:
             self.velocity = (0.0, 0.0, 0.0)
         if max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD:
@@ -95,8 +95,8 @@ class _State:
 class Walker:
     """A head at eye height that turns and walks smoothly on command.
 
-    Every input has its time; `advance` says that no more came until then. The path depends on these
-    alone, to the last bit: it is computed on a grid of its own, however often it is sampled.
+    Every input has its time; `advance` says that no more came until then. The path is a function of
+    these alone, bit for bit: it is computed on a grid of its own, however often it is sampled.
     Angles: yaw to the left, pitch up, radians; pitch within 89 degrees. Times must not run
     backwards: an earlier one counts as the latest known.
     """
@@ -109,7 +109,7 @@ class Walker:
 
     def turn(self, time_ns: int, yaw_rad: float, pitch_rad: float) -> None:
         """Turn this much further to the left and up."""
-        state = self._told(time_ns)
+        state = self._state_for_input(time_ns)
         state.yaw_goal += yaw_rad
         state.pitch_goal = _clamped(state.pitch_goal + pitch_rad)
 
@@ -125,10 +125,10 @@ class Walker:
         wish = (pace * right / length, pace * up, pace * forward / length)
         self.advance(time_ns)
         if wish != self._states[-1].wish:
-            self._told(time_ns).wish = wish
+            self._state_for_input(time_ns).wish = wish
 
     def recentre(self, time_ns: int) -> None:
-        """Jump back to the start, looking ahead; walking goes on."""
+        """Jump back to the start, looking ahead; walking continues."""
         wish = self._states[-1].wish
         self._now_ns = max(time_ns, self._now_ns)
         self._states.clear()
@@ -136,9 +136,9 @@ class Walker:
         self._states[-1].wish = wish
 
     def advance(self, now_ns: int) -> None:
-        """Note that no input came until now."""
+        """Note that there was no input until now."""
         if now_ns - self._now_ns > DEAF_NS:
-            self._told(self._now_ns).wish = (0.0, 0.0, 0.0)
+            self._state_for_input(self._now_ns).wish = (0.0, 0.0, 0.0)
         self._now_ns = max(now_ns, self._now_ns)
         last = self._states[-1]
         while not last.at_rest and (tick_ns := (last.time_ns // GRID_NS + 1) * GRID_NS) <= self._now_ns:
@@ -150,8 +150,8 @@ class Walker:
     def head_at(self, time_ns: int) -> PoseSample:
         """Return world_from_head, exact for the last quarter of a second (HELD before that).
 
-        The future is PREDICTED as if no input came, for 50 ms at most: turning and walking go on as
-        their lags have it, so the head never overshoots when the hand stops.
+        The future is PREDICTED as if no input came, for 50 ms at most: turning and walking continue
+        with their lags, so the head never overshoots when the hand stops.
         """
         if time_ns > self._now_ns:
             pose, origin = (
@@ -170,8 +170,8 @@ class Walker:
     def _known(self, time_ns: int) -> _State:
         return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)
 
-    def _told(self, time_ns: int) -> _State:
-        """Return a state at that instant, for its input to be changed."""
+    def _state_for_input(self, time_ns: int) -> _State:
+        """Return the state at that instant, for its input to be changed."""
         if time_ns > self._now_ns:
             self.advance(time_ns)
         self._states.append(self._states[-1].after(self._now_ns))

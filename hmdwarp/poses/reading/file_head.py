@@ -1,12 +1,15 @@
-"""First look at a trace file: is it text, its separator, its header, its first rows."""
+"""First look at a trace file: text or not, separator, header, first rows."""
 
 from __future__ import annotations
 
 import errno
+import gzip
 import os
 import re
 import stat
+import zlib
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import attrs
 
@@ -14,6 +17,7 @@ from ...errors import TraceError
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
+_GZIP = b"\x1f\x8b"
 _NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?$")
 _WHOLE = re.compile(r"[-+]?\d+([eE][-+]?\d+)?$")
@@ -23,10 +27,9 @@ COMMENT_SIGNS = ("#", "%", "//")
 
 @attrs.frozen
 class Head:
-    """What the first part of a trace file shows."""
+    """The findings from the first part of a trace file."""
 
     path: Path
-    size: int
     separator: str | None  # "," ";" "\t" or None for blanks
     names: list[str] | None  # the header's column names
     header_line: int | None  # a comment line counts if it names as many columns as the rows have
@@ -60,16 +63,16 @@ def split(text: str, separator: str | None) -> list[str]:
 
 
 def is_number(field: str) -> bool:
-    """Tell whether the field is a number, with decimal point or comma."""
+    """Return whether the field is a number, with decimal point or comma."""
     return _NUMBER.match(field) is not None
 
 
 def read_head(path: Path) -> Head:
-    """Look at the file. Errors: TraceError for anything that cannot be a text of rows."""
-    raw, size = _first_bytes(path)
+    """Inspect the file. Errors: TraceError for anything but a text of rows."""
+    raw, more = _first_bytes(path)
     _refuse_binary(path, raw)
     newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
-    lines = _whole_lines(path, raw, size, newline)
+    lines = _whole_lines(path, raw, more, newline)
     comments, header, first = _preamble(path, lines)
     offset, line, text = first
     separator, comma = _separator(text, header)
@@ -88,18 +91,31 @@ def read_head(path: Path) -> Head:
                 break
     if names and names[-1] == "" and len(names) > 1:
         names = names[:-1]
-    return Head(path, size, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline)
+    return Head(path, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline)
 
 
-def _first_bytes(path: Path) -> tuple[bytes, int]:
+def open_trace(path: Path) -> BinaryIO:
+    """Open a file of rows for reading; a gzip file is unpacked as it is read. Errors: OSError."""
+    file = path.open("rb")
+    if file.read(2) == _GZIP:
+        file.close()
+        return cast("BinaryIO", gzip.open(path, "rb"))
+    file.seek(0)
+    return file
+
+
+def _first_bytes(path: Path) -> tuple[bytes, bool]:
+    """Return the first bytes, and whether more follow."""
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
             raise TraceError(f"{path} is a directory: expected a file of head poses{_inside(path)}")
         if not stat.S_ISREG(status.st_mode):
             raise TraceError(f"{path} is a device or a pipe: expected a plain file of head poses")
-        with path.open("rb") as file:
-            raw = file.read(LOOK_BYTES)
+        with open_trace(path) as file:
+            raw, more = file.read(LOOK_BYTES), bool(file.read(1))
+    except (EOFError, gzip.BadGzipFile, zlib.error) as error:
+        raise TraceError(f"{path}: its gzip data are damaged ({error}): pack or copy it again") from None
     except FileNotFoundError:
         raise TraceError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
@@ -109,7 +125,7 @@ def _first_bytes(path: Path) -> tuple[bytes, int]:
         raise TraceError(f"{path}: cannot be read: {why}") from None
     if not raw.strip():
         raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
-    return raw, status.st_size
+    return raw, more
 
 
 def _inside(path: Path) -> str:
@@ -123,8 +139,8 @@ def _inside(path: Path) -> str:
 def _refuse_binary(path: Path, raw: bytes) -> None:
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
-    if raw[:2] == b"\x1f\x8b" or raw[:4] == b"PK\x03\x04":
-        raise TraceError(f"{path} is compressed: unpack it first")
+    if raw[:4] == b"PK\x03\x04":
+        raise TraceError(f"{path} is a ZIP archive: unpack it first")
     # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
     found = _CONTROL.search(raw.rstrip(b"\x00"))
     if found or not raw.rstrip(b"\x00"):
@@ -135,11 +151,11 @@ def _refuse_binary(path: Path, raw: bytes) -> None:
         )
 
 
-def _whole_lines(path: Path, raw: bytes, size: int, newline: bytes) -> list[tuple[int, int, str]]:
+def _whole_lines(path: Path, raw: bytes, more: bool, newline: bytes) -> list[tuple[int, int, str]]:
     """Return (byte offset, line number, text) of the lines that lie wholly in `raw`."""
     start = 3 if raw.startswith(b"\xef\xbb\xbf") else 0
     end = len(raw)
-    if size > end:
+    if more:
         end = raw.rfind(newline) + 1
         if end == 0:
             raise TraceError(f"{path}: line 1 is longer than {LOOK_BYTES // 1024} KiB: this is no table of head poses")

@@ -1,20 +1,19 @@
-"""A 16-bit code of inverse depth, packed without further loss: no pixel borrows from another.
+"""A 16-bit code of inverse depth, packed without further loss; pixels do not affect each other.
 
 The code of a pixel: 0 is infinitely far, 65535 no depth, and k between them the inverse depths in
-((k - 1) step, k step], decoded as (k - 1/2) step. So what is infinitely far and what has no depth
-come back as such, nothing else does, and every other value within step / 2. step is 2^-10 per
-metre, up to 64 per metre (16 mm from the eye); a picture with nearer things doubles it until they
-fit.
+((k - 1) step, k step], decoded as (k - 1/2) step. So infinite and missing depths are exact, and
+every other value is within step / 2. step is 2^-10 per metre, up to 64 per metre (16 mm from the
+eye); for a picture with nearer things it is doubled until they fit.
 
 Equal steps of inverse depth, not of depth: an error of step / 2 moves a warped pixel by focal
-length * step / 2 * the way the eye went, the same wherever the pixel is. At 700 pixels per unit of
+length * step / 2 * the eye's translation, the same for every pixel. At 700 pixels per unit of
 tangent and 0.2 m that is 0.07 pixels.
 
 The codes travel as FFV1 (RFC 9043), version 3, 16-bit grey, each picture by itself, behind a header
-with a checksum (FFmpeg's decoder would notice FFV1's own, and then fill what is damaged
-from the picture before). Of the scene `room` at 1280x800 it made 0.59 bits a pixel in 4 ms; zlib of
-differences from left + below - below-left 0.88 in 6 ms, and with planes fitted to blocks in their
-stead still 0.83, for nearly all of the bits are edges.
+with a checksum (FFmpeg's decoder would detect an error by FFV1's own checksum, but then conceal it
+with the previous picture). Of the scene `room` at 1280x800 it made 0.59 bits a pixel in 4 ms; zlib
+of differences from left + below - below-left 0.88 in 6 ms, and with planes fitted to blocks
+instead, still 0.83, because nearly all bits are spent on edges.
 """
 
 from __future__ import annotations
@@ -29,21 +28,21 @@ from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import require
-from .errors import Undecodable
+from .undecodable import Undecodable
 
 STEP = 2.0**-10
 _EXPONENT = -10
 NO_DEPTH = 65535
 _MOST = NO_DEPTH - 1
-# CRC-32 of all after it, width, height, exponent of the step, bytes of FFV1's configuration, which
-# is next.
+# CRC-32 of everything after it, width, height, exponent of the step, bytes of FFV1's configuration,
+# which follows.
 _HEADER = struct.Struct("<IHHbB")
 _CHECKED_FROM = 4
 _NAME, _FORMAT = "ffv1", "gray16le"
 # A fixed number of slices: the same bytes on any machine.
 _OPTIONS = {"level": "3", "slices": "4", "slicecrc": "0"}
 _THREADS = 2
-_SMALLEST = 16  # 4 slices of a picture want some rows and columns each
+_SMALLEST = 16  # 4 slices of a picture need some rows and columns each
 
 
 class DepthEncoder:
@@ -150,7 +149,7 @@ def codes_of(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], in
     # A power of 2: nothing is rounded.
     codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)
     if exponent > _EXPONENT:
-        # Too small for a float beside something extremely near.
+        # A value too small for float32 beside an extremely near one.
         codes[(values > 0) & (codes == 0)] = 1
     codes[values < 0] = NO_DEPTH
     return codes, exponent

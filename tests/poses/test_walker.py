@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.poses import Origin, Walker
-from hmdwarp.poses.desktop import (
+from hmdwarp.poses.walker import (
     DEAF_NS,
     EYE_HEIGHT_M,
     FASTER,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import glfw
 
 from ...poses import PoseSample
-from ...poses.desktop import Walker
+from ...poses.walker import Walker
 from .. import Command
 from .keys import FASTER, MOVES, Keys, direction
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
 
-# A position in the window's own units, from the top left, to (u, v) of the text panel; None beside
-# it.
+# A position in the window's own units, from the top left, to (u, v) of the text panel; None
+# outside.
 Locate = Callable[[float, float], tuple[float, float] | None]
 
 
 class InputConsumer(Protocol):
-    """A control panel that takes some of the input for itself."""
+    """A control panel that takes part of the input."""
 
     @property
     def wants_mouse(self) -> bool: ...
@@ -48,7 +48,7 @@ class WindowInput:
         self._position = (0.0, 0.0)
         self._locate: Locate | None = None
         self._capture_again = False
-        self._notches = 0.0  # of the wheel, the part that is no whole notch yet
+        self._notches = 0.0  # fraction of a wheel notch not reported yet
         self.control_panel: InputConsumer | None = None  # takes its part of the input first
         self.commands: list[Command] = []  # requests, oldest first; the caller empties it
         glfw.set_key_callback(window, self._key)
@@ -58,7 +58,7 @@ class WindowInput:
         glfw.set_window_focus_callback(window, self._focus)
 
     def point(self, locate: Locate | None) -> None:
-        """Point with the mouse at a text panel from now on; None returns it to the head."""
+        """Let the mouse point at a text panel from now on; None returns it to the head."""
         if (locate is None) == (self._locate is None):
             return
         self._locate = locate
@@ -85,7 +85,7 @@ class WindowInput:
     def capture(self) -> None:
         """Capture the mouse: it turns the head and does not leave the window."""
         glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_DISABLED)
-        if glfw.raw_mouse_motion_supported():  # without the desktop's acceleration
+        if glfw.raw_mouse_motion_supported():  # without the desktop's pointer acceleration
             glfw.set_input_mode(self._window, glfw.RAW_MOUSE_MOTION, glfw.TRUE)
         self._position = glfw.get_cursor_pos(self._window)
 
@@ -94,7 +94,10 @@ class WindowInput:
         glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_NORMAL)
 
     def walk(self) -> None:
-        """Walk as the held keys say. Call after every poll: the walker stops without input."""
+        """Walk in the direction of the held keys.
+
+        Call after every poll: the walker stops without input.
+        """
         right, up, forward = direction(self._held)
         self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
 
@@ -140,7 +143,7 @@ class WindowInput:
         if self._locate is None or self._is_for_control_panel:
             return
         self._notches += up
-        notches = int(self._notches)  # touchpads turn it in small parts
+        notches = int(self._notches)  # touchpads scroll in fractions
         self._notches -= notches
         self.commands += [Command("up" if notches > 0 else "down")] * abs(notches)
 
@@ -164,14 +167,14 @@ class WindowInput:
 class WalkerSource:
     """Poses of the walker, which reads its inputs right before each answer.
 
-    read_inputs: returns the instant of reading.
+    read_inputs: reads them and returns the time.
     """
 
     def __init__(self, walker: Walker, read_inputs: Callable[[], int]) -> None:
         self._walker, self._read_inputs = walker, read_inputs
 
     def start(self) -> None:
-        """Do nothing: the window listens already."""
+        """Do nothing: the window already listens."""
 
     def head_at(self, time_ns: int) -> PoseSample:
         """Return the head, with the newest inputs."""

@@ -1,4 +1,4 @@
-"""What a client with some of the scene's triangles can draw by itself."""
+"""Interfaces for what a client with some of the scene's triangles can draw by itself."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ if TYPE_CHECKING:
     import moderngl
 
     from ..geometry import View
-    from .picture import ShownPicture
+    from .shown_picture import ShownPicture
 
 
 class ClientModel(Protocol):
     """A scene with fewer triangles, on the GPU.
 
-    It draws into rgba16f colour, and into r32f inverse depth where there is one.
+    It draws rgba16f colour, and r32f inverse depth if the target has one.
     """
 
     def reserve(self, size: tuple[int, int]) -> None:
@@ -28,13 +28,13 @@ class ClientModel(Protocol):
 
 
 class ClientGeometry(Protocol):
-    """Draws for any view and instant; programs and buffers are made when first needed."""
+    """Draws for any view and instant; programs and buffers are made on first use."""
 
     def draw_depth(self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int) -> object:
-        """Draw inverse depth alone into an r32f texture, -1 where there is nothing."""
+        """Draw inverse depth alone into an r32f texture, -1 where nothing is."""
 
     def model(self, share: float, *, lit: bool) -> ClientModel:
-        """Return a model with about `share` of the triangles; the geometry owns and keeps it.
+        """Return a model with about `share` of the triangles, owned and cached by the geometry.
 
         lit: with baked light, else with light of 1 everywhere (albedo). Errors: SceneError for a
         share that is not above 0 and at most 1.

@@ -1,4 +1,4 @@
-"""What recorded poses reveal about a file's faults: impossible motions, and which way is up."""
+"""Faults of a file that its motion reveals: impossible motions, and a wrong up axis."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def find_jumps(
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Return the direction in the world, (3,), that is up for the head.
 
-    None if the motion leaves it open.
+    None if the motion is ambiguous.
 
     People turn and nod far more than they tilt their heads sideways, so the axis through the ears
-    stays level: up is the direction it has the least of. That is trusted if little of it is left
-    there (5 %, an rms roll of 13 degrees) and the next direction holds five times as much, and 5 %
-    at least (the head has turned). At most 100,000 rows, evenly spaced, are used.
+    stays level: up is the direction it has the smallest component in. That is trusted if this
+    component is small (5 %, an rms roll of 13 degrees) and the next direction has five times as
+    much, and 5 % at least (the head has turned). At most 100,000 rows, evenly spaced, are used.
     """
     q = orientation[:: max(1, len(orientation) // 100_000)]
     if len(q) < 100:

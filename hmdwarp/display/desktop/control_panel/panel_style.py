@@ -24,8 +24,8 @@ BAD: Rgba = (0.98, 0.42, 0.36, 1.0)
 WARN: Rgba = (0.98, 0.76, 0.30, 1.0)
 LIMIT: Rgba = (0.98, 0.76, 0.30, 0.8)
 CLEAR: Rgba = (0.0, 0.0, 0.0, 0.0)
-# Stages, in the order they are met: Okabe and Ito's colours, which the colour-blind tell apart,
-# lightened for a dark ground.
+# Stages, in plan order: Okabe and Ito's colours, which colour-blind people can tell apart,
+# lightened for a dark background.
 STAGES: tuple[Rgba, ...] = (
     (0.34, 0.71, 0.91, 1.0),
     (0.90, 0.62, 0.00, 1.0),
@@ -39,12 +39,12 @@ STAGES: tuple[Rgba, ...] = (
 
 
 def u32(colour: Rgba) -> int:
-    """Return the colour as draw lists want it."""
+    """Return the colour as draw lists expect it."""
     return imgui.color_convert_float4_to_u32(colour)
 
 
 def add_font() -> None:
-    """Add Roboto, which the bundle brings; its figures all have one width.
+    """Add Roboto, which the package includes; its digits all have one width.
 
     Dear ImGui's own font where a repackager left it out.
     """

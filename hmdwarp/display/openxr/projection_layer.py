@@ -1,7 +1,4 @@
-"""The projection layer.
-
-Both eyes' pictures with their poses, fields of view and, where the runtime takes them, depths.
-"""
+"""The projection layer: both eyes' pictures with poses, fields of view and, if accepted, depths."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ import xr
 from ...geometry import View
 from .swapchain import Swapchain
 
-NEAR_M = 0.01  # nearer than any eye focuses; as depth is reversed and the far end infinite, it costs no precision
+NEAR_M = 0.01  # nearer than any eye can focus; costs no precision, because depth is reversed with an infinite far end
 
 
 class Projection:
@@ -36,7 +33,7 @@ class Projection:
         self.struct = xr.CompositionLayerProjection(space=space, views=self._views)
 
     def fill(self, eye: int, shown: View, with_depth: bool) -> None:
-        """Enter what one eye's picture was made for; float32 from here on."""
+        """Enter the view that one eye's picture was made for; float32 from here on."""
         view, pose, fov = self._views[eye], shown.pose, shown.fov
         view.pose.position.x, view.pose.position.y, view.pose.position.z = pose.position_m.tolist()
         turned = view.pose.orientation

@@ -1,4 +1,4 @@
-"""What a window shows: both eyes' panels of a headset, or one flat view of it."""
+"""Views of a window: both eyes' panels of a headset, or one flat view."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BOTH, FLAT = "both", "flat"
 class OneEye:
     """A single eye in the middle of the head."""
 
-    name: str  # of the headset whose field of view it has
+    name: str  # the headset whose field of view it has
     fov: Fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
@@ -27,13 +27,13 @@ class OneEye:
 
 @attrs.frozen(eq=False)
 class WindowView:
-    """Eyes of a window, and how their pictures look."""
+    """Eyes of a window, and the format of their pictures."""
 
     eyes: Eyes
     count: int  # how many eyes
     size: Size  # (w, h) pixels of one eye's picture
-    aspect: float  # width over height of one picture as it should look
-    headset: Headset | None  # whose lens lies in front of it, None for a picture viewed without one
+    aspect: float  # width over height of one picture as displayed
+    headset: Headset | None  # the headset whose lens is in front of it, None for a picture viewed without one
 
     @property
     def total_size(self) -> Size:
@@ -44,8 +44,8 @@ class WindowView:
 def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     """Return the view "both" or "flat" of a headset.
 
-    size: of one eye, None for what suits it. The flat view is as wide as the left eye sees to its
-    wider side, and as high.
+    size: of one eye, None for the default. The flat view extends to both sides as far as the left
+    eye's wider side, and is as high.
     """
     if view == BOTH:
         width, height = headset.eye_size_m
@@ -59,16 +59,33 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     return WindowView(eye, 1, size or flat_size(aspect), aspect, None)
 
 
-class ViewChoice:
-    """The view of a window, which may be switched.
+class SwitchableView:
+    """The members of a Display that follow from a view which may be switched.
 
-    size: (w, h) of one eye's picture; None for what suits the view.
+    hmdwarp corrects the lens. size: (w, h) of one eye's picture; None for what suits the view.
     """
 
-    def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
-        self._headset, self._size = headset, size
-        self.look(view)
+    distorts = takes_depth = ""
 
-    def look(self, view: str) -> None:
-        """Switch to "both" or "flat". Errors: InputError for another word."""
-        self.current = window_view(view, self._headset, self._size)
+    def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
+        self._emulated, self._wanted_size = headset, size
+        self.set_view(view)
+
+    def set_view(self, view: str) -> None:
+        """Switch to "both" or "flat". Errors: InputError for another name."""
+        self._view = window_view(view, self._emulated, self._wanted_size)
+
+    @property
+    def eyes(self) -> Eyes:
+        """Eyes of the current view."""
+        return self._view.eyes
+
+    @property
+    def size(self) -> Size:
+        """(w, h) of one eye's picture in the current view."""
+        return self._view.size
+
+    @property
+    def headset(self) -> Headset | None:
+        """The headset whose lens the plan corrects; None for the flat view."""
+        return self._view.headset

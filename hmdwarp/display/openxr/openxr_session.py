@@ -22,8 +22,8 @@ _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 class Session:
     """An OpenXR session.
 
-    binding: the graphics to draw with; None for a session without pictures. It is kept: the runtime
-    may read it again.
+    binding: the graphics to draw with; None for a session without pictures. It is kept referenced,
+    because the runtime may read it again.
     Source: OpenXR 1.1 specification, Session Lifecycle.
     """
 
@@ -32,7 +32,7 @@ class Session:
         self.state = State.UNKNOWN  # the newest one
         self.running = False  # between xrBeginSession and xrEndSession
         pointer = None if binding is None else ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
-        self.handle = calls.ask(
+        self.handle = calls.call_once(
             xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
         )
         self._event = xr.EventDataBuffer()
@@ -55,11 +55,11 @@ class Session:
     def _enter(self, state: xr.SessionState) -> None:
         self.state = state
         if state == State.READY:
-            self._calls.ask(xr.begin_session, self.handle, xr.SessionBeginInfo(_STEREO))
+            self._calls.call_once(xr.begin_session, self.handle, xr.SessionBeginInfo(_STEREO))
             self.running = True
         elif state == State.STOPPING:
             self.running = False
-            self._calls.ask(xr.end_session, self.handle)
+            self._calls.call_once(xr.end_session, self.handle)
         elif state == State.LOSS_PENDING:
             raise Lost(f"{self._calls.name} is losing the headset")
         elif state == State.EXITING:
@@ -67,5 +67,5 @@ class Session:
 
     def destroy(self) -> None:
         """Destroy it in any state; frames must have been ended."""
-        with suppress(Exception):  # of a session that is lost; every destroy is allowed all the same
+        with suppress(Exception):  # of a lost session; destroying is allowed all the same
             xr.destroy_session(self.handle)

@@ -1,25 +1,25 @@
-"""Requests from the state of buttons and sticks: one a press, more while a direction is held."""
+"""Turn the state of buttons and sticks into requests: one a press, repeated while held."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-PUSHED, LET_GO = 0.6, 0.4  # of a stick's way: a hand that trembles at the one does not reach the other
-FIRST_NS, NEXT_NS = 450_000_000, 120_000_000  # until a held direction repeats, and between its steps: as keyboards do
+PUSHED, LET_GO = 0.6, 0.4  # of a stick's travel: hysteresis, so that a trembling hand does not repeat
+FIRST_NS, NEXT_NS = 450_000_000, 120_000_000  # delay until a held direction repeats, and its interval: as on keyboards
 DIRECTIONS = {"left": ("across", -1), "right": ("across", 1), "up": ("along", 1), "down": ("along", -1)}
-PAD = "pad_"  # before the name of an axis that counts only while the pad is pressed
+PAD = "pad_"  # prefix of an axis that counts only while the pad is pressed
 
 
-class Pressing:
-    """Buttons and sticks of one user. A button that is down at first counts after a release."""
+class ButtonRepeat:
+    """Buttons and sticks of one user. One that is down at the start counts after its release."""
 
     def __init__(self) -> None:
-        # What is held, and when it repeats; None for never.
+        # When each held button repeats; None for never.
         self._down: dict[str, int | None] = {}
         self._synced = False  # whether step() was called since the last pause
 
     def forget(self) -> None:
-        """Forget what is held: a press during a pause was not meant for this program."""
+        """Forget held buttons: a press during a pause was not meant for this program."""
         self._down.clear()
         self._synced = False
 
@@ -41,7 +41,7 @@ class Pressing:
         due = self._down[name]
         if due is None or now_ns < due:
             return False
-        self._down[name] = now_ns + NEXT_NS  # not due + NEXT_NS: after a stall one step, not many at once
+        self._down[name] = now_ns + NEXT_NS  # not due + NEXT_NS: one step after a stall, not many at once
         return True
 
     def _held(self, name: str, buttons: Mapping[str, bool], axes: Mapping[str, float]) -> bool:

@@ -1,4 +1,4 @@
-"""What a head track says about latency: rate, gaps, speeds, and motion within 20 to 800 ms."""
+"""Statistics of a head track: rate, gaps, speeds, and motion within 20 to 800 ms."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int
 
 
 def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Tell where neither end lies within a gap, and no gap or jump lies between."""
+    """Return where neither end lies within a gap, and no gap or jump lies between."""
     if len(track) < 2:
         return np.zeros(len(start_ns), bool)
     breaks = np.concatenate([[0], np.cumsum(track.broken)])

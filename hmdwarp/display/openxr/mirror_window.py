@@ -1,4 +1,4 @@
-"""A desktop window beside the headset: it mirrors the left eye, and its keys are the controls."""
+"""A desktop window beside the headset: it mirrors the left eye and reads the keys."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 SIZE = (480, 480)
 TITLE_NS = 250_000_000
-PERIOD_NS = 30_000_000  # the headset has the machine; the window is content with every second or third picture
-# What its keys do here. A runtime recentres the head and corrects the lens itself, and has one view
-# alone.
+PERIOD_NS = 30_000_000  # the headset has priority; every second or third picture is enough for the window
+# Its keys can quit. A runtime recentres the head and corrects the lens itself, and has only one
+# view.
 QUIT = "quit"
 OWN = ("help", "full_screen", QUIT)
 ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
-    """The window. Its context draws the headset's pictures.
+    """The mirror window. Its context draws the headset's pictures.
 
-    controls: what its keys request.
-    Errors: MachineError where there is no window.
+    controls: that its keys request.
+    Errors: MachineError if there is no window.
     """
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
@@ -70,11 +70,11 @@ class Mirror:
             raise Closed(reason)
 
     def commands(self) -> Sequence[Command]:
-        """Return what its keys requested since the last call."""
+        """Return the commands of its keys since the last call."""
         commands, self._commands = self._commands, []
         return commands
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show the status in the window's title, four times a second."""
         now_ns = time.monotonic_ns()
         if now_ns - self._titled_ns >= TITLE_NS:
@@ -82,9 +82,9 @@ class Mirror:
             self._window.title(status.title())
 
     def show(self, presenter: Presenter, panel: Canvas | None, label: Label) -> None:
-        """Show the left eye's picture as large as it fits, with label or help.
+        """Show the left eye's picture as large as fits, with label or help.
 
-        Not at every refresh.
+        Skips some refreshes.
         """
         now_ns = time.monotonic_ns()
         if now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:
@@ -102,7 +102,7 @@ class Mirror:
         self._window.send()
 
     def close(self) -> None:
-        """Close the window. May be called twice."""
+        """Close the window. Safe to call twice."""
         self._window.close()
 
 

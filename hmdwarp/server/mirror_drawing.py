@@ -1,4 +1,4 @@
-"""Draws what plane and curved mirrors show, and where the picture shows the mirrors."""
+"""Draw the reflections of plane and curved mirrors, and the mirrors' surfaces in the picture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..geometry import Fov, Pose, View
 from ..geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ..gpu.scopes import drawing_into
-from .cube import draw_cube
+from .cube_drawing import draw_cube
 from .moving import Place
 from .passes import SAME_SURFACE, ScenePasses, clear_depth
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
@@ -30,21 +30,21 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the last
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
-# Across 90 degrees of what a curved mirror shows: it shrinks a face to about 50 pixels where the
-# ball has 150.
+# Per 90 degrees of a curved mirror's surroundings: the ball shrinks a face to about 50 pixels where
+# it covers 150 itself.
 FACE_PIXELS = 160
 CLIP_DISTANCE_0 = 0x3000
 
 
 def plane_in_eye(mirror: Mirror, view: View) -> Array:
-    """Return the mirror's plane, (4,): times (x, y, z, 1) in eye space, metres before it."""
+    """Return the mirror's plane, (4,): times (x, y, z, 1) in eye space, metres in front of it."""
     eye_from_world = view.pose.rotation_matrix.T
     normal = eye_from_world @ mirror.normal
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
 
 def reflection_in_eye(mirror: Mirror, view: View) -> Array:
-    """Return 4x4: eye space to where it appears behind the mirror."""
+    """Return 4x4: eye space to the mirror image's place behind the mirror."""
     plane = plane_in_eye(mirror, view)
     out = np.eye(4)
     out[:3] -= 2 * np.outer(plane[:3], plane)
@@ -52,7 +52,7 @@ def reflection_in_eye(mirror: Mirror, view: View) -> Array:
 
 
 def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the pixels in which a plane mirror and its apron may be seen, None for none."""
+    """Return the pixels in which a plane mirror and its apron may be visible, None for none."""
     if plane_in_eye(mirror, view)[3] <= 0:
         return None
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
@@ -92,7 +92,7 @@ def part_of_view(view: View, size: tuple[int, int], bounds: Bounds) -> View:
 
 
 class MirroredPasses(ScenePasses):
-    """The scene as it appears behind a plane mirror, in the eye's own pixels.
+    """Passes for the scene as it appears behind a plane mirror, in the eye's own pixels.
 
     Mirrors in it show their own colour: one bounce.
     """
@@ -127,7 +127,7 @@ class MirroredPasses(ScenePasses):
         place: Place,
         visibility: Visibility | None = None,
     ) -> None:
-        """Draw like the scene, from behind the mirror, where no visibility is known."""
+        """Draw like the scene, from behind the mirror, without visibility culling."""
         self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
         behind_from_here = reflection_in_eye(self._mirror, view) @ place.eye_from_here
         super()._draw_surfaces(
@@ -154,7 +154,7 @@ class MirrorSurface:
         self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, layout, *names)])
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
-        """Draw what the mirror is, where the picture of `eye` shows it."""
+        """Draw the mirror's properties where the picture of `eye` shows it."""
         clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._context.scene.origin_m)
         uniforms: dict[str, object] = {
             "reflectivity": self.mirror.shape.reflectivity,
@@ -178,8 +178,8 @@ class MirrorSurface:
 class Ball(MirrorSurface):
     """A curved mirror.
 
-    Its surroundings are drawn once around its centre, and again only for another instant of a scene
-    that moves.
+    Its surroundings are drawn once around its centre, and again only for another instant of a
+    moving scene.
     """
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
@@ -194,7 +194,7 @@ class Ball(MirrorSurface):
     def draw_image(
         self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target
     ) -> None:
-        """Draw colour and inverse depth of what mirror number `taken` shows.
+        """Draw colour and inverse depth of the reflection in mirror number `taken`.
 
         mirrors: uniforms of all mirrors for this eye.
         """
