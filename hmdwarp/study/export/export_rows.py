@@ -12,7 +12,7 @@ from ...errors import InputError
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
 from ..scales import RATING, Scale, scored
 from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
-from .short_tables import onset_s
+from .short_tables import duration_s, onset_s
 from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
 
 Row = dict[str, Any]
@@ -180,7 +180,7 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
         "onset": None if showing is None else onset_s(session, showing),
-        "duration": None if showing is None else showing.actual.get("seconds"),
+        "duration": None if showing is None else duration_s(showing),
         "answered_by": None if answer is None else answer.by,
         **({} if showing is None else {f"actual_{name}": value for name, value in showing.actual.items()}),
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),

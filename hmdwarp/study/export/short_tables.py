@@ -11,6 +11,7 @@ from ..store import Session, Showing
 from .table_columns import NUMBER, TEXT, Column, column_of
 
 Row = dict[str, Any]
+_DIGITS = 6  # of times in seconds: a clock of nanoseconds says more than anything shown
 
 _ONSET = Column("onset", NUMBER, "From the start of the session to the first picture of the trial", "s")
 _DURATION = Column("duration", NUMBER, "From the first picture of the trial to its last one", "s")
@@ -45,7 +46,7 @@ def onset_s(session: Session, showing: Showing) -> float | None:
     back.
     """
     if showing.actual.get("onset_s") is not None:
-        return showing.actual["onset_s"]
+        return round(showing.actual["onset_s"], _DIGITS)
     passed = datetime.fromisoformat(showing.started_utc) - datetime.fromisoformat(session.started_utc)
     return None if passed.total_seconds() < 0 else passed.total_seconds()
 
@@ -56,10 +57,16 @@ def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[S
     return sorted((row for row in rows if row["onset"] is not None), key=lambda row: row["onset"])
 
 
+def duration_s(showing: Showing) -> float | None:
+    """Return the time from the trial's first picture to its last one."""
+    seconds = showing.actual.get("seconds")
+    return None if seconds is None else round(seconds, _DIGITS)
+
+
 def _event(show: Show, showing: Showing, onset: float | None) -> Row:
     return {
         "onset": onset,
-        "duration": showing.actual.get("seconds"),
+        "duration": duration_s(showing),
         "trial_type": show.condition.name,
         "trial": show.trial,
         "block": show.block,

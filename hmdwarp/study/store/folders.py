@@ -38,12 +38,12 @@ def folder_to_read(design: Design, folder: Path | None, origin: str) -> Path:
         return found
     others = {one: store_folder(design, None, one) for one in ORIGINS if folder is None and one != origin}
     there = [
-        f"{'leave out --' + origin if one == PERSON else '--' + one} for {at}"
+        f"{at} is read {'without --' + origin if one == PERSON else 'with --' + one}"
         for one, at in others.items()
         if (at / DATABASE).exists()
     ]
     whose = "" if origin == PERSON else f", {origin},"
-    hint = "".join(f", {one}" for one in there)
+    hint = "".join(f"; {one}" for one in there)
     raise InputError(
         f"{found}: there are no data{whose} of '{design.name}' yet: run sessions first, or name their folder with "
         f"--store{hint}"

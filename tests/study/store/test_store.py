@@ -356,7 +356,10 @@ def test_rehearsals_lie_apart_and_are_found_by_name(tmp_path):
     with Store(store_folder(study, None), create=True) as store:
         whole(store, "P1"), "the rehearsal does not stand in the way"
     assert folder_to_read(study, None, SIMULATED) == tmp_path / "late-simulated-data"
-    with pytest.raises(InputError, match=r"no data, pilot, of 'late' yet: .*leave out --pilot for .*--simulated for"):
+    with pytest.raises(
+        InputError,
+        match=r"no data, pilot, of 'late' yet: .*late-data is read without --pilot; .*is read with --simulated",
+    ):
         folder_to_read(study, None, PILOT)
 
 
