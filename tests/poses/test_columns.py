@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import json
 
 import numpy as np
 import pytest
@@ -99,6 +100,60 @@ def test_the_stated_device_is_read(tmp_path):
     assert same_motion(load_trace(path, TraceOptions(device="glasses")).track, TRACK)
     assert "there are those of glasses, head" in refusal(path, device="hat")
     assert "leave --device out" in refusal(write(tmp_path / "n.csv", TABLE), device="head")
+
+
+# JSON
+
+
+def records() -> list[dict]:
+    """A pose each, nested as tools write them."""
+    return [
+        {
+            "time": float(r[0]),
+            "position": [float(f) for f in r[1:4]],
+            "orientation": dict(zip("xyzw", r[4:], strict=True)),
+        }
+        for r in TABLE
+    ]
+
+
+@pytest.mark.parametrize("form", ["lines", "list", "in a document"])
+def test_json_records_are_read(tmp_path, form):
+    path = tmp_path / "poses.json"
+    lines = [json.dumps(one) for one in records()]
+    whole = {
+        "lines": "\n".join(lines),
+        "list": f"[{','.join(lines)}]",
+        "in a document": f'{{"poses": [{",".join(lines)}]}}',
+    }
+    path.write_text(whole[form])
+    assert same_motion(load_trace(path).track, TRACK)
+
+
+def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
+    path = tmp_path / "poses.json"
+    path.write_text(
+        json.dumps([r | {"orientation": [float(f) for f in t[4:]]} for r, t in zip(records(), TABLE, strict=True)])
+    )
+    assert "--quat-order" in refusal(path)
+    assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
+
+
+def test_json_matrices_are_read_with_their_columns_named(tmp_path):
+    poses = np.tile(np.eye(4), (len(TRACK), 1, 1))
+    poses[:, :3, :3] = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
+    poses[:, :3, 3] = TRACK.position_m
+    path = tmp_path / "transforms.json"
+    frames = [{"t": float(r[0]), "transform_matrix": p} for r, p in zip(TABLE, poses.tolist(), strict=True)]
+    path.write_text(json.dumps({"camera_model": "OPENCV", "frames": frames}))
+    assert same_motion(load_trace(path).track, TRACK, atol=1e-7)
+
+
+@pytest.mark.parametrize("text", ["[1, 2, 3]", "{}", '{"poses": []}', "[{", '{"a": 1}'])
+def test_json_without_poses_is_refused(tmp_path, text):
+    path = tmp_path / "poses.json"
+    path.write_text(text)
+    assert refusal(path)
 
 
 # clocks

@@ -129,6 +129,8 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
     if orientation is None and options.euler is not None and found.angles is not None:
         euler = parse_euler(options.euler)
         orientation = tuple(found.angles["xyz".index(axis)] for axis in euler.order)
+    elif orientation is None and found.matrix is not None:
+        orientation = found.matrix
     elif orientation is None:
         raise _no_quaternion(head, found)
     elif found.numbered:
@@ -142,6 +144,7 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
         "nanoseconds": found.nanoseconds,
         "orientation": orientation,
         "euler": euler,
+        "matrix": orientation is found.matrix,
         "position": found.position,
         "device": found.device,
         "scale": found.length_m or 1.0,

@@ -13,6 +13,7 @@ import attrs
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
+_CELL = re.compile(r"(.*?)[._]([0-3])[._]([0-3])$")
 _NUMBERED = re.compile(r"q_?([0-3])$", re.IGNORECASE)
 
 _ROTATION = {"q", "quat", "quaternion", "quaternions", "orientation", "orient", "rot", "rotation", "attitude"}
@@ -124,6 +125,8 @@ class Columns:
     length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
     euler: tuple[str, ...] = ()
+    # Nine numbers of a rotation row by row, where names number a matrix (m.0.0 .. m.2.3).
+    matrix: tuple[int, ...] | None = None
     angles: tuple[int, int, int] | None = None  # columns of the angles about x, y and z
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
 
@@ -132,6 +135,11 @@ def is_head(name: str) -> bool:
     """Tell whether a name is a head's, and no hand's, hip's or controller's."""
     found = set(words(name))
     return bool(found & _HEAD) and not found & _ELSEWHERE
+
+
+def names_rotation(name: str) -> bool:
+    """Tell whether a name is that of an orientation."""
+    return bool(set(words(name)) & _ROTATION)
 
 
 def words(name: str) -> list[str]:
@@ -176,10 +184,13 @@ def find_columns(names: list[str]) -> Columns:
         if len(order) == 4:
             orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
     clocks, nanoseconds = _find_clocks(split)
+    matrix, translation = _find_matrix(names)
     position = None
     if position_key is not None:
         place = groups[position_key]
         position = place["x"], place["y"], place["z"]
+    elif translation is not None:
+        position = translation
     return Columns(
         clocks=clocks,
         nanoseconds=nanoseconds,
@@ -190,6 +201,7 @@ def find_columns(names: list[str]) -> Columns:
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
         euler=_find_euler(names, split, groups),
         angles=_find_angles(split, groups),
+        matrix=matrix,
         gravity=_find_gravity(groups),
     )
 
@@ -230,6 +242,19 @@ def _find_clocks(split: list[list[str]]) -> tuple[tuple[tuple[int, str | None], 
         elif set(rest) & (_TIMES - {"t"}) or any(w in joined for w in ("timestamp", "timestep")):
             candidates.append((1, i, unit))
     return tuple((i, unit) for _, i, unit in sorted(candidates, key=lambda c: c[:2])), None
+
+
+def _find_matrix(names: list[str]) -> tuple[tuple[int, ...] | None, tuple[int, int, int] | None]:
+    """Return the columns of a rotation and of a translation among the numbered ones of a matrix."""
+    cells: dict[str, dict[tuple[int, int], int]] = defaultdict(dict)
+    for i, name in enumerate(names):
+        found = _CELL.match(name)
+        if found:
+            cells[found[1]][int(found[2]), int(found[3])] = i
+    one = next((c for c in cells.values() if {(r, k) for r in range(3) for k in range(4)} <= set(c)), None)
+    if one is None:
+        return None, None
+    return tuple(one[r, k] for r in range(3) for k in range(3)), (one[0, 3], one[1, 3], one[2, 3])
 
 
 def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:

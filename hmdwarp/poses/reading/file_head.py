@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import gzip
+import io
 import os
 import re
 import stat
@@ -14,6 +15,7 @@ from typing import BinaryIO, cast
 import attrs
 
 from ...errors import TraceError
+from .json_rows import table_of_json
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
@@ -95,13 +97,17 @@ def read_head(path: Path) -> Head:
 
 
 def open_trace(path: Path) -> BinaryIO:
-    """Open a file of rows for reading; a gzip file is unpacked as it is read. Errors: OSError."""
-    file = path.open("rb")
-    if file.read(2) == _GZIP:
-        file.close()
-        return cast("BinaryIO", gzip.open(path, "rb"))
+    """Open a file of rows: gzip is unpacked, JSON made into a table. Errors: OSError."""
+    with path.open("rb") as start:
+        packed = start.read(2) == _GZIP
+    file = cast("BinaryIO", (gzip.open if packed else open)(path, "rb"))
+    first = file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")[:1]
     file.seek(0)
-    return file
+    if first not in (b"{", b"["):
+        return file
+    with file:
+        raw = file.read()
+    return io.BytesIO(table_of_json(raw) or raw)
 
 
 def _first_bytes(path: Path) -> tuple[bytes, bool]:

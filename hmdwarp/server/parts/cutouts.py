@@ -41,7 +41,9 @@ class Cutouts(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if self._sheets is not None:
-            program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+            program = self.context.gpu.shaders.draw(
+                "server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1, SLOTS=self._sheets.slots
+            )
             program.uniforms.set(covers=1.0)
             framebuffer = self.context.framebuffers.over(eye.colour)
             self._sheets.draw(
@@ -52,7 +54,7 @@ class Cutouts(Part):
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
         if self._sheets is not None:
-            program = self.context.gpu.shaders.draw("server/pane.vert", "server/cutout.frag")
+            program = self.context.gpu.shaders.draw("server/pane.vert", "server/cutout.frag", SLOTS=self._sheets.slots)
             self._sheets.draw(program, view, time_ns, self.context.framebuffers.over(into), None)
 
     def close(self) -> None:

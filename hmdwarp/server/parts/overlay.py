@@ -45,7 +45,9 @@ class Overlay(Part):
         return eye.having(overlay=into)
 
     def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
-        program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+        program = self.context.gpu.shaders.draw(
+            "server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1, SLOTS=self._sheets.slots
+        )
         program.uniforms.set(covers=float(blending is not OVER))
         self._sheets.draw(program, view, time_ns, framebuffer, blending)
 
