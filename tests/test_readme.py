@@ -47,6 +47,7 @@ LEFT = {
     "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "mine.csv", "mine.tum"),
     "response-models.md": ("out/power/power.json",),
     "rgbd.md": ("frame.npz", "warped.png"),
+    "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
     "study-analysis.md": ("out/thesis/report.html", "out/power/power.json"),
 }

@@ -89,7 +89,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     """
     started = time.perf_counter()
     headset = load_headset(options.headset)
-    works = _checked(options, headset)
+    works, notes = _checked(options, headset)
     with OutputFolder(options.out, owned=OWNED, last="bench.json") as out:
         machine, bandwidth, clocks, batched = _examined(options, headset, works)
         steps = _Steps(_total(options, headset, works, batched), progress)
@@ -107,6 +107,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
             "copy_gb_s": bandwidth.bytes_per_s * 1e-9,
+            "notes": notes,
             "rows": rows,
             "grid": _grid(options, headset, first, steps) if has_grid else [],
             "grid_at": {"scene": rows[0]["scene"], "size": list(displacement_grid.SIZE), "eye": "left"}
@@ -122,18 +123,22 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     return BenchResult(options.out, data, refused)
 
 
-def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
-    """Check everything that needs no GPU. Errors: InputError and its kin."""
+def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list[str]]:
+    """Check everything that needs no GPU; return the work, and notes on the scenes.
+
+    Errors: InputError and its kin.
+    """
     rate_hz = options.rate_hz or headset.refresh_hz
-    combinations, called = {}, {}
+    combinations, called, notes = {}, {}, list[str]()
     for name in options.scenes:
-        scene = load_scene(name)
+        scene = load_scene(name, options.scene_options)
         build_plan_for(
             run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
             scene,
         )
         combinations[name], called[name] = combinations_of(options, scene), scene.name
+        notes += scene.notes
     _refuse_one_name("scenes", called)
     traces = {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
     _refuse_one_name(
@@ -146,7 +151,7 @@ def _checked(options: BenchOptions, headset: Headset) -> list[_Work]:
         run = run_options(options, case, start_s=starts[case.recording])
         count = schedule_of(traces[case.recording].track, run, rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
-    return works
+    return works, notes
 
 
 def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:

@@ -54,6 +54,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
     known: dict[str, Any] = {
         "trace": case.recording,
         "scene": case.scene,
+        "scene_options": options.scene_options,
         "latency_ms": case.latency_ms,
         "warp": "none",  # the loop's own; the combinations run beside it
         "fill": "none",

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..options import Declared, Number, Option, group, names_in, option, same_as, several, split_names
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
+from ..scenes.options import SceneOptions
 
 Size = tuple[int, int]
 
@@ -43,6 +44,7 @@ class BenchOptions(Declared):
         beside=(_RECORDING,),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
+    scene_options: SceneOptions = group(SceneOptions)
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
     # Names, with settings where they matter (`mesh:cut=slope`); empty for all and their variants.
     warps: tuple[str, ...] = several(

@@ -38,7 +38,8 @@ def _tell(result) -> None:
     screen = console()
     screen.print(bench_table(result.data["rows"], width=screen.width))
     paragraph(f"Clock: {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
-    for note in dict.fromkeys(note for row in result.data["rows"] for note in row["notes"]):
+    of_rows = (note for row in result.data["rows"] for note in row["notes"])
+    for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")
     for sentence in answer(result.data["choice"]) if result.data["choice"] else ():
         paragraph(sentence)

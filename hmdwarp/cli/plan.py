@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import typer
@@ -37,11 +38,12 @@ def plan(said: Said) -> None:
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
-    scene = load_scene(options.scene)
+    scene = load_scene(*options.scene_key)
     slow = [("Slow", line) for line in slow_in(scene)]
     if options.chooses_warp:
         _auto(options, scene, told)
         in_columns(slow)
+        _print_notes(scene.notes)
         return
     built = build_plan_for(options, headset, scene, **told)
     weights = _weights(options, headset, [built])
@@ -50,6 +52,7 @@ def plan(said: Said) -> None:
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
     in_columns([*weights, *_assumed(source, options.headset), *slow])
+    _print_notes(scene.notes)
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
@@ -108,10 +111,16 @@ def _auto(options: PipelineOptions, scene: Scene, told: dict[str, str]) -> None:
         ),
         indent=2,
     )
-    for note in found.notes:
-        paragraph(f"note: {note}")
     headset = load_headset(options.headset)
+    _print_notes(found.notes)
     in_columns(_weights(options, headset, plans_for(options, headset, scene, found.levels, **told)))
+
+
+def _print_notes(notes: Iterable[str]) -> None:
+    from ._show import paragraph
+
+    for note in notes:
+        paragraph(f"note: {note}")
 
 
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:

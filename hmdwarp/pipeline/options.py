@@ -13,6 +13,7 @@ from ..errors import InputError
 from ..link import LinkOptions
 from ..link.codec import Coding
 from ..options import DISPLAY, PICTURE, Declared, Number, Option, group, names_in, option
+from ..scenes.options import SceneKey, SceneOptions
 
 AUTO = "auto"  # the automatic choice of warp and of guard band
 
@@ -67,7 +68,11 @@ class PipelineOptions(Declared):
     Errors: InputError for a value out of range.
     """
 
-    scene: str = option("room", f"Scene: {names_in('scenes/library')}, or a .glb, .obj or .ply file.", study=PICTURE)
+    scene: str = option(
+        "room", f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.", study=PICTURE
+    )
+    # Where the scene is a file.
+    scene_options: SceneOptions = group(SceneOptions)
     # From drawing a frame to showing it.
     latency_ms: float = option(200.0, "Milliseconds from drawing a frame to showing it.", unit="ms", valid=Number())
     warp: str = option("forward", f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
@@ -174,6 +179,11 @@ class PipelineOptions(Declared):
         if "lens" in said and said["lens"] is None:
             values["lens"] = _own_lens(values.get("headset", attrs.fields(cls).headset.default))
         return values
+
+    @property
+    def scene_key(self) -> SceneKey:
+        """What load_scene takes: the scene's name or file, and how the file is read."""
+        return self.scene, self.scene_options
 
     @property
     def chooses_warp(self) -> bool:

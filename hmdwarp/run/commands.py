@@ -12,7 +12,7 @@ from ..client.variants import every_fill, every_warp
 from ..display import Command, Lost, control
 from ..errors import InputError, MachineError
 from ..pipeline.options import AUTO
-from ..scenes import scenes
+from ..scenes import SceneOptions, scenes
 from .host import PipelineHost
 from .options import BOTH, FLAT, LiveOptions
 
@@ -51,6 +51,8 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
         raise InputError(f"control '{name}' changes nothing of the run: expected {', '.join(_STEPS)}")
     value = _STEPS[name](options, -1 if command.back else 1) if value is None else _checked(name, value)
     change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
+    if name == "scene":
+        change["scene_options"] = SceneOptions()  # those of a file, which this scene is not
     return attrs.evolve(options, **change)
 
 

@@ -29,7 +29,7 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     check_names(options)
     if options.lens != AUTO:
         lenses.get(options.lens)
-    scene = scene or load_scene(options.scene)
+    scene = scene or load_scene(*options.scene_key)
     if not options.chooses_warp:
         plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
     return scene
@@ -47,7 +47,7 @@ class PipelineHost:
     def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:
         self._display = display
         self._recent = RecentPoses(display.source)
-        self.options, self.scene = options, scene or load_scene(options.scene)
+        self.options, self.scene = options, scene or load_scene(*options.scene_key)
         self.pipeline = self._build(options, self.scene)
 
     @property
@@ -88,7 +88,8 @@ class PipelineHost:
         return True
 
     def _rebuild(self, options: LiveOptions) -> None:
-        scene = self.scene if options.scene == self.options.scene else load_scene(options.scene)
+        same = options.scene_key == self.options.scene_key
+        scene = self.scene if same else load_scene(*options.scene_key)
         made = self._seen(options, scene)
         self.pipeline.close()
         self.pipeline, self.scene = made, scene

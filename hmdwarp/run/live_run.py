@@ -42,6 +42,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         ending.now_ns = display.now_ns
         host = PipelineHost(display, options, scene)
         stack.callback(host.close)
+        for note in host.scene.notes:
+            say(f"note: {note}")
         stack.callback(log.leave)
         if recorder is not None:
             recorder.begin(display.about, display.rate_hz)

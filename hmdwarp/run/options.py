@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..options import DISPLAY, PICTURE, Declared, Number, group, names_in, one_of, option, same_as
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
+from ..scenes.options import SceneOptions
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -187,5 +188,6 @@ class RecordOptions(Declared):
     kind: str = option("look-around", f"Made-up motion: {MOTIONS}; it ends by itself.")
     # What the window shows.
     scene: str = same_as(_LIVE.scene)
+    scene_options: SceneOptions = group(SceneOptions)
     reconnect_s: float = same_as(_LIVE.reconnect_s)
     hang_s: float = same_as(_LIVE.hang_s)

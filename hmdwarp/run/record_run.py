@@ -39,6 +39,7 @@ def _of_window(options: RecordOptions, say: Say) -> None:
     shown = LiveOptions(
         source=DESKTOP,
         scene=options.scene,
+        scene_options=options.scene_options,
         warp="none",
         fill="none",
         latency_ms=0.0,

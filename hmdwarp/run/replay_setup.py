@@ -109,7 +109,7 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
     schedule = schedule_of(trace.track, options, rate_hz)
     size = options.size or headset.eye_size_px
     guarded_size(options.guard_factor, headset, size)
-    scene = load_scene(options.scene)
+    scene = load_scene(*options.scene_key)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | _needs_of_against(options) | (also or Needs())
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)

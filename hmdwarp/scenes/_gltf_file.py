@@ -1,17 +1,20 @@
-"""GLB files: their JSON and numbers, every reference checked before it is followed.
+"""glTF files: their JSON and numbers, every reference checked before it is followed.
 
-For what trimesh leaves out: animations, skins, see-through and mirroring materials, head-locked
-nodes; and for the models of the library, whose numbers must arrive bit by bit.
+trimesh leaves out animations, skins, see-through and mirroring materials and head-locked nodes, and
+the models of the library must arrive bit by bit.
 Source: Khronos 2021, glTF 2.0 Specification, 3.6 (binary data) and 4 (GLB).
 """
 
 from __future__ import annotations
 
+import base64
+import binascii
 import io
 import json
 import struct
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import attrs
 import numpy as np
@@ -33,18 +36,26 @@ _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 @attrs.frozen(eq=False)
 class GltfFile:
-    """A GLB 2.0 file in memory."""
+    """A glTF 2.0 file in memory, with the bytes it refers to."""
 
     path: Path
-    # The JSON chunk.
+    # The JSON.
     header: dict[str, Any]
-    # The binary chunk, empty if the file has none.
-    binary: bytes
+    # The bytes of each buffer.
+    buffers: tuple[bytes, ...]
+    # Numbers of accessors that came compressed, by accessor.
+    unpacked: dict[int, NDArray] = attrs.field(factory=dict)
 
     @classmethod
     def read(cls, path: Path) -> GltfFile:
-        """Read the file at `path`. Errors: SceneError if it is not GLB 2.0 or is cut off."""
-        return cls.parse(path, path.read_bytes())
+        """Read a .glb, or a .gltf with the files that it names.
+
+        Errors: SceneError if it is not glTF 2.0 or is cut off.
+        """
+        data = path.read_bytes()
+        if data[:4] == struct.pack("<I", _MAGIC) or path.suffix.lower() == ".glb":
+            return cls.parse(path, data)
+        return cls._with_buffers(path, _header_of(path, data), None)
 
     @classmethod
     def parse(cls, path: Path, data: bytes) -> GltfFile:
@@ -52,16 +63,46 @@ class GltfFile:
         try:
             magic, version, _ = struct.unpack_from("<3I", data)
             length, kind = struct.unpack_from("<2I", data, 12)
-            header = json.loads(data[20 : 20 + length])
-        except (struct.error, ValueError, RecursionError) as error:
+        except struct.error as error:
             raise SceneError(f"{path}: not a readable GLB file ({type(error).__name__}); export it again") from error
-        if magic != _MAGIC or version != 2 or kind != _JSON or not isinstance(header, dict):
+        if magic != _MAGIC or version != 2 or kind != _JSON:
             raise SceneError(f"{path}: not a GLB 2.0 file; export it again")
         start, binary = 20 + length, b""
+        header = _header_of(path, data[20:start])
         if start + 8 <= len(data):
             length, kind = struct.unpack_from("<2I", data, start)
             binary = data[start + 8 : start + 8 + length] if kind == _BINARY else b""
-        return cls(path, header, binary)
+        return cls._with_buffers(path, header, binary)
+
+    @classmethod
+    def _with_buffers(cls, path: Path, header: dict[str, Any], binary: bytes | None) -> GltfFile:
+        """Return the file with all its buffers; the first may be that of a GLB, `binary`."""
+        bare = cls(path, header, ())
+        found = []
+        for index, buffer in enumerate(bare.items("buffers")):
+            if "uri" in buffer:
+                found.append(bare.bytes_at(buffer["uri"], f"buffer {index}"))
+            else:
+                found.append(binary or b"" if index == 0 else b"")
+        return cls(path, header, tuple(found or [binary or b""]))
+
+    def bytes_at(self, uri: object, user: str) -> bytes:
+        """Return the bytes of a data URI, or of a file beside this one.
+
+        Errors: SceneError, naming the `user` and the missing file.
+        """
+        if not isinstance(uri, str):
+            raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
+        if uri.startswith("data:"):
+            try:
+                return base64.b64decode(unquote(uri.partition(",")[2]), validate=True)
+            except (binascii.Error, ValueError) as error:
+                raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
+        beside = self.path.parent / unquote(uri)
+        try:
+            return beside.read_bytes()
+        except (OSError, ValueError) as error:
+            raise self.error(f"{user} lies in '{uri}', which cannot be read; put it beside the scene file") from error
 
     def error(self, what: str) -> SceneError:
         """Return an error that names the file."""
@@ -89,37 +130,60 @@ class GltfFile:
         the file.
         """
         accessor = self.item("accessors", index, user)
-        kind, width, count = (
-            accessor.get("componentType"),
-            _COLUMNS.get(accessor.get("type", "")),
-            accessor.get("count"),
-        )
-        if kind not in _NUMBERS or width is None or not isinstance(count, int) or count < 0 or "sparse" in accessor:
+        kind, count = accessor.get("componentType"), accessor.get("count")
+        width = _COLUMNS.get(accessor.get("type", ""))
+        if not (isinstance(kind, int) and kind in _NUMBERS and width and isinstance(count, int) and count >= 0):
             raise self.error(
                 f"{user}: accessor {index} is of an unsupported kind (component {kind}, {accessor.get('type')})"
             )
-        if columns is not None and width != columns:
-            raise self.error(f"{user}: accessor {index} has {width} numbers per element, expected {columns}")
-        number = np.dtype(_NUMBERS[kind]).newbyteorder("<")
-        if "bufferView" not in accessor:
-            return np.zeros((count, width))
-        view = self.item("bufferViews", accessor["bufferView"], user)
-        start, stride = self._place(view, accessor, number.itemsize * width, user)
-        if count and start + stride * (count - 1) + number.itemsize * width > len(self.binary):
-            raise self.error(
-                f"{user}: accessor {index} reaches beyond the file's {len(self.binary)} bytes; it is cut off or damaged"
-            )
-        rows: NDArray = np.ndarray((count, width), number, self.binary, start, (stride, number.itemsize))
-        if accessor.get("normalized") and number.kind in "iu":
-            return np.maximum(rows / np.iinfo(_NUMBERS[kind]).max, -1.0)
+        rows = self.unpacked.get(index) if isinstance(index, int) else None
+        if rows is None:
+            rows = self._rows(accessor, kind, (count, width), f"{user}: accessor {index}")
+            if "sparse" in accessor:
+                rows = self._replaced(rows, accessor, f"{user}: accessor {index}")
+        if columns is not None and rows.shape[1] != columns:
+            raise self.error(f"{user}: accessor {index} has {rows.shape[1]} numbers per element, expected {columns}")
+        if accessor.get("normalized") and rows.dtype.kind in "iu":
+            return np.maximum(rows / np.iinfo(rows.dtype).max, -1.0)
+        return rows
+
+    def _rows(self, place: dict, kind: int, shape: tuple[int, int], user: str) -> NDArray:
+        """Return an array of a component type; place: what has its buffer view and offset."""
+        number, (count, width) = np.dtype(_NUMBERS[kind]).newbyteorder("<"), shape
+        if "bufferView" not in place:
+            return np.zeros(shape)
+        view = self.item("bufferViews", place["bufferView"], user)
+        binary = self._buffer_of(view, user)
+        start, stride = self._place(view, place, number.itemsize * width, user)
+        if count and start + stride * (count - 1) + number.itemsize * width > len(binary):
+            raise self.error(f"{user} reaches beyond the file's {len(binary)} bytes; it is cut off or damaged")
+        rows: NDArray = np.ndarray(shape, number, binary, start, (stride, number.itemsize))
         return rows.copy()
 
-    def _place(self, view: dict, accessor: dict, size: int, user: str) -> tuple[int, int]:
-        """Return offset and stride of an accessor's elements of `size` bytes."""
-        if view.get("buffer", 0) != 0 or "uri" in (self.items("buffers") or [{}])[0]:
-            raise self.error(f"{user} lies in another file; export it as one GLB")
+    def _replaced(self, rows: NDArray, accessor: dict, user: str) -> NDArray:
+        """Return the rows with those of a sparse accessor in their places."""
+        try:
+            sparse, count = accessor["sparse"], int(accessor["sparse"]["count"])
+            which = self._rows(sparse["indices"], sparse["indices"]["componentType"], (count, 1), user)[:, 0]
+            values = self._rows(sparse["values"], accessor["componentType"], (count, rows.shape[1]), user)
+            out = rows.astype(values.dtype)
+            out[which] = values
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise self.error(
+                f"{user}: its sparse values do not fit ({type(error).__name__}); export it again"
+            ) from error
+        return out
+
+    def _buffer_of(self, view: dict, user: str) -> bytes:
+        index = view.get("buffer", 0)
+        if not isinstance(index, int) or not 0 <= index < len(self.buffers):
+            raise self.error(f"{user} lies in buffer {index!r} of {len(self.buffers)}; export it again")
+        return self.buffers[index]
+
+    def _place(self, view: dict, place: dict, size: int, user: str) -> tuple[int, int]:
+        """Return offset and stride of elements of `size` bytes."""
         start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
-        offset = accessor.get("byteOffset", 0)
+        offset = place.get("byteOffset", 0)
         if not all(isinstance(value, int) and value >= 0 for value in (start, stride, offset)) or stride < size:
             raise self.error(f"{user}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
         return start + offset, stride
@@ -127,34 +191,36 @@ class GltfFile:
     def view(self, view: dict) -> bytes:
         """Return the bytes of a buffer view."""
         start, length = view.get("byteOffset", 0), view.get("byteLength", 0)
-        return self.binary[start : start + length]
+        return self._buffer_of(view, "a buffer view")[start : start + length]
 
     def image(self, index: object, user: str) -> NDArray[np.uint8]:
         """Return (h, w, 4) bytes of an image. Errors: SceneError if it cannot be decoded."""
         from PIL import Image
 
         found = self.item("images", index, user)
-        view = self.item("bufferViews", found.get("bufferView"), f"{user} (image {index})")
+        if "uri" in found:
+            data = self.bytes_at(found["uri"], f"{user}: image {index}")
+        else:
+            data = self.view(self.item("bufferViews", found.get("bufferView"), f"{user} (image {index})"))
         try:
-            return np.array(Image.open(io.BytesIO(self.view(view))).convert("RGBA"))
+            return np.array(Image.open(io.BytesIO(data)).convert("RGBA"))
         except (OSError, ValueError, SyntaxError, TypeError) as error:
             raise self.error(
                 f"{user}: image {index} cannot be decoded ({type(error).__name__}); export it again"
             ) from error
 
-    def is_rich(self) -> bool:
-        """Return whether it holds more than plain surfaces that stand still."""
-        if self.header.get("animations") or self.header.get("skins"):
-            return True
-        if any((node.get("extras") or {}).get("head_locked") for node in self.items("nodes")):
-            return True
-        return any(_is_special(material) for material in self.items("materials"))
 
-
-def _is_special(material: dict) -> bool:
-    extensions, extras = (material.get(name) or {} for name in ("extensions", "extras"))
-    see_through = material.get("alphaMode") in ("MASK", "BLEND") or "KHR_materials_transmission" in extensions
-    return see_through or "reflectivity" in extras or is_mirror(material)
+def _header_of(path: Path, text: bytes) -> dict[str, Any]:
+    """Return the JSON of a glTF 2.0 file."""
+    try:
+        header = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"{path}: not a readable glTF file ({type(error).__name__}); export it again") from error
+    asset = header.get("asset") if isinstance(header, dict) else None
+    version = asset.get("version", "2.0") if isinstance(asset, dict) else "2.0"
+    if not isinstance(header, dict) or not str(version).startswith("2"):
+        raise SceneError(f"{path}: glTF {version}, expected 2.0; export it again")
+    return header
 
 
 def is_mirror(material: dict) -> bool:

@@ -1,4 +1,4 @@
-"""Materials of a GLB: colour and texture of a surface, what it mirrors and what it lets through."""
+"""Materials of a glTF file: colour and texture of a surface, what it mirrors, what it lets pass."""
 
 from __future__ import annotations
 
@@ -10,24 +10,13 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ._content import Material
+from ._draft import Look
+from ._gltf_extensions import KTX2
 from ._gltf_file import GltfFile, is_mirror
 from ._mesh import Texture
+from ._notes import Notes
 
 Array = NDArray[np.float64]
-
-
-@attrs.frozen(eq=False)
-class Look:
-    """Appearance of a primitive."""
-
-    # (3,) linear.
-    colour: Array
-    # Index of its texture, -1 for none.
-    texture: int
-    material: Material
-    double_sided: bool
-    # Name of the attribute with its texture coordinates.
-    texcoords: str
 
 
 @attrs.frozen(eq=False)
@@ -41,7 +30,7 @@ class _Blend:
 class Looks:
     """Looks of all materials of a file, each made once, and the textures they use."""
 
-    def __init__(self, file: GltfFile, notes: list[str]) -> None:
+    def __init__(self, file: GltfFile, notes: Notes) -> None:
         self._file, self._notes = file, notes
         self._made: dict[tuple, Look | None] = {}
         self.textures: list[Texture] = []
@@ -78,7 +67,25 @@ class Looks:
         material = self._material(gltf, name, _Blend(alpha, see_through, head_locked, factor[:3]))
         texture = self._add(name, image, srgb=True)
         colour = np.clip(factor[:3], 0, None)
-        return Look(colour, texture, material, bool(gltf.get("doubleSided")), f"TEXCOORD_{base.get('texCoord', 0)}")
+        transform = (base.get("extensions") or {}).get("KHR_texture_transform") or {}
+        return Look(
+            colour,
+            texture,
+            material,
+            bool(gltf.get("doubleSided")),
+            f"TEXCOORD_{transform.get('texCoord', base.get('texCoord', 0))}",
+            self._uv_transform(transform, name),
+            "KHR_materials_unlit" in (gltf.get("extensions") or {}),
+        )
+
+    def _uv_transform(self, found: dict[str, Any], name: str) -> Array:
+        """Return (3, 3) of KHR_texture_transform."""
+        (x, y), (across, down) = found.get("offset", (0.0, 0.0)), found.get("scale", (1.0, 1.0))
+        sine, cosine = np.sin(found.get("rotation", 0.0)), np.cos(found.get("rotation", 0.0))
+        matrix = np.array([(cosine * across, sine * down, x), (-sine * across, cosine * down, y), (0, 0, 1)])
+        if not np.isfinite(matrix).all():
+            raise self._file.error(f"{name}: its KHR_texture_transform is not made of finite numbers; export it again")
+        return matrix
 
     def _material(self, gltf: dict, name: str, blend: _Blend) -> Material:
         if blend.head_locked:
@@ -88,7 +95,7 @@ class Looks:
         reflectivity = self._reflectivity(gltf, name, blend.colour)
         if passes > 0 or blend.see_through:
             if reflectivity:
-                self._notes.append(f"{self._file.path}: {name} mirrors and is see-through; it does not mirror")
+                self._notes.add("what mirrors and is see-through does not mirror", name)
             return Material(see_through=True, opacity=blend.alpha, transmission=passes)
         if not reflectivity:
             return Material()
@@ -106,15 +113,13 @@ class Looks:
         if not passes:
             return 0.0
         if "transmissionTexture" in glass:
-            self._notes.append(
-                f"{self._file.path}: {name} has a transmission texture; drawn with its factor everywhere"
-            )
+            self._notes.add("a transmission texture is left out, drawn with its factor everywhere", name)
         surface = gltf.get("pbrMetallicRoughness") or {}
         image = self._image(surface.get("metallicRoughnessTexture") or {}, name, channels=3)
         metal = float(np.clip(surface.get("metallicFactor", 1.0), 0, 1))
         metal *= 1.0 if image is None else float(image[..., 2].mean()) / 255
         if metal == 1:
-            self._notes.append(f"{self._file.path}: {name} transmits light but is a metal; no light passes it")
+            self._notes.add("what transmits light but is a metal lets none pass", name)
         return passes * (1 - metal)
 
     def _reflectivity(self, gltf: dict, name: str, colour: Array) -> float:
@@ -131,14 +136,17 @@ class Looks:
         if "index" not in info:
             return None
         texture = self._file.item("textures", info["index"], name)
-        if "KHR_texture_transform" in (info.get("extensions") or {}):
-            self._notes.append(
-                f"{self._file.path}: {name} shifts or scales its texture (KHR_texture_transform); drawn without"
+        extensions = texture.get("extensions") or {}
+        source = (extensions.get("EXT_texture_webp") or {}).get("source", texture.get("source"))
+        if source is None and KTX2 in extensions:
+            self._notes.add(
+                "KTX2 images are not read, drawn plain ('gltf-transform ktxdecompress' converts them)", name
             )
+            return None
         try:
-            return self._file.image(texture.get("source"), name)[..., :channels]
+            return self._file.image(source, name)[..., :channels]
         except SceneError as error:
-            self._notes.append(f"{error}; drawn plain")
+            self._notes.add("images cannot be read, drawn plain", str(error).removeprefix(f"{self._file.path}: "))
             return None
 
     def _add(self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool) -> int:

@@ -1,4 +1,4 @@
-"""Moving content of a GLB: rigid bodies, vertices driven by a non-rigid node, skins over joints."""
+"""Moving content of a glTF file: rigid bodies, vertices driven by a non-rigid node, skins."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from scipy.spatial.transform import Rotation
 from ..geometry import Pose, RigidState
 from ._gltf_file import GltfFile
 from ._gltf_nodes import Nodes
+from ._notes import Notes
 
 Array = NDArray[np.float64]
 # A chain of nodes is rigid if lengths change by less than this share: float32 rotations are off by
 # 1e-7 each.
 RIGID = 1e-5
-# Weights may miss a sum of 1 by this much: half a byte's step for each of four is 0.008.
+# Weights may miss a sum of 1 by this much without a note: half a byte's step for each of four is
+# 0.008.
 MOST_OFF = 0.01
 
 
@@ -105,8 +107,8 @@ def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
     )
 
 
-def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Array) -> Driven:
-    """Return a primitive under a skin.
+def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Array, notes: Notes) -> Driven:
+    """Return a primitive under a skin; its weights are scaled to sum 1, with a note if need be.
 
     Errors: SceneError, naming the skin, if joints or weights do not fit.
     """
@@ -128,13 +130,13 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Arra
         raise file.error(
             f"{name}: {len(rest)} positions, {len(which)} joints, {len(weights)} weights; expected as many of each"
         )
-    _check_weights(file, name, weights)
+    weights = _with_sum_1(file, name, weights, notes)
     used = weights > 0
     if (which[used] >= len(joints)).any():
         raise file.error(f"{name}: a vertex uses joint {int(which[used].max())}, there are {len(joints)}")
     which[~used] = 0
     inverse = _inverse_bind_matrices(file, found, name, len(joints))
-    return Driven(nodes, rest, joints, inverse, which, weights / weights.sum(axis=1, keepdims=True), np.zeros(3))
+    return Driven(nodes, rest, joints, inverse, which, weights, np.zeros(3))
 
 
 def _inverse_bind_matrices(file: GltfFile, skin: dict, name: str, count: int) -> Array:
@@ -149,11 +151,19 @@ def _inverse_bind_matrices(file: GltfFile, skin: dict, name: str, count: int) ->
     return found[:count].reshape(-1, 4, 4).transpose(0, 2, 1)
 
 
-def _check_weights(file: GltfFile, name: str, weights: Array) -> None:
-    bad = ~(
-        np.isfinite(weights).all(axis=1) & (weights >= 0).all(axis=1) & (np.abs(weights.sum(axis=1) - 1) <= MOST_OFF)
-    )
+def _with_sum_1(file: GltfFile, name: str, weights: Array, notes: Notes) -> Array:
+    """Return (n, k) weights with sum 1; a vertex without any goes with its first joint."""
+    bad = ~(np.isfinite(weights).all(axis=1) & (weights >= 0).all(axis=1))
     if bad.any():
         vertex = int(np.argmax(bad))
         found = ", ".join(f"{value:.4g}" for value in weights[vertex])
-        raise file.error(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each, with sum 1")
+        raise file.error(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each; export it again")
+    total = weights.sum(axis=1)
+    off = np.abs(total - 1)
+    if (off > MOST_OFF).any():
+        notes.add(
+            "skin weights do not have sum 1; they were scaled to it", f"{name}, a sum of {total[np.argmax(off)]:.4g}"
+        )
+    without = total == 0
+    weights = np.where(without[:, None], np.eye(1, weights.shape[1]), weights)
+    return weights / np.where(without, 1.0, total)[:, None]

@@ -1,4 +1,4 @@
-"""Nodes of a GLB: their hierarchy and animations, in float64; a pure function of the scene's clock.
+"""Nodes of a glTF file: hierarchy and animations in float64, pure functions of the scene's clock.
 
 Source: Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations
 and their interpolation).
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ._gltf_file import GltfFile
+from ._notes import Notes
+from .options import NONE, numbered
 
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
@@ -85,17 +87,47 @@ def _product(p: Array, q: Array) -> Array:
 
 
 class Nodes:
-    """Transforms of all nodes over time; all animations play together and repeat."""
+    """Transforms of all nodes over time; the animations that play repeat.
 
-    def __init__(self, file: GltfFile, notes: list[str]) -> None:
+    By default these are the first and each later one that moves other things.
+    """
+
+    def __init__(self, file: GltfFile, notes: Notes, animation: str | None = None) -> None:
         self._file, self._nodes = file, file.items("nodes")
+        # 4x4, world_from_file: what it takes to metres with +y up, and to where the viewer stands.
+        self.root = np.eye(4)
         self.parents = self._parents_of()
         self._rest = [self._rest_of(index) for index in range(len(self._nodes))]
         self.curves: dict[int, dict[str, Curve]] = {}
-        for index, animation in enumerate(file.items("animations")):
-            self._read_animation(animation, f"animation '{animation.get('name') or f'number {index}'}'", notes)
+        animations = file.items("animations")
+        names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
+        for index in self._playing(animations, names, animation, notes):
+            self._read_animation(animations[index], f"animation '{names[index]}'", notes)
         ends = [curve.times_s[-1] for curves in self.curves.values() for curve in curves.values()]
         self.period_s = float(max(ends, default=0.0))
+
+    @staticmethod
+    def _playing(animations: list[dict], names: list[str], asked: str | None, notes: Notes) -> list[int]:
+        """Return the animations to play. Errors: InputError for one that the file lacks."""
+        if asked is not None and asked not in names and asked == NONE:
+            return []
+        if asked is not None:
+            return [numbered(names, asked, "animations", "animation", NONE)]
+        moved: set[tuple[object, object]] = set()
+        playing, left = [], []
+        for index, animation in enumerate(animations):
+            targets = [channel.get("target", {}) for channel in animation.get("channels", [])]
+            things = {(target.get("node"), target.get("path")) for target in targets}
+            if moved & things:
+                left.append(names[index])
+                continue
+            moved |= things
+            playing.append(index)
+        if left:
+            most, more = left[:8], f" and {len(left) - 8} more" if len(left) > 8 else ""
+            played = ", ".join(f"'{names[index]}'" for index in playing)
+            notes.add(f"plays animation {played}; --animation plays another: {', '.join(map(repr, most))}{more}")
+        return playing
 
     def moves(self, node: int) -> bool:
         """Return whether the node or an ancestor is animated."""
@@ -111,7 +143,7 @@ class Nodes:
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 world_from_node and its change in 1/s."""
         seconds = float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
-        placed, moving = np.eye(4), np.zeros((4, 4))
+        placed, moving = self.root, np.zeros((4, 4))
         for one in self.line(node):
             local, change = self._local(one, seconds)
             placed, moving = placed @ local, moving @ local + placed @ change
@@ -168,7 +200,7 @@ class Nodes:
                     raise self._file.error(f"node {index} is its own ancestor; expected a tree")
         return parents
 
-    def _read_animation(self, animation: dict, name: str, notes: list[str]) -> None:
+    def _read_animation(self, animation: dict, name: str, notes: Notes) -> None:
         samplers, file = animation.get("samplers", []), self._file
         for channel in animation.get("channels", []):
             target = channel.get("target", {})
@@ -178,7 +210,9 @@ class Nodes:
             node = target["node"]
             target_name = f"{path} of node '{file.item('nodes', node, name).get('name', node)}'"
             if path not in _WIDTH:
-                notes.append(f"{file.path}: {name} moves {target_name}: not played")
+                notes.add(
+                    "what an animation changes beside place, turn and size is not played", f"{name}, {target_name}"
+                )
                 continue
             if isinstance(self._rest[node], np.ndarray):
                 raise file.error(f"{name} moves node {node}, which has a matrix: expected translation, rotation, scale")
@@ -186,7 +220,7 @@ class Nodes:
             if not isinstance(index, int) or not 0 <= index < len(samplers):
                 raise file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
             if path in self.curves.get(node, {}):
-                notes.append(f"{file.path}: {name} moves {target_name} as an earlier one does; left out")
+                notes.add("an animation moves something twice; the first is played", f"{name}, {target_name}")
                 continue
             self.curves.setdefault(node, {})[path] = self._curve(samplers[index], path, f"{name}, {target_name}")
 

@@ -1,8 +1,9 @@
-"""A GLB with more than plain, still surfaces, as parts of a scene."""
+"""A glTF file as parts of a scene."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 
 import attrs
@@ -11,78 +12,44 @@ from numpy.typing import NDArray
 
 from ..geometry import Pose
 from ._content import Body
+from ._draft import Draft, Look, normals_of
+from ._gltf_extensions import check_extensions, instances_of, unpack_draco
 from ._gltf_file import GltfFile
-from ._gltf_materials import Look, Looks
-from ._gltf_moving import Driven, NodeMotion, driven_by_node, is_rigid, skinned
+from ._gltf_materials import Looks
+from ._gltf_moving import NodeMotion, driven_by_node, is_rigid, skinned
 from ._gltf_nodes import Nodes
-from ._mesh import Mesh
+from ._notes import Notes
+from .options import numbered
 
 Array = NDArray[np.float64]
 FLAT = 1e-4  # a mirror is a plane if no vertex is farther off than this share of its size
-_TRIANGLES = 4
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+MOST_TRIANGLES = 50_000_000  # of instances together; 50 million take about 10 GB here
 
 
-@attrs.frozen(eq=False)
-class Draft:
-    """A mesh in float64, before the scene's origin is known."""
+class GltfContent:
+    """The drawable parts of a glTF file: drafts of its meshes, textures, bodies and notes.
 
-    name: str
-    # (n, 3) at time 0 in the world; in head axes if head-locked.
-    positions: Array
-    look: Look
-    triangles: NDArray[np.uint32]
-    # (n, 3), in the same axes.
-    normals: Array = attrs.field(factory=lambda: np.empty((0, 3)))
-    uv: Array = attrs.field(factory=lambda: np.empty((0, 2)))
-    # (n, 3) linear.
-    colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))
-    # Number of the body, 0 for none, and its pose at time 0.
-    body: int = 0
-    rest: Pose | None = None
-    driven: Driven | None = None
-
-    def mesh(self, origin: Array, light_of: Callable[[Array, bool], Array]) -> Mesh:
-        """Return the mesh in a scene with that origin; in the body's frame if it has a body."""
-        positions, normals = self.positions - origin, self.normals
-        locked = self.look.material.head_locked
-        if locked:
-            positions = self.positions
-        elif self.rest is not None:
-            inverse = self.rest.inverse()
-            positions, normals = inverse.transform(self.positions), self.rest.rotation.inv().apply(self.normals)
-        # No lamp of the world shines on what is fixed to the head.
-        lit = np.ones(len(normals)) if locked else light_of(self.normals, self.look.double_sided)
-        return Mesh(
-            self.name,
-            positions,
-            normals,
-            self.uv,
-            self.colour * lit[:, None],
-            self.triangles,
-            self.look.texture,
-            self.look.double_sided,
-            self.look.material,
-            self.body,
-            self.driven.seen_from(origin) if self.driven is not None else None,
-            self.colour,
-        )
-
-
-class RichFile:
-    """The drawable parts of a GLB: drafts of its meshes, textures, bodies and notes.
-
+    units: 4x4, from the file's world to metres with +y up. animation: see SceneOptions.
     Errors: SceneError, one line, naming the file and the broken animation, skin or mesh.
     """
 
     def __init__(
-        self, path: Path, normals_of: Callable[[Array, NDArray], Array], is_closed: Callable[[Array, NDArray], bool]
+        self,
+        path: Path,
+        units: Array,
+        animation: str | None,
+        notes: Notes,
+        is_closed: Callable[[Array, NDArray], bool],
     ) -> None:
-        self.notes: list[str] = []
+        self.notes = notes
         self.bodies: list[Body] = []
         self._body_numbers: dict[int, int] = {}  # by node
         self._file = GltfFile.read(path)
-        self._nodes = Nodes(self._file, self.notes)
-        self._looks = Looks(self._file, self.notes)
+        check_extensions(self._file, notes)
+        self._nodes = Nodes(self._file, notes, animation)
+        self._nodes.root = units
+        self._looks = Looks(self._file, notes)
         self.textures = self._looks.textures
         self.drafts = []
         for draft in filter(None, (self._draft(*place) for place in self._places())):
@@ -90,6 +57,30 @@ class RichFile:
             if not look.double_sided and not is_closed(draft.positions, draft.triangles):
                 look = attrs.evolve(look, double_sided=True)  # a single sheet may be meant to be seen from both sides
             self.drafts.append(attrs.evolve(draft, look=look, normals=normals_of(draft.positions, draft.triangles)))
+
+    @cached_property
+    def cameras(self) -> list[tuple[str, int]]:
+        """Name and node of each camera that stands in the file."""
+        file = self._file
+        return [
+            (
+                str(node.get("name") or file.item("cameras", node["camera"], "a node").get("name") or f"node {index}"),
+                index,
+            )
+            for index, node in enumerate(file.items("nodes"))
+            if "camera" in node
+        ]
+
+    def camera(self, asked: str) -> tuple[float, ...]:
+        """Return x, y, z and yaw in degrees of a camera. Errors: InputError if unknown."""
+        index = numbered([name for name, _ in self.cameras], asked, "cameras", "viewpoint", "X,Y,Z[,YAW]")
+        matrix = self._nodes.at(self.cameras[index][1], 0)[0]
+        ahead = -matrix[:3, 2]
+        return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))
+
+    def move(self, world_from_file: Pose) -> None:
+        """Let everything that moves do so where the scene is put."""
+        self._nodes.root = world_from_file.matrix() @ self._nodes.root
 
     def _places(self) -> list[tuple[str, int, dict]]:
         """Return name, node and primitive of all triangles that the file shows."""
@@ -100,8 +91,11 @@ class RichFile:
                 continue
             mesh = self._file.item("meshes", node["mesh"], f"node {index}")
             for number, primitive in enumerate(mesh.get("primitives", [])):
-                if primitive.get("mode", _TRIANGLES) == _TRIANGLES and "POSITION" in primitive.get("attributes", {}):
-                    found.append((f"{self._file.path.stem}-{index}-{number}", index, primitive))
+                name = f"{self._file.path.stem}-{index}-{number}"
+                if primitive.get("mode", _TRIANGLES) not in (_TRIANGLES, _STRIP, _FAN):
+                    self.notes.add("points and lines are left out", f"mesh '{name}'")
+                elif "POSITION" in primitive.get("attributes", {}):
+                    found.append((name, index, primitive))
         return found
 
     def _shown_nodes(self) -> list[int]:
@@ -117,39 +111,62 @@ class RichFile:
     def _draft(self, name: str, node: int, primitive: dict) -> Draft | None:
         """Return a primitive's draft; None if it lacks triangles or is wholly cut away."""
         file, user, attributes = self._file, f"mesh '{name}'", primitive["attributes"]
+        unpack_draco(file, primitive, user, self.notes)
         rest = file.numbers(attributes["POSITION"], user, 3).astype(np.float64)
         triangles = _triangles(file, primitive, user, len(rest))
+        nodes = file.items("nodes")
+        rest = self._shaped(rest, nodes[node], primitive, user)
         bad = ~np.isfinite(rest).all(axis=1)
         if bad.any():
             raise file.error(
                 f"{user}: position {int(np.argmax(bad))} is not a finite number; export it again without it"
             )
-        nodes = file.items("nodes")
         locked = any((nodes[one].get("extras") or {}).get("head_locked") for one in self._nodes.line(node))
         look = self._looks.look_of(primitive, locked)
         if look is None or not len(triangles):
             return None
-        skin = nodes[node].get("skin")
-        draft = self._placed(Draft(name, rest, look, triangles), node, skin, primitive)
+        uv = _uv(file, attributes, look, user, len(rest))
+        colour = look.colour * _vertex_colours(file, attributes, user, len(rest))
+        skin, instances = nodes[node].get("skin"), instances_of(file, nodes[node], user)
+        if instances is not None and skin is None:
+            if len(instances) * len(triangles) > MOST_TRIANGLES:
+                raise file.error(f"{user}: {len(instances)} instances of {len(triangles)} triangles; export fewer")
+            rest, triangles = _repeated(rest, triangles, instances)
+            uv, colour = np.tile(uv, (len(instances), 1)), np.tile(colour, (len(instances), 1))
+            if not len(triangles):
+                return None
+        draft = self._placed(Draft(name, rest, look, triangles, uv=uv, colour=colour), node, skin, primitive)
         if skin is None and np.linalg.det(self._nodes.at(node, 0)[0][:3, :3]) < 0:
-            draft = attrs.evolve(draft, triangles=triangles[:, ::-1])  # a mirrored node turns its triangles inside out
+            draft = attrs.evolve(draft, triangles=draft.triangles[:, ::-1])  # a mirrored node turns them inside out
         if look.material.reflectivity and not look.material.curved and not _is_flat(draft.positions):
             draft = attrs.evolve(draft, look=attrs.evolve(look, material=attrs.evolve(look.material, curved=True)))
-        colour = look.colour * _vertex_colours(file, attributes, user, len(rest))
-        return attrs.evolve(draft, uv=_uv(file, attributes, look, user, len(rest)), colour=colour)
+        return draft
+
+    def _shaped(self, rest: Array, node: dict, primitive: dict, user: str) -> Array:
+        """Return the positions with the morph targets at the weights that the file gives them."""
+        targets = primitive.get("targets", [])
+        mesh = self._file.item("meshes", node["mesh"], user)
+        for target, weight in zip(targets, node.get("weights", mesh.get("weights", [])), strict=False):
+            if weight and "POSITION" in target:
+                change = self._file.numbers(target["POSITION"], user, 3)
+                if len(change) != len(rest):
+                    raise self._file.error(f"{user}: {len(rest)} positions, {len(change)} of a morph target")
+                rest = rest + weight * change
+        return rest
 
     def _placed(self, draft: Draft, node: int, skin: int | None, primitive: dict) -> Draft:
         """Return the draft with its vertices where they are at time 0, and how they move."""
         rest, nodes = draft.positions, self._nodes
         if skin is not None:
-            driven = skinned(self._file, nodes, skin, primitive, rest)
-            return attrs.evolve(draft, positions=driven.positions(0), driven=driven)
+            driven = skinned(self._file, nodes, skin, primitive, rest, self.notes)
+            moves = any(nodes.moves(joint) for joint in driven.joints)
+            return attrs.evolve(draft, positions=driven.positions(0), driven=driven if moves else None)
         matrix = nodes.at(node, 0)[0]
         draft = attrs.evolve(draft, positions=rest @ matrix[:3, :3].T + matrix[:3, 3])
         if not nodes.moves(node):
             return draft
         if draft.look.material.head_locked:
-            self.notes.append(f"{self._file.path}: node {node} is fixed to the head; its animation is left out")
+            self.notes.add("what is fixed to the head is not animated", f"node {node}")
             return draft
         if not is_rigid(nodes, node):
             return attrs.evolve(draft, driven=driven_by_node(nodes, node, rest))
@@ -157,8 +174,7 @@ class RichFile:
             name = self._file.items("nodes")[node].get("name") or f"node {node}"
             self.bodies.append(Body(name, NodeMotion(nodes, node)))
             self._body_numbers[node] = len(self.bodies)
-        number = self._body_numbers[node]
-        return attrs.evolve(draft, body=number, rest=self.bodies[number - 1].motion.state(0).pose)
+        return attrs.evolve(draft, body=self._body_numbers[node])
 
 
 def _triangles(file: GltfFile, primitive: dict, user: str, count: int) -> NDArray[np.uint32]:
@@ -166,16 +182,38 @@ def _triangles(file: GltfFile, primitive: dict, user: str, count: int) -> NDArra
     indices = file.numbers(primitive["indices"], user, 1)[:, 0].astype(np.int64) if listed else np.arange(count)
     if len(indices) and (indices.max() >= count or indices.min() < 0):
         raise file.error(f"{user}: a triangle uses vertex {int(indices.max())} of {count}; the file is damaged")
-    return indices[: len(indices) // 3 * 3].reshape(-1, 3).astype(np.uint32)
+    mode = primitive.get("mode", _TRIANGLES)
+    if mode == _TRIANGLES:
+        return indices[: len(indices) // 3 * 3].reshape(-1, 3).astype(np.uint32)
+    if len(indices) < 3:
+        return np.empty((0, 3), np.uint32)
+    if mode == _FAN:
+        first = np.full(len(indices) - 2, indices[0])
+        return np.column_stack([first, indices[1:-1], indices[2:]]).astype(np.uint32)
+    strip = np.column_stack([indices[:-2], indices[1:-1], indices[2:]])
+    strip[1::2] = strip[1::2][:, [1, 0, 2]]  # every second one runs the other way round
+    return strip.astype(np.uint32)
+
+
+def _repeated(rest: Array, triangles: NDArray[np.uint32], instances: Array) -> tuple[Array, NDArray[np.uint32]]:
+    """Return positions and triangles of all instances together, in the axes of their node."""
+    places = np.einsum("kij,nj->kni", instances[:, :3, :3], rest) + instances[:, None, :3, 3]
+    first = np.arange(len(instances), dtype=np.uint32)[:, None, None] * len(rest)
+    faces = np.where(np.linalg.det(instances[:, :3, :3])[:, None, None] < 0, triangles[None, :, ::-1], triangles[None])
+    return places.reshape(-1, 3), (faces + first).reshape(-1, 3).astype(np.uint32)
 
 
 def _uv(file: GltfFile, attributes: dict, look: Look, user: str, count: int) -> Array:
     """Return texture coordinates with their origin bottom left; glTF has it top left."""
     if look.texcoords not in attributes:
         return np.zeros((count, 2))
-    uv = _as_shares(file.numbers(attributes[look.texcoords], user, 2))
+    uv = file.numbers(attributes[look.texcoords], user, 2)
+    # Quantised ones are meant as they are, and a transform makes them shares.
+    uv = uv.astype(np.float64) if "KHR_mesh_quantization" in file.header.get("extensionsUsed", []) else _as_shares(uv)
     if len(uv) != count:
         raise file.error(f"{user}: {count} positions and {len(uv)} texture coordinates; export it again")
+    if not np.array_equal(look.uv_transform, np.eye(3)):
+        uv = uv @ look.uv_transform[:2, :2].T + look.uv_transform[:2, 2]
     return np.where(np.isfinite(uv), uv * (1, -1) + (0, 1), 0.0)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...registry import unknown_name
-from ...scenes import Scene
+from ...scenes import Scene, SceneKey
 from ...tables import KeyFault, Table, quoted
 from .condition_settings import DISPLAY, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part
@@ -28,7 +28,12 @@ class Checker:
     def __init__(self, folder: Path, common: Table | None, checked: bool) -> None:
         """Begin without scenes. folder: of the study file; common: its [common]."""
         self._folder, self._common, self._checked = folder, common, checked
-        self._scenes: dict[str, Scene] = {}
+        self._scenes: dict[SceneKey, Scene] = {}
+
+    @property
+    def scene_notes(self) -> tuple[str, ...]:
+        """What had to be left out or replaced of the scene files, each once."""
+        return tuple(dict.fromkeys(note for scene in self._scenes.values() for note in scene.notes))
 
     def settings(
         self,

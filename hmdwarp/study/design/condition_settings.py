@@ -20,7 +20,7 @@ from ...pipeline.planning import plans_for
 from ...pipeline.sizes import guarded_size
 from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
 from ...run.options import FLAT
-from ...scenes import Scene
+from ...scenes import Scene, SceneKey
 from ...server.draw import MIRRORS
 from ...tables import quoted
 
@@ -61,7 +61,7 @@ def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
     return LiveOptions.of(values, panel=False, **more)
 
 
-def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> LiveOptions:
+def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]) -> LiveOptions:
     """Return the options after trying everything that needs no display.
 
     scenes: those loaded so far; this one is added.
@@ -73,7 +73,7 @@ def check_settings(settings: Mapping[str, object], scenes: dict[str, Scene]) -> 
     options.network.check(round(options.latency_ms * 1e6))
     headset = load_headset(options.headset)
     _check_guard(options, headset)
-    scene = scenes[options.scene] = checked_scene(options, scenes.get(options.scene))
+    scene = scenes[options.scene_key] = checked_scene(options, scenes.get(options.scene_key))
     plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _levels(options, headset))
     refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
     return options

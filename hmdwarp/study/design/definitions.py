@@ -102,6 +102,7 @@ class Design:
     consent: Consent | None = None
     text: str = attrs.field(default="", repr=False)  # the file as it was read; every session keeps it
     path: str = ""
+    scene_notes: tuple[str, ...] = ()  # what had to be left out or replaced of scene files
 
     def part(self, name: str) -> Part:
         """Return the part of that name. Errors: StopIteration."""

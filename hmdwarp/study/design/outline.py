@@ -137,6 +137,7 @@ def notes(design: Design) -> tuple[str, ...]:
         *_of_order(design),
         *(note for part in design.parts for note in _of_part(design, part)),
         *_of_people(design),
+        *design.scene_notes,
     )
 
 

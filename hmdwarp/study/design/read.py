@@ -87,6 +87,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         consent=consent_of(data, folder),
         text=text,
         path=path,
+        scene_notes=checker.scene_notes,
     )
 
 

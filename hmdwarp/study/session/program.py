@@ -162,7 +162,7 @@ class _Program:
             self.design, session, store, display, sources, steps, store.done(session), before_s=before_s
         )
         every = self._all_options()
-        scenes = {name: load_scene(name) for name in {one.scene for one in every}}
+        scenes = {key: load_scene(*key) for key in {one.scene_key for one in every}}
         wait_s = first_picture_wait_s([one.latency_ms for one in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
         self.words.recording = lambda: trials.recording

@@ -11,7 +11,7 @@ import attrs
 from ...display import Command, Label
 from ...errors import InputError
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
-from ...scenes import Scene
+from ...scenes import Scene, SceneKey
 from ..actual import actual_of
 from ..design import Show
 from ..store import Showing
@@ -143,7 +143,7 @@ class TrialRunner:
     ending: Ending
     options_of: Callable[[Show], LiveOptions]  # of the live run that a step is
     wait_s: float  # see first_picture_wait_s
-    scenes: Mapping[str, Scene]  # all that are shown, by name
+    scenes: Mapping[SceneKey, Scene]  # all that are shown
     recording: Recorder | None = None  # the one under way, None between trials
 
     def run(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
@@ -185,7 +185,7 @@ class TrialRunner:
     def _pipeline(self, step: Show) -> PipelineHost:
         """Build a new pipeline, even for the same settings: it must remember nothing."""
         options = self.options_of(step)
-        return PipelineHost(self.context.display, options, self.scenes[options.scene])
+        return PipelineHost(self.context.display, options, self.scenes[options.scene_key])
 
     def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())

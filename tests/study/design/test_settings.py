@@ -55,6 +55,8 @@ def by_command_line(monkeypatch, *arguments: str) -> LiveOptions:
         ({"predict": "constant_velocity", "horizon": 50}, "--predict=constant_velocity --horizon=50"),
         ({"reconnect": 5, "hang": 2, "depth_layer": False}, "--reconnect=5 --hang=2 --no-depth-layer"),
         ({"scene": "spheres", "effects": "none"}, "--scene=spheres --effects=none"),
+        ({"scene-scale": 0.01, "viewpoint": "1,2,-3"}, "--scene-scale=0.01 --viewpoint=1,2,-3"),
+        ({"scene-up": "z", "viewpoint": 0, "animation": 1}, "--scene-up=z --viewpoint=0 --animation=1"),
         ({"mirrors": "screen", "headset": "flat-90"}, "--mirrors=screen --headset=flat-90"),
         ({"warp": "auto", "budget": 4, "bench": "b.json"}, "--warp=auto --budget=4 --bench=b.json"),
     ],
@@ -129,10 +131,10 @@ def test_what_would_fail_in_a_session_fails_before_it(settings, says):
 
 def test_a_scene_is_loaded_once():
     scenes: dict = {}
-    check_settings({"scene": "planes", "latency": 0}, scenes)
-    first = scenes["planes"]
+    options = check_settings({"scene": "planes", "latency": 0}, scenes)
+    first = scenes[options.scene_key]
     check_settings({"scene": "planes", "latency": 100}, scenes)
-    assert scenes == {"planes": first}
+    assert scenes == {options.scene_key: first}
 
 
 def test_files_are_found_from_the_study_file(tmp_path):

@@ -1,0 +1,109 @@
+"""A mesh in float64 as a file holds it, before its place in the scene is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import Pose
+from ._content import Body, Material
+from ._gltf_moving import Driven
+from ._mesh import Mesh
+
+Array = NDArray[np.float64]
+_KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
+
+
+@attrs.frozen(eq=False)
+class Look:
+    """Appearance of a part of a file."""
+
+    # (3,) linear.
+    colour: Array
+    # Index of its texture, -1 for none.
+    texture: int
+    material: Material
+    double_sided: bool
+    # Name of the attribute with its texture coordinates.
+    texcoords: str = ""
+    # (3, 3), which takes the file's texture coordinates (u, v, 1) to those of the picture.
+    uv_transform: Array = attrs.field(factory=lambda: np.eye(3))
+    # No light falls on it: it shines in its own colour.
+    unlit: bool = False
+
+
+@attrs.frozen(eq=False)
+class Draft:
+    """A mesh in the axes of the file's world, in metres with +y up."""
+
+    name: str
+    # (n, 3) at time 0 in the file's world; in head axes if head-locked.
+    positions: Array
+    look: Look
+    triangles: NDArray[np.uint32]
+    # (n, 3), in the same axes.
+    normals: Array = attrs.field(factory=lambda: np.empty((0, 3)))
+    # (n, 2), origin bottom left.
+    uv: Array = attrs.field(factory=lambda: np.empty((0, 2)))
+    # (n, 3) linear.
+    colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))
+    # Number of the body, 0 for none.
+    body: int = 0
+    driven: Driven | None = None
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether it stands in the world and can be bumped into."""
+        return not (self.look.material.see_through or self.look.material.head_locked)
+
+    def mesh(self, world_from_file: Pose, origin: Array, bodies: Sequence[Body]) -> Mesh:
+        """Return the mesh in a scene with that origin; in its body's frame if it has a body.
+
+        bodies: where they are in the world, not in the file's.
+        """
+        look, locked = self.look, self.look.material.head_locked
+        positions = self.positions if locked else world_from_file.transform(self.positions)
+        normals = self.normals if locked else world_from_file.rotation.apply(self.normals)
+        if self.body and not locked:
+            inverse = bodies[self.body - 1].motion.state(0).pose.inverse()
+            positions, normals = inverse.transform(positions), inverse.rotation.apply(normals)
+        elif not locked:
+            positions = positions - origin
+        # No lamp of the world shines on what is fixed to the head. Else the light stays where it is
+        # in the file, wherever the viewer stands.
+        lit = np.ones(len(normals)) if locked or look.unlit else _light_on(self.normals, look.double_sided)
+        return Mesh(
+            self.name,
+            positions,
+            normals,
+            self.uv,
+            self.colour * lit[:, None],
+            self.triangles,
+            look.texture,
+            look.double_sided,
+            look.material,
+            self.body,
+            self.driven.seen_from(origin) if self.driven is not None else None,
+            self.colour,
+        )
+
+
+def _light_on(normals: Array, double_sided: bool) -> Array:
+    """Return (n,) a plain light on unit normals; a single sheet is lit from both sides."""
+    if double_sided:
+        return 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT)
+    return 0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0)
+
+
+def normals_of(vertices: Array, faces: NDArray) -> Array:
+    """Return area-weighted unit vertex normals; +y where a vertex has no triangle of any area."""
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    across = np.cross(b - a, c - a)
+    total = np.zeros_like(vertices)
+    for corner in range(3):
+        np.add.at(total, faces[:, corner], across)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    return np.where(length > 0, total / np.where(length > 0, length, 1), (0.0, 1.0, 0.0))

@@ -1,0 +1,140 @@
+"""Where a viewer stands in a file's scene: never inside an object, a wall or the floor."""
+
+from __future__ import annotations
+
+import itertools
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ._rays import Triangles
+
+Array = NDArray[np.float64]
+EYE_HEIGHT_M, HEADROOM_M = 1.6, 1.9
+_LEAST_HEADROOM_M = 1.0
+# Free around the eyes and around the middle of the body.
+_ARM_M, _BODY_M = 0.4, 0.3
+# A floor is flatter than 45 degrees, in the lower half of the scene, and below this share of it.
+_FLAT, _LOW, _FLOOR_SHARE = 0.7, 0.5, 0.25
+_LEVEL_M = 0.5
+_GRID, _TRIED = 15, 60
+# Shares seen from behind: of all directions inside a thing, and of what is seen in a free place,
+# where single sheets may turn their backs.
+_MOST_BEHIND, _FEW_BEHIND = 0.4, 0.25
+_ANGLE_DEG = 25.0  # half of what an object fills
+_AROUND = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)])
+_AROUND /= np.linalg.norm(_AROUND, axis=1, keepdims=True)
+_RING = np.array([(np.sin(a), 0.0, -np.cos(a)) for a in np.arange(16) * np.pi / 8])
+_AHEAD = np.array([(x, y, -1.0) for x in (-0.5, -0.25, 0.0, 0.25, 0.5) for y in (-0.35, 0.0, 0.2)])
+_AHEAD /= np.linalg.norm(_AHEAD, axis=1, keepdims=True)
+
+
+@attrs.frozen(eq=False)
+class Place:
+    """A viewer's place in the file's world, metres, +y up."""
+
+    # (3,) between the eyes.
+    eye: Array
+    # To the left of -z.
+    yaw_deg: float
+    # (2, 3) how far the head may go from there, along its own axes.
+    reach: Array
+
+
+def free_place(triangles: Triangles, low: Array, high: Array) -> Place:
+    """Return a place in a scene from corner `low` to `high`.
+
+    In a scene of a room's size (3 m or more across both ways and 2 m high) with a floor, the viewer
+    stands on it near its middle. Anything else is an object, seen from the +z side at the height of
+    its middle, at a distance where it fills about 50 degrees.
+    """
+    size = high - low
+    if size[0] >= 3 and size[2] >= 3 and size[1] >= 2:
+        for eye in itertools.islice(_places(triangles, low, high), _TRIED):
+            if _is_free(triangles, eye):
+                return place_at(triangles, eye[:3], _open_side(triangles, eye[:3], float(size.max())), size)
+    distance = max(float(max(size[0], size[1])) / (2 * np.tan(np.radians(_ANGLE_DEG))), 0.05)
+    eye = np.array([*((low + high) / 2)[:2], high[2] + distance])
+    return Place(eye, 0.0, np.array([[-distance / 2] * 3, [distance / 2] * 3]))
+
+
+def place_at(triangles: Triangles, eye: Array, yaw_deg: float, size: Array) -> Place:
+    """Return a place and what is free around it, up to a quarter of the scene's size."""
+    turn = _turn(yaw_deg)
+    most = np.maximum(0.25 * size, 0.3)[[0, 2]].max()
+    limits = np.array([[most, 0.8, most], [most, 0.6, most]])
+    free = triangles.first_hits(eye, np.concatenate([-turn.T, turn.T]))[0].reshape(2, 3)
+    return Place(eye, yaw_deg, np.minimum(limits, 0.8 * free) * ((-1.0,), (1.0,)))
+
+
+def is_inside(triangles: Triangles, eye: Array) -> bool:
+    """Return whether surfaces are seen from behind in most directions."""
+    return bool(triangles.first_hits(eye, _AROUND)[1].mean() > _MOST_BEHIND)
+
+
+def _turn(yaw_deg: float) -> Array:
+    sine, cosine = np.sin(np.radians(yaw_deg)), np.cos(np.radians(yaw_deg))
+    return np.array([(cosine, 0, sine), (0, 1, 0), (-sine, 0, cosine)])
+
+
+def _places(triangles: Triangles, low: Array, high: Array) -> list[Array]:
+    """Return (x, y, z, floor) of eyes above a floor: the file's origin, then from the middle."""
+    shares = (np.arange(_GRID) + 0.5) / _GRID
+    size, middle = high - low, (low + high) / 2
+    found = []
+    for x in low[0] + shares * size[0]:
+        slab = triangles.near(np.array([x, *low[1:]]), np.array([x, *high[1:]]))
+        for z in low[2] + shares * size[2]:
+            found += [(x, z, *floor) for floor in _floor_at(slab, x, z, low, high)]
+    if len(found) < _FLOOR_SHARE * _GRID**2:
+        return []
+    ground = float(np.median([floor for _, _, floor, _ in found]))
+    if (low < 0)[[0, 2]].all() and (high > 0)[[0, 2]].all():
+        found += [(0.0, 0.0, *floor) for floor in _floor_at(triangles, 0.0, 0.0, low, high)]
+
+    def worth(one: tuple[float, float, float, float]) -> tuple[bool, bool, float]:
+        x, z, floor, headroom = one
+        apart = np.hypot(x - middle[0], z - middle[2]) if (x, z) != (0.0, 0.0) else -1.0
+        return headroom < HEADROOM_M, abs(floor - ground) > _LEVEL_M, float(apart)
+
+    ordered = sorted(found, key=worth)
+    heights = [EYE_HEIGHT_M if room >= HEADROOM_M else 0.6 * room for *_, room in ordered]
+    return [np.array([x, floor + up, z, floor]) for (x, z, floor, _), up in zip(ordered, heights, strict=True)]
+
+
+def _floor_at(triangles: Triangles, x: float, z: float, low: Array, high: Array) -> list[tuple[float, float]]:
+    """Return the lowest floor there to stand on, and the headroom above it; else nothing."""
+    heights, up = triangles.heights_at(x, z)
+    for height, flat in zip(heights, up, strict=True):
+        above = np.flatnonzero(heights > height + 0.01)
+        headroom = float(heights[above[0]] - height) if len(above) else np.inf
+        # What is seen from behind overhead is the top of a solid thing, or a roof of one sheet.
+        least = HEADROOM_M if len(above) and up[above[0]] > 0 else _LEAST_HEADROOM_M
+        if flat >= _FLAT and headroom >= least and height <= low[1] + _LOW * (high - low)[1]:
+            return [(float(height), headroom)]
+    return []
+
+
+def _is_free(triangles: Triangles, place: Array) -> bool:
+    eye, floor = place[:3], place[3]
+    near = triangles.near(eye - 0.5, eye + 0.5)
+    if (near.first_hits(eye, _RING)[0] < _ARM_M).any():
+        return False
+    body = np.array([eye[0], (eye[1] + floor) / 2, eye[2]])
+    near = triangles.near(body - 0.5, body + 0.5)
+    if (near.first_hits(body, _RING)[0] < _BODY_M).any():
+        return False
+    distance, behind = triangles.first_hits(eye, _AROUND)
+    return float(behind.sum()) <= _FEW_BEHIND * np.isfinite(distance).sum()
+
+
+def _open_side(triangles: Triangles, eye: Array, size: float) -> float:
+    """Return a yaw at which something is seen, not too near; 0 if it is so there."""
+    seen = {}
+    for yaw in (0.0, 90.0, 180.0, -90.0):
+        distance, _ = triangles.first_hits(eye, _AHEAD @ _turn(yaw).T)
+        seen[yaw] = float(((distance >= 1) & (distance <= size)).mean())
+        if seen[yaw] >= 0.5:
+            return yaw
+    return max(seen, key=lambda yaw: seen[yaw])

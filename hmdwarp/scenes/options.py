@@ -1,0 +1,91 @@
+"""What a user may state about a scene file: units, axes, the viewer's place, the animation."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+
+from ..errors import InputError
+from ..options import PICTURE, Declared, Number, one_of, option
+
+NONE = "none"
+UPS = ("y", "z")
+
+
+@attrs.frozen
+class SceneOptions(Declared):
+    """How a scene file is read; the scenes of the library take none of it.
+
+    Errors: InputError for values that are wrong whatever the file holds.
+    """
+
+    # Metres per unit.
+    scale: float = option(
+        1.0,
+        "Metres per unit of a scene file, like 0.001 for millimetres.",
+        name="scene_scale",
+        study=PICTURE,
+        valid=Number(least=1e-6, most=1e6),
+    )
+    up: str = option(
+        "y", "What is up in a scene file: y or z.", name="scene_up", study=PICTURE, valid=one_of(*UPS), limits="y or z"
+    )
+    # See `place`; None for a free place.
+    viewpoint: str | None = option(
+        None,
+        "Where the viewer stands in a scene file: X,Y,Z or X,Y,Z,YAW (metres, +y up; degrees to the left), or a "
+        "camera of the file by name or number (from 0); by default a free place.",
+        study=PICTURE,
+        numeric=True,
+        metavar="PLACE",
+    )
+    # None for the first one and those that can play beside it.
+    animation: str | None = option(
+        None,
+        "Animation of a scene file to play, by name or number (from 0), or none; by default the first, and those "
+        "that move other things.",
+        study=PICTURE,
+        numeric=True,
+        metavar="NAME",
+    )
+
+    def __attrs_post_init__(self) -> None:
+        self.place  # noqa: B018 (raises at once for numbers that make no place)
+
+    @property
+    def place(self) -> tuple[float, ...] | None:
+        """The viewpoint as x, y, z in metres and yaw in degrees; None where it names a camera.
+
+        Errors: InputError for numbers that are not three or four finite ones.
+        """
+        parts = [part.strip() for part in (self.viewpoint or "").split(",")]
+        try:
+            numbers = [float(part) for part in parts]
+        except ValueError:
+            return None
+        if len(numbers) == 1 and parts[0].isdecimal():
+            return None  # a camera's number
+        if len(numbers) not in (3, 4) or not all(map(math.isfinite, numbers)):
+            raise InputError(
+                f"viewpoint '{self.viewpoint}': expected X,Y,Z or X,Y,Z,YAW, such as 0,1.6,2,90, or the name or "
+                "number of a camera in the file"
+            )
+        return (*numbers, 0.0)[:4]
+
+
+# A scene's name or file, and how the file is read.
+SceneKey = tuple[str, SceneOptions]
+
+
+def numbered(names: list[str], asked: str, kind: str, flag: str, also: str = "") -> int:
+    """Return the index of `asked` among the names: a name first, else a number from 0.
+
+    also: another word that the option takes. Errors: InputError, with what there is.
+    """
+    if asked in names:
+        return names.index(asked)
+    if asked.isdecimal() and int(asked) < len(names):
+        return int(asked)
+    known = ", ".join(f"{number} '{name}'" for number, name in enumerate(names)) or f"no {kind}"
+    raise InputError(f"{flag} '{asked}': the file has {known}{f'; or {also}' if also else ''}")

@@ -1,0 +1,124 @@
+"""Options of scene files are there wherever --scene is, reach the picture, and notes are told."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from scenes.glb import boxes, cube
+
+from hmdwarp.bench import BenchOptions
+from hmdwarp.options import PICTURE, options_of
+from hmdwarp.pipeline import PipelineOptions
+from hmdwarp.run import LiveOptions, RecordOptions, RunOptions
+from hmdwarp.scenes import SceneOptions
+from hmdwarp.study.design import KINDS, check_settings
+
+NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
+TINY = ("--size", "40x50", "--lens", "none", "--effects", "none")
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A room whose middle is at (104, 51.5, 203)."""
+    path = tmp_path / "far.glb"
+    path.write_bytes(boxes(cube((100, 50, 200), (108, 53, 206), inwards=True)).data())
+    return path
+
+
+@pytest.mark.parametrize("kind", [PipelineOptions, RunOptions, LiveOptions, RecordOptions, BenchOptions])
+def test_they_are_declared_once_and_offered_wherever_a_scene_is(kind):
+    offered = {one.name: one for one in options_of(kind)}
+    assert {"scene", *NAMES} <= set(offered)
+    assert [offered[one.name] for one in options_of(SceneOptions)] == list(options_of(SceneOptions))
+
+
+def test_a_study_may_set_them(scene):
+    assert set(KINDS) >= NAMES and {one.study for one in options_of(SceneOptions)} == {PICTURE}
+    settings = {
+        "scene": str(scene),
+        "viewpoint": "102,51.6,203,90",
+        "scene_scale": 1,
+        "animation": "none",
+        "warp": "none",
+    }
+    scenes: dict = {}
+    options = check_settings(settings, scenes)
+    assert options.scene_options == SceneOptions(viewpoint="102,51.6,203,90", animation="none")
+    check_settings(settings | {"viewpoint": "103,51.6,203"}, scenes)
+    assert len(scenes) == 2  # one for each way to see the file
+
+
+def test_plan_tells_what_was_noticed(command, scene):
+    done = command("plan", "--scene", scene, "--warp", "none", "--fill", "none").done()
+    assert "note: far.glb: seen from 104,51.6,203 of the file, which is at (0, 1.6, 0)" in " ".join(done.out.split())
+    done = command("plan", "--scene", scene, "--viewpoint", "-1,51.6,203", "--warp", "none", "--fill", "none").done()
+    assert "note:" not in done.out
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        (("--viewpoint", "door"), "viewpoint 'door': the file has no cameras; or X,Y,Z[,YAW]"),
+        (("--viewpoint", "1,2"), "viewpoint '1,2': expected X,Y,Z or X,Y,Z,YAW"),
+        (("--animation", "run"), "animation 'run': the file has no animations; or none"),
+        (("--scene-up", "x"), "up 'x': expected y or z"),
+        (("--scene-scale", "0"), "scene-scale 0: expected a number of at least 1e-06"),
+    ],
+)
+def test_what_a_file_lacks_is_refused_with_what_it_has(command, scene, said, message):
+    failed = command("plan", "--scene", scene, *said)
+    assert failed.status == 2
+    assert message in " ".join(failed.err.split())
+
+
+def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
+    def summary(name, *more):
+        out = tmp_path / name
+        run = (
+            "replay",
+            "still",
+            "--scene",
+            scene,
+            "--warp",
+            "none",
+            "--fill",
+            "none",
+            "--seconds",
+            "0.02",
+            "--start",
+            "1",
+        )
+        command(*run, *TINY, "--latency", "0", "--against", "", "--images", "1", "--out", out, *more).done()
+        pictures = [one.read_bytes() for one in sorted((out / "images").iterdir())]
+        return json.loads((out / "summary.json").read_text(encoding="utf-8"))["notes"], pictures
+
+    notes, free = summary("free")
+    assert any("seen from 104,51.6,203" in note for note in notes)
+    notes, other = summary("other", "--viewpoint", "101,51.6,203,20")
+    assert not any("seen from" in note for note in notes) and other != free
+
+
+def test_a_bench_keeps_and_tells_the_notes(command, scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
+    few = ("--instants", "1", "--rounds", "1", "--workers", "0", "--no-grid", "--no-fused", "--seconds", "0.3")
+    which = ("--warp", "none", "--fill", "none", "--guard", "1", "--size", "40x50", "--out", tmp_path / "out")
+    done = command("bench", "still", "--scene", scene, *few, *which).done()
+    assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.out.split())
+    (note,) = json.loads((tmp_path / "out" / "bench.json").read_text(encoding="utf-8"))["notes"]
+    assert "seen from 104,51.6,203" in note
+
+
+def test_live_tells_the_notes_before_it_begins(command, scene):
+    run = ("live", "--source", "offscreen", "--trace", "still", "--frames", "2", "--latency", "0", "--no-panel")
+    done = command(*run, "--scene", scene, *TINY, "--warp", "none", "--fill", "none")
+    assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.err.split())
+
+
+def test_a_study_plan_hints_at_the_notes(command, scene, tmp_path):
+    from study.tiny import STUDY
+
+    path = tmp_path / "tiny.toml"
+    path.write_text(STUDY.replace('scene = "planes"', f'scene = "{scene.name}"\nscene_scale = 0.01'), encoding="utf-8")
+    done = command("study", "plan", path).done()
+    assert "far.glb: seen from" in " ".join(done.out.split())
