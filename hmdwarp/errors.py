@@ -3,6 +3,10 @@
 A message says in one line what was found, what was expected and what to do.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 
 class HmdwarpError(Exception):
     """An internal error (exit status 1).
@@ -43,3 +47,16 @@ class PlanError(InputError):
 
 class ShaderError(HmdwarpError):
     """A shader that does not compile or link, or a uniform set by a name that it lacks."""
+
+
+_IRREGULAR = {"person": "people"}  # plurals in messages
+
+
+def counted(number: int, word: str) -> str:
+    """Return "1 person" or "3 ratings"."""
+    return f"{number} {word if number == 1 else _IRREGULAR.get(word, word + 's')}"
+
+
+def listed(names: Sequence[str], word: str = "and") -> str:
+    """Return "a, b and c"; "" for no names."""
+    return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))

@@ -26,7 +26,7 @@ PACKAGE = ROOT / "hmdwarp"
 
 # From the ground up; a module imports from floors below its own, or from its own unit.
 FLOORS = [
-    {"errors", "version", "phrases"},
+    {"errors", "version"},
     {"registry", "resources", "colour", "geometry"},
     {"tables", "options"},
     {"gpu", "poses", "headsets"},

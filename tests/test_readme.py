@@ -12,6 +12,7 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import needs
@@ -41,8 +42,10 @@ LEFT = {
     "README.md": ("out/walk/report.html", "out/bench/bench.json", "out/thesis/report.html"),
     "bench.md": ("out/bench/bench.html", "out/budget/report.html"),
     "getting-started.md": ("out/first/report.html", "out/first/summary.json", "out/first/frames.csv"),
+    "headsets.md": ("out/viewer/report.html",),
     "live.md": ("out/offscreen/report.html", "rehearsal.csv"),
     "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "mine.csv", "mine.tum"),
+    "response-models.md": ("out/power/power.json",),
     "rgbd.md": ("frame.npz", "warped.png"),
     "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
@@ -96,6 +99,30 @@ def _untracked(names: list[str]) -> list[str]:
     if ignored.returncode > 1:  # no git, or no clone
         return []
     return [name for name in names if name not in ignored.stdout.splitlines()]
+
+
+FORMATS = {  # page: files of that format that are part of the package
+    "response-models.md": "study/respondents/*.toml",
+    "scales.md": "study/scales/*.toml",
+    "headsets.md": "headsets/*.toml",
+}
+
+
+def keys_of(table: dict[str, object]) -> set[str]:
+    """Return every key of a file, but for the names and answers that its author chooses."""
+    found = set(table)
+    for key, value in table.items():
+        inner = list(value.values()) if key == "rating" else value if isinstance(value, list) else [value]
+        for one in inner:
+            found |= keys_of(one) if isinstance(one, dict) and key not in ("means", "anchors") else set()
+    return found
+
+
+@pytest.mark.parametrize("page", FORMATS)
+def test_a_page_of_a_format_names_every_key(page):
+    files = sorted((ROOT / "hmdwarp").glob(FORMATS[page]))
+    keys = set().union(*(keys_of(tomllib.loads(file.read_text(encoding="utf-8"))) for file in files))
+    assert files and {key for key in keys if not re.search(rf"[`.\[]{key}[`.\]]", PAGES[page])} == set()
 
 
 @pytest.mark.slow

@@ -196,7 +196,10 @@ class Display(Protocol):
         """
 
     def restart(self) -> None:
-        """Restart a recorded head from its beginning."""
+        """Prepare for something new to be looked at.
+
+        A recorded head begins anew; a window's mouse turns the head from now on, without a click.
+        """
 
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""

@@ -6,7 +6,7 @@ import math
 import re
 from decimal import ROUND_HALF_UP, Decimal
 
-from ..phrases import counted, listed  # noqa: F401 (part of this package's face)
+from ..errors import counted, listed  # noqa: F401 (part of this package's face)
 
 ALPHA = 0.05
 
@@ -50,10 +50,13 @@ def plain(value: float | None, digits: int = 2) -> str:
     return "–" if value is None or math.isnan(value) else f"{value:.{digits}f}"
 
 
-def pair_text(a: str, b: str) -> str:
-    """Return "none → forward, 200 ms": two conditions, with their common end said once."""
-    head, comma, tail = a.rpartition(", ")
-    return f"{head} → {b}" if comma and b.endswith(f", {tail}") else f"{a} → {b}"
+def pair_text(baseline: str, condition: str) -> str:
+    """Return "forward over none, 200 ms"; a positive difference is a gain over the baseline.
+
+    The common end of the two names is said once.
+    """
+    head, comma, tail = condition.rpartition(", ")
+    return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"
 
 
 def name_pieces(text: str) -> list[str]:

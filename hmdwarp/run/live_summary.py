@@ -12,9 +12,9 @@ import attrs
 import numpy as np
 
 from ..display import Display
+from ..errors import counted
 from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
-from ..phrases import counted
 from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions

@@ -13,6 +13,7 @@ Column = Callable[[str], NDArray[np.float64]]
 
 # None where unknown.
 NUMBERS = (
+    "onset_s",
     "seconds",
     "pictures",
     "rate_hz",
@@ -34,16 +35,21 @@ NUMBERS = (
     "linear_speed_m_s_median",
     "lost_s",
     "tracking_lost_share",
+    "head_turn_deg",
+    "head_shift_m",
 )
+FLAGS = ("head_still",)
 TEXTS = ("warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size")
-NOTHING: dict[str, Any] = {**dict.fromkeys(NUMBERS), **dict.fromkeys(TEXTS, "")}
+NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
 
 
 def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
-    """Return NUMBERS and TEXTS from a live run's summary and its columns (live.outcome.COLUMNS).
+    """Return NUMBERS, FLAGS and TEXTS from a live run's summary and its columns.
 
-    A summary without pictures gives None throughout.
+    A summary without pictures gives None throughout. The session adds its own: onset_s, from the
+    session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
+    from where it was first; head_still: session/head_range.py.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
     the frame to showing it. period: between two pictures. missed: refreshes without a new picture,

@@ -2,7 +2,8 @@
 
 Python -m display.question_window.
 
-Reads "ask" (a new question), "show" (none), "wait" (as it is) and "end" from stdin, a line each.
+Reads "ask" (a new question), "show" (none), "trial" (none, and the start of a trial), "wait" (as it
+is) and "end" from stdin, a line each.
 Prints a line of JSON for each command that came by hand, with what the question made of it, two
 refreshes after each line from stdin, and after each change of where the head is or who has the
 mouse.
@@ -55,6 +56,8 @@ class QuestionWindow:
                 return False
             if line != "wait":
                 self._ask(line == "ask")
+            if line == "trial":
+                self._display.restart()
             self._drawn.append((line, 0))
         if self._display.wait() is not None:
             self._display.show(None, self._asked.panel() if self._asked is not None else "")

@@ -255,3 +255,18 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     before = asking.now("turned")
     asking.screen.do("mousemove_relative", "--", -60, 0)
     until(lambda: asking.now("turned") != before, "a turn")
+
+
+def test_a_trial_takes_the_mouse_without_a_click(asking):
+    """Participants at a window do not know that they could click."""
+    asking.say("ask")
+    assert not asking.now("captured")
+    asking.say("trial")
+    asking.waits("captured", True)
+    before = asking.now("turned")
+    asking.screen.do("mousemove_relative", "--", 60, 0)
+    until(lambda: asking.now("turned") != before, "a turn")
+    asking.say("ask")
+    asking.waits("captured", False)
+    asking.to(0.5, 0.525)
+    until(lambda: asking.now("value") is not None, "the mouse points at the scale")

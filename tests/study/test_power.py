@@ -5,6 +5,7 @@ The simulation against theory, against the analysis, and as a command.
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 
@@ -19,6 +20,7 @@ from scipy.stats import binomtest
 
 from hmdwarp.cli.study.power import power as command
 from hmdwarp.errors import InputError
+from hmdwarp.report.study import comparison_lines
 from hmdwarp.study.analysis import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
 from hmdwarp.study.power import (
@@ -36,6 +38,7 @@ from hmdwarp.study.respondents import Population, load_model
 from . import tiny
 from .made_up import simulate_study
 
+PLAN_COMPARES = 'compare = [{ better = "warped", baseline = "late" }]\n#'
 DESIGN, THESIS = load_design("quick"), load_design("thesis")
 GRADE = DESIGN.scales[0]
 
@@ -71,9 +74,30 @@ def test_what_is_significant_is_what_the_analysis_says():
         given_ = {c: differences(cohorts[c.part], GRADE, c) for family in THESIS.families for c in family.comparisons}
         found = significant(THESIS, given_, 0.05)
         for row in rows:
-            one = Comparison(row["part"], row["a"], row["b"])
+            one = Comparison(row["part"], row["baseline"], row["condition"])
             assert found[one] == (row["holm"] <= 0.05)
             assert sorted(given_[one]) == pytest.approx(sorted(row["differences"].values()))
+
+
+@pytest.mark.parametrize("scale", ["grade", "slider"])  # low is good; high is good
+def test_every_command_names_a_comparison_by_the_sign_that_it_prints(tmp_path, scale):
+    """A warp that is better by planning: "warped over late" in plan, power and analysis, and a
+    positive figure beside it, whichever way the scale goes.
+    """
+    study = tmp_path / "s.toml"
+    study.write_text(tiny.STUDY.replace('"grade"', f'"{scale}"').replace("pairs = [", PLAN_COMPARES), encoding="utf-8")
+    design = load_design(str(study))
+    assert "warped over late" in hmdwarp("study", "plan", study).stdout
+    planned = ("--effect", 3, "--sd", 0.5, "--n", 6, "--studies", 10, "--out", tmp_path / "power")
+    said = hmdwarp("study", "power", study, *planned).stdout
+    assert "warped over late (a true mean difference of +" in " ".join(said.split())
+    (row,) = csv.DictReader((tmp_path / "power" / "power.csv").read_text(encoding="utf-8").splitlines())
+    assert (row["condition"], row["baseline"], float(row["true_effect"]) > 0) == ("warped", "late", True)
+
+    model = planned_model(design, design.scales[0], 3.0, 0.5)
+    (compares,) = compared(simulate_study(design, model, 6, seed=1), scale, design.families, Resampling(resamples=100))
+    assert (compares["condition"], compares["baseline"], compares["mean"] > 0) == ("warped", "late", True)
+    assert comparison_lines([compares])[1][0][0] == "main: warped over late"
 
 
 def one_comparison():
@@ -174,16 +198,49 @@ def test_effects_that_contradict_each_other_are_refused():
 def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
     asked = ("study", "power", "quick", "--effect", "0.8", "--sd", "1", "--n", "8..16", "--studies", "100")
     said = tiny.ran(*asked, "--out", tmp_path)
-    assert "people who begin" in said and "find it in" in said
+    assert "people who begin" in said and "it is found in" in said
     data = json.loads((tmp_path / "power.json").read_text())
-    assert [row["n"] for row in data["rows"]] == [8, 12, 16] * 2
-    assert all(0 <= row["power_low"] <= row["power"] <= row["power_high"] <= 1 for row in data["rows"])
+    (scale,) = data["scales"]
+    assert scale["scale"] == "grade" and [row["n"] for row in scale["rows"]] == [8, 12, 16] * 2
+    assert all(0 <= row["power_low"] <= row["power"] <= row["power_high"] <= 1 for row in scale["rows"])
     assert (tmp_path / "power.csv").read_text().count("\n") == 7
     picture = np.asarray(Image.open(tmp_path / "power.png"))
     assert picture.shape[0] > 300 and picture.std() > 10
     again = tmp_path / "again"
     assert tiny.ran(*asked, "--quiet", "--out", again) == ""
     assert all((again / name).read_bytes() == (tmp_path / name).read_bytes() for name in ("power.json", "power.csv"))
+
+
+@pytest.fixture
+def two_scales(tmp_path):
+    """A study that asks on two scales after each trial."""
+    study = tmp_path / "two.toml"
+    study.write_text(tiny.STUDY.replace('scales = ["grade"]', 'scales = ["acr", "slider"]'), encoding="utf-8")
+    return study
+
+
+EFFECT = ("--effect", 0.5, "--sd", 1, "--n", "8,12", "--studies", 20)
+
+
+def test_a_study_with_two_scales_is_planned_on_both_or_on_one(two_scales, tmp_path):
+    said = tiny.ran("study", "power", two_scales, *EFFECT, "--out", tmp_path / "both")
+    assert "acr: Quality in five grades (ACR)" in said and "slider: Quality, continuous" in said
+    assert "in the units of each scale" in said
+    both = json.loads((tmp_path / "both" / "power.json").read_text())["scales"]
+    assert [one["scale"] for one in both] == ["acr", "slider"]
+    tiny.ran("study", "power", two_scales, *EFFECT, "--scale", "slider", "--out", tmp_path / "one")
+    assert json.loads((tmp_path / "one" / "power.json").read_text())["scales"] == both[1:]
+    rows = list(csv.DictReader((tmp_path / "both" / "power.csv").read_text(encoding="utf-8").splitlines()))
+    assert [row["scale"] for row in rows] == ["acr"] * 4 + ["slider"] * 4
+
+
+def test_a_model_of_one_scale_plans_that_scale(two_scales, tmp_path):
+    model = tmp_path / "acr.toml"
+    model.write_text(tiny.MODEL.format(**tiny.USUAL).replace("rating.grade", "rating.acr"), encoding="utf-8")
+    asked = ("study", "power", two_scales, "--model", model, "--n", "8", "--studies", 20, "--out", tmp_path / "out")
+    done = tiny.program(*asked)
+    assert done.returncode == 2 and "no [rating.slider]" in done.stderr and "--scale (acr" in done.stderr
+    assert "people who begin" in tiny.ran(*asked, "--scale", "acr")
 
 
 @pytest.mark.parametrize(

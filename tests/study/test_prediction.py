@@ -154,6 +154,12 @@ def test_measures_that_move_together_are_told_as_such():
     assert "is undecided" in text and "ratings cannot separate them" in text and "move together" in text
 
 
+def test_what_is_skipped_says_what_it_needs_and_what_there_is():
+    said = sentences(few(made_up(1, {FLIP: 0.5}, people=2)))[0]
+    assert said.startswith(f"Skipped: which metric predicts the ratings (needs {LEAST_PEOPLE} people with ")
+    assert said.endswith("each, found 2).")
+
+
 @pytest.mark.slow(8)
 def test_of_noise_nothing_is_claimed():
     """13 measures that have nothing to do with the grades.
@@ -164,7 +170,7 @@ def test_of_noise_nothing_is_claimed():
     claims = sum(few(made_up(seed, effects), resamples=2000).sure for seed in range(60))
     assert claims <= 8
     quiet = next(found for seed in range(60) if not (found := few(made_up(seed, effects))).sure)
-    assert sentences(quiet)[0].startswith("No measure is shown to predict the ratings")
+    assert sentences(quiet)[0].startswith("No metric is shown to predict the ratings")
 
 
 @pytest.mark.slow(12)
@@ -226,7 +232,7 @@ def test_what_cannot_be_looked_at_is_named_with_its_reason():
     assert reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings" and reasons["flicker"] == "not measured"
     assert found.dropped == 5 and found.ratings == 91
     text = " ".join(sentences(found))
-    assert "Left out: 5 ratings without all measures" in text and "flicker" in text
+    assert "Left out: 5 ratings without all metrics" in text and "flicker" in text
 
 
 def test_too_little_is_refused_in_words():
@@ -234,7 +240,7 @@ def test_too_little_is_refused_in_words():
     for rows, word in (
         (made_up(1, {FLIP: 0.5}, people=LEAST_PEOPLE - 1), "people"),
         (made_up(1, {FLIP: 0.5}, conditions=2, repeats=3), "conditions"),
-        ([one | {FLIP: 1.0} for one in made_up(1, {FLIP: 0.5})], "no measure differs"),
+        ([one | {FLIP: 1.0} for one in made_up(1, {FLIP: 0.5})], "no metric differs"),
         ([one | {"value": 3.0} for one in made_up(1, {FLIP: 0.5})], "same rating"),
         ([one for one in made_up(1, {FLIP: 0.5}) if one["condition"] == "c0"], "people"),
     ):
@@ -259,4 +265,4 @@ def test_missing_ratings_and_other_scales_are_left_alone():
 
 def test_one_measure_alone_is_not_called_the_best():
     found = few(made_up(1, {FLIP: 0.5}))
-    assert sentences(found)[0].startswith("Only one measure can be tested") and attrs.asdict(found)["scale"] == "grade"
+    assert sentences(found)[0].startswith("Only one metric can be tested") and attrs.asdict(found)["scale"] == "grade"

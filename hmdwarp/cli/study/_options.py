@@ -19,7 +19,7 @@ def study_field() -> Any:
 
 def store_field() -> Any:
     """Return the field of a study's folder of data."""
-    return option(None, "Folder of the study's data; by default beside its file.", kind=Path)
+    return option(None, "Folder of the study's data; by default STUDY-data beside its file.", kind=Path)
 
 
 def pilot_field() -> Any:

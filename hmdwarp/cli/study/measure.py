@@ -7,10 +7,11 @@ from pathlib import Path
 import attrs
 import typer
 
+from ...errors import InputError
 from ...options import Declared, group
 from ...study.measure_options import MeasureOptions
 from .._options import QUIET, Said, takes
-from ._options import store_field, study_field
+from ._options import simulated_field, store_field, study_field
 
 
 @attrs.frozen
@@ -19,7 +20,19 @@ class MeasureCommand(Declared):
 
     study: str = study_field()
     store: Path | None = store_field()
+    simulated: bool = simulated_field()
     options: MeasureOptions = group(MeasureOptions)
+
+    def __attrs_post_init__(self) -> None:
+        if self.options.pilot and self.simulated:
+            raise InputError("--pilot and --simulated: their data lie apart; measure one after the other")
+
+    @property
+    def origin(self) -> str:
+        """Whose sessions are measured."""
+        from ...study.store import PERSON, PILOT, SIMULATED
+
+        return PILOT if self.options.pilot else SIMULATED if self.simulated else PERSON
 
 
 @takes(MeasureCommand, QUIET)
@@ -27,13 +40,13 @@ def measure(said: Said) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
     from ...study.design import load_design
     from ...study.measure import measure_study
-    from ...study.store import Store, store_folder
+    from ...study.store import Store, folder_to_read
     from .._show import steps
 
     wanted, quiet = MeasureCommand.of(said), said["quiet"]
     design = load_design(wanted.study, checked=False)  # only its name is needed
     with (
-        Store(store_folder(design, wanted.store), study=design.name) as data,
+        Store(folder_to_read(design, wanted.store, wanted.origin), study=design.name) as data,
         steps("refreshes", quiet=quiet) as (progress, screen),
     ):
         found = measure_study(data, wanted.options, progress, *([] if quiet else [screen.print]))

@@ -46,6 +46,7 @@ def plan(said: Said) -> None:
 
 
 def _print_head(design: Design) -> None:
+    from ...report import counted
     from .._show import in_columns, paragraph
 
     paragraph(typer.style(design.title, bold=True))
@@ -59,7 +60,9 @@ def _print_head(design: Design) -> None:
     if design.sickness is not None:
         rows.append(("Sickness", _sickness(design.sickness)))
     if design.consent is not None:
-        rows.append(("Consent", f"text version {design.consent.version}, {len(design.consent.text.split())} words"))
+        rows.append(
+            ("Consent", f"text version {design.consent.version}, {counted(len(design.consent.text.split()), 'word')}")
+        )
     in_columns(rows)
 
 
@@ -126,10 +129,11 @@ def _common(design: Design, part: Part) -> dict[str, object]:
 
 
 def _print_part(design: Design, part: Part, orders: bool) -> None:
+    from ...report import counted
     from .._show import in_columns
 
     typer.echo()
-    typer.echo(typer.style(f"Part {part.name}: {len(part.conditions)} conditions", bold=True))
+    typer.echo(typer.style(f"Part {part.name}: {counted(len(part.conditions), 'condition')}", bold=True))
     shared = _common(design, part)
     rows = []
     for number, one in enumerate(part.conditions, 1):
@@ -188,7 +192,11 @@ def _balance(design: Design, part: Part, rows: tuple[Order, ...]) -> list[tuple[
     if found.pairs is not None:
         lines.append(("neighbours", f"each condition right after each other one {_times(found.pairs)}"))
     if found.seams is not None:
-        again = f"; {found.repeated} times a condition follows itself" if found.repeated else "; none follows itself"
+        again = (
+            f"; {_times((found.repeated,) * 2)} a condition follows itself"
+            if found.repeated
+            else "; none follows itself"
+        )
         lines.append(("seams", f"between two rounds, each right after each other one {_times(found.seams)}{again}"))
     if design.order == WILLIAMS:
         count = found.orders
@@ -232,10 +240,11 @@ def _print_families(design: Design) -> None:
 
 
 def _family(family: Family) -> str:
+    from ...report import pair_text
     from ...study.design import least_participants
     from ...study.statistics import smallest_p
 
-    pairs = ", ".join(f"{one.a} - {one.b}" for one in family.comparisons)
+    pairs = ", ".join(pair_text(one.baseline, one.better) for one in family.comparisons)
     count = len(family.comparisons)
     need = least_participants(count)
     best = f"{count} x {smallest_p(need):.2g} at best with {need}"

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import attrs
+import typer
 
 from ...options import Declared, Number, force_field, option, out_field
 from .._options import QUIET, Said, takes
@@ -29,18 +31,10 @@ class PowerOptions(Declared):
     study: str = study_field()
     out: Path = out_field(attrs.NOTHING, "Folder for the table, the plot and power.json.")
     force: bool = force_field()
-    effect: float | None = option(
-        None,
-        "Assumed true difference of each planned comparison, in units of the scale; above 0: b is better.",
-        kind=float,
-    )
-    sd: float | None = option(
-        None,
-        "Standard deviation of one person's difference, in units of the scale; with --effect alone.",
-        kind=float,
-    )
+    effect: float | None = option(None, "Assumed true difference, in scale units.", kind=float)
+    sd: float | None = option(None, "Standard deviation of one person's difference, in scale units.", kind=float)
     model: str | None = option(None, "Response model: a .toml file, or a shipped one's name.")
-    scale: str | None = option(None, "Scale of the study; by default its first.")
+    scale: str | None = option(None, "Rating scale of the study; by default each of them.")
     n: str = option("6..40", "People who begin: 6..40 tries numbers that balance the orders; or a list, 10,12,15.")
     studies: int = option(1000, "Number of simulated studies.", valid=Number(least=10, most=1_000_000))
     power: float = option(0.8, "Target power.", valid=Number(least=0.01, most=0.999))
@@ -58,24 +52,31 @@ def power(said: Said) -> None:
 
     options, quiet = PowerOptions.of(said), said["quiet"]
     design = load_design(options.study)
-    chosen = _scale(design, options.scale)
-    people = _model(design, chosen, options.effect, options.sd, options.model)
+    models = {
+        scale: _model(design, scale, options.effect, options.sd, options.model)
+        for scale in _scales(design, options.scale)
+    }
     counts = _counts(options.n, design)
     with OutputFolder(options.out, owned=OWNED, last="power.json", force=options.force) as folder:
-        with steps("Simulating", quiet=quiet) as (progress, _):
-            found = power_of(people, design, chosen, counts, options.studies, options.alpha, options.seed, progress)
+        found = []
+        for scale, people in models.items():
+            with steps(f"Simulating {scale.name}", quiet=quiet) as (progress, _):
+                found.append(
+                    power_of(people, design, scale, counts, options.studies, options.alpha, options.seed, progress)
+                )
         _write(folder, found, options.power)
     if not quiet:
-        _print(found, people, options.power, options.out)
+        _print(found, models, options)
 
 
-def _scale(design: Design, name: str | None) -> Scale:
+def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:
     from ...errors import InputError
+    from ...study.scales import RATING
 
-    known = {one.name: one for one in design.scales}
+    known = {one.name: one for one in design.scales if one.kind == RATING}
     if name is not None and name not in known:
         raise InputError(f"--scale {name}: {design.path} has {', '.join(known)} after each trial")
-    return known[name] if name is not None else design.scales[0]
+    return tuple(known.values()) if name is None else (known[name],)
 
 
 def _model(design: Design, scale: Scale, effect: float | None, sd: float | None, name: str | None) -> Model:
@@ -96,6 +97,12 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
         name = design.name
     if name is not None:
         found = load_model(name)
+        if scale.name not in found.ratings:
+            has = ", ".join(found.ratings) or "none"
+            raise InputError(
+                f"{found.path}: no [rating.{scale.name}], which the study asks for after each trial: add it, or plan "
+                f"another scale of the study by --scale ({has} in the model)"
+            )
         return found if effect is None else with_effect(found, design, scale, effect)
     if effect is None or sd is None:
         wanted = "--sd (of one person's difference between two showings)" if effect is not None else "--effect and --sd"
@@ -132,31 +139,52 @@ def _counts(text: str, design: Design) -> list[int]:
     return counts
 
 
-def _write(folder: OutputFolder, found: Power, target: float) -> None:
+def _write(folder: OutputFolder, powers: Sequence[Power], target: float) -> None:
     from ...report.study import PowerLine, power_chart
     from ...study.power import COLUMNS, name_of, power_data, power_rows
 
-    rows = power_rows(found)
-    folder.write_csv("power.csv", rows, COLUMNS)
+    folder.write_csv("power.csv", [row for found in powers for row in power_rows(found)], COLUMNS)
     lines = []
-    for one in found.true_effect:
-        own = [row for row in rows if (row["part"], row["a"], row["b"]) == (one.part, one.a, one.b)]
-        values = ([row[key] for row in own] for key in ("power", "power_low", "power_high", "power_unlimited"))
-        lines.append(PowerLine(name_of(one, found), *values))
-    power_chart(folder.path("power.png"), [one.n for one in found.at], lines, target, found.design.title)
-    folder.write_json("power.json", power_data(found, target))
+    for found in powers:
+        scale = f"{found.scale.name}: " if len(powers) > 1 else ""
+        for one in found.true_effect:
+            shares = [at_n.found[one] for at_n in found.at]
+            lines.append(
+                PowerLine(
+                    name=scale + name_of(one, found),
+                    power=[share.value for share in shares],
+                    low=[share.low for share in shares],
+                    high=[share.high for share in shares],
+                    unlimited=[at_n.unlimited[one].value for at_n in found.at],
+                )
+            )
+    ns = [one.n for one in powers[0].at]
+    power_chart(folder.path("power.png"), ns, lines, target, powers[0].design.title)
+    folder.write_json("power.json", power_data(powers, target))
 
 
-def _print(found: Power, people: Model, target: float, out: Path) -> None:
+def _print(powers: Sequence[Power], models: Mapping[Scale, Model], options: PowerOptions) -> None:
+    from .._show import paragraph
+
+    first = powers[0]
+    people = f"{first.studies} simulated studies ('{models[first.scale].title}'), seed {first.seed}."
+    paragraph(f"{people} How often p <= {first.alpha:g} after Holm:")
+    for found in powers:
+        if len(powers) > 1:
+            typer.echo()
+            typer.echo(typer.style(f"{found.scale.name}: {found.scale.title}", bold=True))
+        _print_one(found, options.power)
+    if len(powers) > 1 and options.effect is not None:
+        paragraph("--effect and --sd were taken in the units of each scale: choose one with --scale where they differ.")
+    paragraph(f"Table and plot: {options.out}")
+
+
+def _print_one(found: Power, target: float) -> None:
     from rich.table import Table
 
     from ...study.power import name_of, sentences
     from .._show import console, paragraph
 
-    paragraph(
-        f"{found.studies} simulated studies ('{people.title}'), seed {found.seed}. How often p <= {found.alpha:g} "
-        "after Holm:"
-    )
     table = Table(box=None, pad_edge=False)
     table.add_column("people who begin")
     for at_n in found.at:
@@ -169,4 +197,3 @@ def _print(found: Power, people: Model, target: float, out: Path) -> None:
     console().print(table)
     for sentence in sentences(found, target):
         paragraph(sentence)
-    paragraph(f"Table and plot: {out}")

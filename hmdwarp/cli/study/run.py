@@ -41,7 +41,7 @@ def _run(options: SessionOptions, quiet: bool) -> None:
             typer.echo(session.code)
 
     try:
-        session = run_session(options, said.append if quiet else typer.echo, on_end=end)
+        session = run_session(options, said.append if quiet else typer.echo, quiet=quiet, on_end=end)
         if session.status != "interrupted":
             return
     except (KeyboardInterrupt, Ended) as error:

@@ -10,7 +10,7 @@ import typer
 
 from ...options import Declared, option
 from .._options import Said, takes
-from ._options import store_field, study_field
+from ._options import pilot_field, store_field, study_field
 
 
 @attrs.frozen
@@ -20,6 +20,7 @@ class WithdrawOptions(Declared):
     study: str = study_field()
     code: str = option(attrs.NOTHING, "The participant's code.", positional=True, metavar="CODE")
     store: Path | None = store_field()
+    pilot: bool = pilot_field()
     yes: bool = option(False, "Erase without confirmation.")
 
 
@@ -33,7 +34,7 @@ def withdraw(said: Said) -> None:
 
     options = WithdrawOptions.of(said)
     code = options.code
-    folder, name = _where(options.study, options.store)
+    folder, name = _where(options)
     with Store(folder, study=name, say=typer.echo) as opened:
         if not options.yes and not finish_interrupted(opened, code):
             if not sys.stdin.isatty():
@@ -50,16 +51,16 @@ def withdraw(said: Said) -> None:
     )
 
 
-def _where(study: str, store: Path | None) -> tuple[Path, str | None]:
+def _where(options: WithdrawOptions) -> tuple[Path, str | None]:
     """Return folder and name of the study; with --store a broken study file does not matter."""
     from ...errors import InputError
     from ...study.design import load_design
-    from ...study.store import store_folder
+    from ...study.store import PERSON, PILOT, store_folder
 
     try:
-        design = load_design(study, checked=False)
+        design = load_design(options.study, checked=False)
     except InputError:
-        if store is None:
+        if options.store is None:
             raise
-        return store, None
-    return store_folder(design, store), design.name
+        return options.store, None
+    return store_folder(design, options.store, PILOT if options.pilot else PERSON), design.name

@@ -104,9 +104,11 @@ class DesktopDisplay(SwitchableView):
         return time.monotonic_ns()
 
     def restart(self) -> None:
-        """Restart a recorded head."""
+        """Begin a recorded head anew, or let the mouse turn the head without a click."""
         if isinstance(self.source, LoopedSource):
             self.source.restart()
+        else:
+            self._commands.input.look()
 
     def wait(self) -> Tick | None:
         """Wait until it is time for the next picture; None while the window is minimised."""

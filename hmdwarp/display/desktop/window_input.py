@@ -36,9 +36,10 @@ class InputConsumer(Protocol):
 class WindowInput:
     """Mouse and keyboard of one window, which move `walker`.
 
-    now_ns: the clock for the times of inputs, taken when they are read. A click captures the mouse.
-    The key of "quit" releases it, and so does a change to another window, which releases the held
-    keys as well.
+    now_ns: the clock for the times of inputs, taken when they are read. A click captures the mouse,
+    and so does `look`; in a window without the focus that takes effect once it has it. The key of
+    "quit" releases it, and so does a change to another window, which releases the held keys as
+    well.
     """
 
     def __init__(self, window: WindowHandle, walker: Walker, now_ns: Callable[[], int], keys: Keys) -> None:
@@ -68,6 +69,13 @@ class WindowInput:
             self._capture_again, self._notches = self.captured, 0.0
             if self.captured:
                 self.release()
+
+    def look(self) -> None:
+        """Turn the head with the mouse from now on, or once it points at no text panel."""
+        if self._locate is not None:
+            self._capture_again = True
+        elif not self.captured:
+            self.capture()
 
     @property
     def captured(self) -> bool:

@@ -11,8 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, TraceError
-from ...phrases import counted
+from ...errors import InputError, TraceError, counted
 from .. import quaternions
 from ..defects import Defect
 from ..options import TraceOptions

@@ -16,8 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError
-from ...phrases import counted
+from ...errors import TraceError, counted
 from ..defects import Defect
 from .file_head import COMMENT_SIGNS, Head, is_number, open_trace, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one

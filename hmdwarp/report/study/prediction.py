@@ -10,7 +10,7 @@ from ..words import interval, plain, signed
 from .charts import scatter_chart
 
 _HEADS = (
-    ("measure", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""),
+    ("metric", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""),
     ("error removed", "%"), ("95 %", ""), ("best in", "%"),
 )  # fmt: skip
 
@@ -49,7 +49,7 @@ def _table(measures: list[Mapping[str, Any]]) -> PageTable:
         ]
         for one in measures
     ]
-    return PageTable.of("Measures of the pictures against the ratings", _HEADS, lines)
+    return PageTable.of("Metrics of the pictures against the ratings", _HEADS, lines)
 
 
 def _percent(share: float | None) -> str:

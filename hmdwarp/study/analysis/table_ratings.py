@@ -49,7 +49,7 @@ def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  
         raise InputError(f"{path}: holds no ratings: {counted(len(lines), 'row')}, none of them on a rating scale")
     repeated = sum(count > 1 for count in Counter((r.participant, r.part, r.condition, r.scale) for r in rows).values())
     if repeated:
-        notes.append(f"{repeated} times a participant rated a condition more than once: the mean counts.")
+        notes.append(f"A participant rated a condition more than once, {counted(repeated, 'time')}: the mean counts.")
     return Ratings(
         tuple(rows), infos, origin=origin, source=path.name, title=path.stem, survey=tuple(survey), notes=tuple(notes),
         long=_long(rows, used, infos),
@@ -66,8 +66,8 @@ def _of_one_origin(lines: list[Line], path: Path, wanted: str) -> tuple[list[Lin
         if origin != "person"
         else []
     )
-    left = ", ".join(f"{count} of {name}" for name, count in sorted(there.items()) if name != origin)
-    notes += [f"Left out, because origins are never mixed: {left} rows."] if left else []
+    left = ", ".join(f"{counted(count, 'row')} of {name}" for name, count in sorted(there.items()) if name != origin)
+    notes += [f"Left out, because origins are never mixed: {left}."] if left else []
     return [line for line in lines if (line.fields.get("origin") or "person") == origin], origin, notes
 
 

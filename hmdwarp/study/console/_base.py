@@ -23,6 +23,7 @@ class Question:
     step: float  # distance between two answers
     anchors: tuple[tuple[float, str], ...] = ()  # (value, words) of some answers
     entered: float | None = None  # answer so far, before it is confirmed; None for nothing
+    scale: str = ""  # title of its scale: two scales may ask the same in the same words
 
 
 @attrs.frozen(kw_only=True)

@@ -20,7 +20,7 @@ COMMANDS = {
 }
 LONGEST_REMARK = 1000
 ON_STEP = 1e-6  # of a step: 3.35 typed for steps of 0.05 is off by 1e-14 of one
-Subject = tuple[str, str, bool]  # step, question, whether it is the consent
+Subject = tuple[str, str, str, bool]  # step, scale, question, whether it is the consent
 
 
 def clock(seconds: float) -> str:
@@ -70,7 +70,8 @@ def refusal(name: str, state: ConsoleState) -> str:
 
 def subject_of(state: ConsoleState) -> Subject:
     """Return the subject of an answer typed now; once it has changed, the answer is void."""
-    return state.step, state.question.text if state.question is not None else "", state.phase == "reading"
+    scale, text = ("", "") if state.question is None else (state.question.scale, state.question.text)
+    return state.step, scale, text, state.phase == "reading"
 
 
 def is_bound(name: str) -> bool:

@@ -14,7 +14,7 @@ from typing import Self
 from ...display import Command
 from ..scales import range_text
 from ._base import ConsoleState
-from .console_commands import COMMANDS, parse_line
+from .console_commands import COMMANDS, parse_line, subject_of
 
 LAST_LINES_S = 1.0
 LONGEST_LINE = 1 << 16  # bytes without a line end: a sender of that sends no commands
@@ -27,7 +27,8 @@ class LineConsole:
     a terminal held by Ctrl-S, or a full pipe, delays no frame.
     """
 
-    def __init__(self, title: str, why: str = "") -> None:
+    def __init__(self, title: str, why: str = "", *, quiet: bool = False) -> None:
+        self._quiet = quiet  # whether only the answers to commands are written
         self._state = ConsoleState(heading=title)
         self._told = ConsoleState()
         self._why = why  # said first
@@ -58,7 +59,11 @@ class LineConsole:
         self._told = state
 
     def say(self, text: str) -> None:
-        """Write a line."""
+        """Write a line, unless the console is quiet."""
+        if not self._quiet:
+            self._write(text)
+
+    def _write(self, text: str) -> None:
         self._lines.put(text)
 
     def commands(self) -> Sequence[Command]:
@@ -89,12 +94,12 @@ class LineConsole:
     def _command(self, line: str) -> Command | None:
         if line.strip().lower() in ("help", "?"):
             for name, words in COMMANDS.items():
-                self.say(f"  {name:<9} {words}")
+                self._write(f"  {name:<9} {words}")
             return None
         try:
             command = parse_line(line, self._state)
         except ValueError as error:
-            self.say(str(error))
+            self._write(str(error))
             return None
         return Command(*command) if command is not None else None
 
@@ -111,11 +116,13 @@ def news(before: ConsoleState, now: ConsoleState) -> list[str]:
         lines.append(now.heading)
     if (now.step, now.phase) != (before.step, before.phase) and (now.step or now.phase):
         condition = f" ({now.condition})" if now.condition else ""
-        lines.append(": ".join(filter(None, (now.step, now.phase))) + condition)
+        phase = "" if now.phase == "over" else now.phase  # the step says so itself
+        lines.append(": ".join(filter(None, (now.step, phase))) + condition)
     if now.notice != before.notice:
-        lines.append(f"! {now.notice}" if now.notice else f"over: {before.notice}")
-    question, last = now.question, before.question
-    if question is not None and (last is None or question.text != last.text or now.step != before.step):
+        lines.append(f"! {now.notice}" if now.notice else f"no longer: {before.notice}")
+    question = now.question
+    if question is not None and subject_of(now) != subject_of(before):
         anchors = ", ".join(f"{value:g} {words}" for value, words in question.anchors)
-        lines.append(f"asked: {question.text} ({range_text(question)}{'; ' + anchors if anchors else ''})")
+        asked = ": ".join(filter(None, ("asked", question.scale, question.text)))
+        lines.append(f"{asked} ({range_text(question)}{'; ' + anchors if anchors else ''})")
     return lines

@@ -167,10 +167,10 @@ class TerminalConsole:
         return status
 
 
-def make_console(kind: str, title: str) -> Console:
+def make_console(kind: str, title: str, *, quiet: bool = False) -> Console:
     """Make a console. kind: one of KINDS; "auto" is the terminal where possible, else lines.
 
-    title: shown until the first state comes.
+    title: shown until the first state comes. quiet: lines only answer commands.
     Errors: InputError for another kind; MachineError where "terminal" is impossible.
     """
     if kind not in KINDS:
@@ -181,7 +181,7 @@ def make_console(kind: str, title: str) -> Console:
     if kind == NONE:
         return NoConsole()
     if kind == LINES or why:
-        return LineConsole(title, f"no full-screen console: {why}" if why else "")
+        return LineConsole(title, f"no full-screen console: {why}" if why else "", quiet=quiet)
     return TerminalConsole(title)
 
 

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 
 import attrs
 
-from ..scales import QUESTIONNAIRE
+from ...report import counted
+from ..scales import QUESTIONNAIRE, Scale
 from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
 from .orders import Order
 from .steps import Ask, Pause, Read, Show, Step, steps_of
@@ -50,15 +51,15 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     sick = (
         []
         if design.sickness is None
-        else [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {every}'}"]
+        else [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {_nth(every)}'}"]
     )
     content = {
         "consent": "a text to read and to agree to",
-        "before": ", ".join(f"{scale.name} ({len(scale.items)} items)" for scale in design.before),
+        "before": ", ".join(_asked(scale) for scale in design.before),
         "practice": f"{design.practice_seconds:g} s, not scored",
-        "trials": f"{trials} of {design.seconds:g} s, each rated: {', '.join(asked + sick)}",
-        "breaks": f"{design.breaks.seconds:g} s at least, after every {design.breaks.every} trials",
-        "after": ", ".join(f"{scale.name} ({len(scale.items)} items)" for scale in design.after),
+        "trials": f"{trials} of {design.seconds:g} s, {'each ' if trials > 1 else ''}rated: {', '.join(asked + sick)}",
+        "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(design.breaks.every)}",
+        "after": ", ".join(_asked(scale) for scale in design.after),
     }
     found: dict[str, list[Step]] = {name: [] for name in content}
     for step in steps:
@@ -66,6 +67,14 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     return tuple(
         SessionPhase(name, content[name], len(of), sum(map(expected_s, of))) for name, of in found.items() if of
     )
+
+
+def _asked(scale: Scale) -> str:
+    return f"{scale.name} ({counted(len(scale.items), 'item')})"
+
+
+def _nth(every: int) -> str:
+    return "trial" if every == 1 else counted(every, "trial")
 
 
 def _phase(step: Step) -> str:

@@ -29,6 +29,7 @@ class Show:
     condition: Condition
     seconds: float
     repeat: int = 1  # from 1 on
+    block: int = 1  # of trials between two planned breaks, from 1 on; 0 for the practice
 
 
 @attrs.frozen
@@ -65,7 +66,7 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
         steps.append(Read("consent", design.consent.text))
     steps += [ask for scale in design.before for ask in _asks(scale, "before", "before")]
     if design.practice is not None:
-        steps.append(Show("practice", 0, design.practice, design.practice_seconds))
+        steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0))
         steps += _sickness(design, "practice", 0)
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
@@ -78,7 +79,8 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
 
 def _trial(design: Design, trial: int, condition: Condition, repeat: int) -> list[Step]:
     key = f"trial/{trial}"
-    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat)]
+    block = 1 + (trial - 1) // design.breaks.every if design.breaks.every else 1
+    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat, block)]
     steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial)]
     if design.sickness is not None and trial % design.sickness.every == 0:
         steps += _sickness(design, key, trial)

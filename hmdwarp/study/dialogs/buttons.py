@@ -21,12 +21,30 @@ class InputHints:
     step: str  # steps only, without digits and mouse
     confirm: str
     menu: str  # opens the menu
+    look: str  # how to look around, in a sentence
     skip: str = ""  # leaves a question unanswered; "" where the menu does
     mouse: bool = False  # whether there is one, so that buttons are worth drawing
 
 
-KEYS = InputHints("arrows, digits or mouse", "arrows or mouse", "arrows", "Enter", "Esc", "X", mouse=True)
-CONTROLLERS = InputHints("stick or pad", "stick or pad", "stick or pad", "trigger", "menu button")
+KEYS = InputHints(
+    choose="arrows, digits or mouse",
+    pick="arrows or mouse",
+    step="arrows",
+    confirm="Enter",
+    menu="Esc",
+    look="Move the mouse to look around all the time; W A S D walk.",
+    skip="X",
+    mouse=True,
+)
+CONTROLLERS = InputHints(
+    choose="stick or pad",
+    pick="stick or pad",
+    step="stick or pad",
+    confirm="trigger",
+    menu="menu button",
+    look="Turn your head to look around all the time.",
+)
+FOLLOWING = "The view moves by itself: watch it."
 
 
 def picking_hint(hints: InputHints) -> str:
@@ -34,9 +52,10 @@ def picking_hint(hints: InputHints) -> str:
     return f"{hints.pick}: choose\n{hints.confirm}: confirm"
 
 
-def hints_for(display: str) -> InputHints:
-    """Return the hints for a display by its name."""
-    return CONTROLLERS if display == "openxr" else KEYS
+def hints_for(display: str, *, follows_trace: bool = False) -> InputHints:
+    """Return the hints for a display by its name. follows_trace: a recording leads the head."""
+    hints = CONTROLLERS if display == "openxr" else KEYS
+    return attrs.evolve(hints, look=FOLLOWING) if follows_trace else hints
 
 
 @attrs.frozen

@@ -21,6 +21,7 @@ TEXTS = {
 }
 OFFERED = (CONTINUE, BREAK, AGAIN, STOP)
 SURE = (("no", "no, go on"), ("yes", "yes, stop"))
+SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
 ROWS = 9  # of a page; a headset's eye cannot see more at once (display/notice.py)
 ON, BACK, AGREE, REFUSE = "on", "back", "agree", "refuse"
@@ -53,9 +54,12 @@ class ButtonPicker:
         self._step(1)
 
     def _step(self, steps: int) -> None:
-        """Mark another button; a held key stops at the end instead of starting over."""
+        """Mark another button; a held key stops at the end instead of starting over.
+
+        With none marked yet, a step goes to the button on its own side.
+        """
         last = len(self.choices) - 1
-        first = 0 if steps > 0 else last
+        first = last if steps > 0 else 0
         self.marked = first if self.marked is None else min(max(self.marked + steps, 0), last)
 
     def _confirm(self, _: object) -> None:
@@ -133,7 +137,8 @@ class MenuDialog:
 class ConsentDialog:
     """Text that the participant agrees to or refuses, page by page.
 
-    On the last page nothing is chosen beforehand.
+    On the last page nothing is chosen beforehand. Refusing is confirmed once, as it ends the
+    session and may be a slip.
     """
 
     def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
@@ -149,6 +154,7 @@ class ConsentDialog:
         return self.agreed or self.refused
 
     def _turn(self, page: int) -> None:
+        self._refusing = False
         self._page, several = page, len(self._pages) > 1
         if page == len(self._pages) - 1:
             self._picker = ButtonPicker(LAST_OF_SEVERAL if several else LAST, None, self.panel)
@@ -157,7 +163,12 @@ class ConsentDialog:
             self._picker = ButtonPicker(choices, len(choices) - 1, self.panel)
 
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the current page."""
+        """Return the panel that shows the current page, or that has a refusal confirmed."""
+        if self._refusing:
+            lines = ("The session ends now.", "You need not say why.")
+            return MessagePanel(
+                "End without taking part?", lines, self._picker.choices, self._picker.marked, picking_hint(self._hints)
+            )
         pages = len(self._pages)
         return MessagePanel(
             title=f"{self._title} ({self._page + 1} of {pages})" if pages > 1 else self._title,
@@ -184,7 +195,11 @@ class ConsentDialog:
     def _take(self, name: str) -> None:
         if name in (ON, BACK):
             self._turn(self._page + (1 if name == ON else -1))
-        self.agreed, self.refused = name == AGREE, name == REFUSE
+        elif name == REFUSE:
+            self._refusing, self._picker = True, ButtonPicker(SURE_TO_REFUSE, 0, self.panel)
+        elif name == "no":
+            self._turn(self._page)
+        self.agreed, self.refused = name == AGREE, name == "yes"
 
 
 class BreakDialog:

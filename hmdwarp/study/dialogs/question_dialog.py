@@ -46,7 +46,9 @@ class QuestionDialog:
     def question(self) -> Question:
         """Return the question for the console."""
         scale = self.ask.scale
-        return Question(self.ask.item.text, scale.least, scale.most, scale.step, self._form.anchors, self.value)
+        return Question(
+            self.ask.item.text, scale.least, scale.most, scale.step, self._form.anchors, self.value, scale.title
+        )
 
     @property
     def over(self) -> bool:

@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from ...report import counted, pair_text
 from ..design import Comparison
 from .proportions import Proportion, people_for
 from .simulation import Power, PowerAt
 
 COLUMNS = (
-    *("part", "a", "b", "n", "power", "power_low", "power_high", "power_unlimited", "pairs", "complete"),
+    *(
+        "scale",
+        "part",
+        "condition",
+        "baseline",
+        "n",
+        "power",
+        "power_low",
+        "power_high",
+        "power_unlimited",
+        "pairs",
+        "complete",
+    ),
     *("true_effect", "planned_effect"),
 )
 
@@ -22,9 +36,10 @@ def power_rows(power: Power) -> list[dict[str, Any]]:
 def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
     found = at_n.found[one]
     return {
+        "scale": power.scale.name,
         "part": one.part,
-        "a": one.a,
-        "b": one.b,
+        "condition": one.better,
+        "baseline": one.baseline,
         "n": at_n.n,
         "power": found.value,
         "power_low": found.low,
@@ -40,7 +55,8 @@ def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
 def name_of(one: Comparison, power: Power) -> str:
     """Name a comparison for tables and plots, with its part where there are several."""
     several = len({other.part for other in power.true_effect}) > 1
-    return f"{one.part}: {one.a} - {one.b}" if several else f"{one.a} - {one.b}"
+    name = pair_text(one.baseline, one.better)
+    return f"{one.part}: {name}" if several else name
 
 
 def sentences(power: Power, target: float) -> list[str]:
@@ -53,11 +69,10 @@ def _enough(power: Power, one: Comparison, target: float) -> str:
     reached, last = power.enough(target, one), power.at[-1]
     name = f"{name_of(one, power)} (a true mean difference of {power.true_effect[one]:+.2f})"
     if reached is None:
-        return (
-            f"{name}: up to {last.n} people do not reach {target:.0%}; with {last.n} it is {_percent(last.found[one])}."
-        )
+        share = f"with {counted(last.n, 'person')} it is found in {_percent(last.found[one])} of studies"
+        return f"{name}: {target:.0%} is not reached; {share}."
     found = reached.found[one]
-    text = f"{name}: {reached.n} people find it in {_percent(found)} of studies."
+    text = f"{name}: with {counted(reached.n, 'person')} it is found in {_percent(found)} of studies."
     if reached is power.at[0]:
         text += " That is the smallest number tried; fewer may suffice."
     if found.is_uncertain_about(target):
@@ -76,7 +91,7 @@ def _together(power: Power, target: float) -> list[str]:
     if reached is None:
         return [f"No number of people tried gives {each} {target:.0%}."]
     together = f"all of them at once are found in {_percent(reached.all_found)} of studies"
-    return [f"With {reached.n} people {each} has {target:.0%} or more; {together}."]
+    return [f"With {counted(reached.n, 'person')} {each} has {target:.0%} or more; {together}."]
 
 
 def _invite(power: Power, target: float) -> list[str]:
@@ -87,7 +102,8 @@ def _invite(power: Power, target: float) -> list[str]:
     text = f"{1 - power.complete_share:.0%} of these people do not finish; the numbers above are people who begin."
     needed = people_for(reached.n, power.complete_share)
     if needed is not None:
-        text += f" For {reached.n} complete sessions plan {needed} people (enough nine times in ten)."
+        sessions = counted(reached.n, "complete session")
+        text += f" For {sessions} plan {counted(needed, 'person')} (enough nine times in ten)."
     return [text]
 
 
@@ -101,23 +117,29 @@ def _limits(power: Power) -> list[str]:
             out.append(
                 f"{name_of(one, power)}: the scale's ends and steps leave {true:+.2f} of {planned:+.2f}; a scale "
                 "without "
-                f"them would find {last.unlimited[one].value:.0%} with {last.n} people."
+                f"them would find {last.unlimited[one].value:.0%} with {counted(last.n, 'person')}."
             )
     return out
 
 
-def power_data(power: Power, target: float) -> dict[str, Any]:
-    """Return all results, for power.json."""
+def power_data(powers: Sequence[Power], target: float) -> dict[str, Any]:
+    """Return all results, for power.json. powers: of one study, on each of its scales."""
+    first = powers[0]
     return {
-        "study": power.design.name,
-        "scale": power.scale.name,
-        "studies": power.studies,
-        "seed": power.seed,
-        "alpha": power.alpha,
+        "study": first.design.name,
+        "studies": first.studies,
+        "seed": first.seed,
+        "alpha": first.alpha,
         "wanted": target,
-        "orders": power.balanced,
-        "complete_share": power.complete_share,
-        "rows": power_rows(power),
-        "all_found": [{"n": one.n, "power": one.all_found.value} for one in power.at],
-        "sentences": sentences(power, target),
+        "orders": first.balanced,
+        "scales": [
+            {
+                "scale": power.scale.name,
+                "complete_share": power.complete_share,
+                "rows": power_rows(power),
+                "all_found": [{"n": one.n, "power": one.all_found.value} for one in power.at],
+                "sentences": sentences(power, target),
+            }
+            for power in powers
+        ],
     }

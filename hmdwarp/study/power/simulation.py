@@ -71,7 +71,7 @@ def power_of(
     seed: int = 0,
     progress: Progress = lambda done, total: None,
 ) -> Power:
-    """Simulate the study and return its power.
+    """Simulate the study and return its power on one of its scales.
 
     ns: numbers of people who begin, in each part. The first n people of a study are the same for
     every n.
@@ -81,7 +81,7 @@ def power_of(
     if not comparisons:
         raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
     parts = dict.fromkeys(one.part for one in comparisons)
-    populations = {part: Population(model, design, part) for part in parts}
+    populations = {part: Population(model, design, part, [scale.name]) for part in parts}
     counts = [_Count(n, comparisons) for n in ns]
     effects, people, complete = _Means(comparisons), 0, 0
     for study in range(studies):
@@ -109,10 +109,10 @@ def power_of(
 def differences(
     cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)
 ) -> Floats:
-    """Return how much better b was rated than a, by each person who rated both."""
+    """Return how much better `better` was rated than the baseline, by each who rated both."""
     rated = cohort.per_condition(scale.name, latent=latent, people=people)
     names = [one.name for one in cohort.part.conditions]
-    out = rated[:, names.index(comparison.a)] - rated[:, names.index(comparison.b)]
+    out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
     return (out if scale.low_is_good else -out)[~np.isnan(out)]
 
 

@@ -216,13 +216,12 @@ def _ranked(values: Array, who: NDArray[np.intp]) -> Array:
 
 def _refused(people: int, ratings: int, conditions: int, varying: Sequence[str]) -> str:
     if people < LEAST_PEOPLE:
-        who = f"{counted(people, 'person')} with at least {LEAST_ROWS} ratings and all measures"
-        return f"{who}; intervals need {LEAST_PEOPLE}"
+        who = f"{LEAST_PEOPLE} people with {LEAST_ROWS} ratings and all metrics each"
+        return f"needs {who}, found {people or 'none'}"
     if conditions < LEAST_CONDITIONS:
-        need = f"needs {LEAST_CONDITIONS}, because any measure fits a line through two"
-        return f"{counted(conditions, 'condition')}; it {need}"
+        return f"needs {LEAST_CONDITIONS} conditions, as any metric fits a line through two; found {conditions}"
     if not varying:
-        return "no measure differs between the trials of a person"
+        return "no metric differs between the trials of a person"
     if ratings - people - 1 > 1:
         return ""
     return f"{counted(ratings, 'rating')} of {counted(people, 'person')} are too few for a slope"

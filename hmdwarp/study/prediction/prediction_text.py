@@ -50,7 +50,7 @@ def _plain(value: Any) -> Any:
 def sentences(found: Prediction) -> list[str]:
     """Say in sentences which measure predicts best; the first one may say that it is unknown."""
     if found.refused:
-        return [f"No measure was tested as a predictor of the ratings: {found.refused}.", *_left_out(found)]
+        return [f"Skipped: which metric predicts the ratings ({found.refused}).", *_left_out(found)]
     return [_winner(found), _strength(found), _conditions(found), *_alike(found), *_left_out(found)]
 
 
@@ -62,17 +62,17 @@ def _winner(found: Prediction) -> str:
     )
     people = f"{counted(found.people, 'person')}, {counted(found.ratings, 'rating')}"
     if len(found.measures) == 1:
-        return f"Only one measure can be tested: {first.title}, {how}; {people}."
+        return f"Only one metric can be tested: {first.title}, {how}; {people}."
     if not found.sure:
         return (
-            f"No measure is shown to predict the ratings: even the best, {first.title}, has {how}, which the best of "
+            f"No metric is shown to predict the ratings: even the best, {first.title}, has {how}, which the best of "
             f"{len(found.measures)} may reach by chance; {people}."
         )
     if not rest:
         best = f"{first.title[:1].upper()}{first.title[1:]} predicts the ratings best"
         return f"{best}: {how}, the best in {first.best:.0%} of the resamples; {people}."
     return (
-        f"Which measure predicts best is undecided: {first.title} comes first with {how}, but "
+        f"Which metric predicts best is undecided: {first.title} comes first with {how}, but "
         f"{listed([one.title for one in rest])} may be as good (p = {max(one.behind_p for one in rest):.2f} and "
         "less, by "
         f"flipping people's signs); {people}."
@@ -95,8 +95,8 @@ def _strength(found: Prediction) -> str:
 
 def _conditions(found: Prediction) -> str:
     first = found.measures[0]
-    many = f"These are {counted(found.conditions, 'condition')} and {counted(len(found.measures), 'measure')}"
-    warning = "others may rank another measure first" if len(found.measures) > 1 else "others may give another result"
+    many = f"These are {counted(found.conditions, 'condition')} and {counted(len(found.measures), 'metric')}"
+    warning = "others may rank another metric first" if len(found.measures) > 1 else "others may give another result"
     if math.isnan(first.skill_condition):
         return f"{many}: {warning}."
     if first.skill_condition > 0:
@@ -129,7 +129,7 @@ def _alike(found: Prediction) -> list[str]:
 def _left_out(found: Prediction) -> list[str]:
     out = []
     if found.dropped:
-        out.append(f"Left out: {counted(found.dropped, 'rating')} without all measures, or the only one of a person.")
+        out.append(f"Left out: {counted(found.dropped, 'rating')} without all metrics, or the only one of a person.")
     reasons: dict[str, list[str]] = {}
     for title, reason in found.left_out:
         reasons.setdefault(reason, []).append(title)

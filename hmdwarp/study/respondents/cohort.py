@@ -48,10 +48,11 @@ class Cohort:
 class Population:
     """All that many simulated studies of one part have in common.
 
-    Errors: InputError where the model lacks a scale or a condition of the study.
+    scales: the names of those to answer, all of the study's without it.
+    Errors: InputError where the model lacks one of them or a condition of the study.
     """
 
-    def __init__(self, model: Model, design: Design, part: str) -> None:
+    def __init__(self, model: Model, design: Design, part: str, scales: Sequence[str] | None = None) -> None:
         self.model, self.design, self.part = model, design, design.part(part)
         self._rows = rows_for(design, part)
         self._names = {one.name: number for number, one in enumerate(self.part.conditions)}
@@ -59,6 +60,7 @@ class Population:
         self._means = {
             scale.name: model.rating(scale).means_of(self.part, f"{model.path}: [rating.{scale.name}.means]")
             for scale in design.scales
+            if scales is None or scale.name in scales
         }
 
     @property
@@ -77,6 +79,8 @@ class Population:
         over = np.arange(order.shape[1]) >= trials[:, None]
         answers, latent = {}, {}
         for number, scale in enumerate(self.design.scales):
+            if scale.name not in self._means:
+                continue
             felt = self._felt(drawn, number, order)
             none = over | (drawn.missing[:, number] < self.model.ratings[scale.name].missing)
             latent[scale.name] = np.where(none, np.nan, felt)

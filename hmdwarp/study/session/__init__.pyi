@@ -1,3 +1,6 @@
+from .head_range import STILL_DEG as STILL_DEG
+from .head_range import STILL_M as STILL_M
+from .head_range import HeadRange as HeadRange
 from .program import run_session as run_session
 from .session_context import head_angles_deg as head_angles_deg
 from .session_facts import facts_of as facts_of

@@ -7,9 +7,10 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from ...errors import HmdwarpError
+from ...report import counted
 from ...run import Recorder
 from ..design import Design
-from ..store import INTERRUPTED, PERSON, Session, Store
+from ..store import INTERRUPTED, PERSON, PILOT, Session, Store
 from .session_options import SessionOptions
 
 
@@ -55,8 +56,17 @@ class ClosingWords:
             rated = sum(one.phase == "trial" and one.value is not None for one in answers)
             count = "1 answer" if len(answers) == 1 else f"{len(answers) or 'no'} answers"
             lines.append(f"stored in {self._store.folder}: {count}, {rated} of them about trials")
+            lines += self._still(session)
         lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
         return lines
+
+    def _still(self, session: Session) -> list[str]:
+        """Say in how many trials the head hardly moved."""
+        shown = self._store.contents(pilot=session.origin == PILOT).showings
+        trials = {one.key: one for one in shown if one.session == session.id and one.complete and one.trial}
+        still = sum(bool(one.actual.get("head_still")) for one in trials.values())
+        of = f"{still} of {counted(len(trials), 'trial')}"
+        return [f"the head hardly moved in {of}: almost a still picture was rated (head_still)"] if still else []
 
     def _next(self) -> str:
         words = ["hmdwarp", "study", "export", self._options.study, "--out", "DIR"]

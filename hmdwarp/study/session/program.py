@@ -16,7 +16,7 @@ from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
-from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
+from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, seconds_since, store_folder
 from .closing_words import ClosingWords
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
@@ -33,6 +33,7 @@ def run_session(
     *,
     console: Console | None = None,
     respondent: Respondent | None = None,
+    quiet: bool = False,
     on_end: Callable[[Session], None] = lambda session: None,
 ) -> Session:
     """Run a session until it is over or interrupted, and return it with its status.
@@ -40,8 +41,9 @@ def run_session(
     Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
 
     say: gets the closing words, and messages from before there is a console. console, respondent:
-    None for those of the options. on_end: gets the session after the closing words, before the
-    signal that ended it is raised once more; not where an error says it all.
+    None for those of the options. quiet: whether the console of lines only answers commands.
+    on_end: gets the session after the closing words, before the signal that ended it is raised once
+    more; not where an error says it all.
 
     Errors: InputError for wrong options, before anything is opened; MachineError for what the
     machine lacks, and for a display that does not come back. Each says how to resume.
@@ -49,12 +51,13 @@ def run_session(
     design = load_design(options.study)
     with ExitStack() as stack:
         ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
-        store = stack.enter_context(Store(store_folder(design, options.store), create=True, study=design.name, say=say))
+        folder = store_folder(design, options.store, options.origin)
+        store = stack.enter_context(Store(folder, create=True, study=design.name, say=say))
         part, design = _planned(options, design, store)
         answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
         words = ClosingWords(options, design, store, say, on_end)
         stack.callback(words.say)
-        console = stack.enter_context(console or make_console(options.console, f"study {design.name}"))
+        console = stack.enter_context(console or make_console(options.console, f"study {design.name}", quiet=quiet))
         first = design.part(part).conditions[0]
         live = live_options(first.settings, source=options.source, trace=options.trace)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))
@@ -154,7 +157,10 @@ class _Program:
         store, display = self.store, self.display
         steps = steps_of(self.design, session.order, session.part)
         sources = CommandSources(self.console, self.answers_for(session))
-        context = SessionContext(self.design, session, store, display, sources, steps, store.done(session))
+        before_s = seconds_since(session.started_utc) if self.options.resume else 0.0
+        context = SessionContext(
+            self.design, session, store, display, sources, steps, store.done(session), before_s=before_s
+        )
         every = self._all_options()
         scenes = {key: load_scene(*key) for key in {one.scene_key for one in every}}
         wait_s = first_picture_wait_s([one.latency_ms for one in every])
@@ -170,7 +176,7 @@ class _Program:
             trials,
             Driver(display, no_pipeline, self.ending, self.console.say),
             self.ending,
-            hints_for(display.name),
+            hints_for(display.name, follows_trace=bool(self.options.trace)),
             resumed=self.options.resume,
             answered=asks.get(last.key) if last is not None else None,
             about={one.key: showings[one.showing] for one in answers if one.showing is not None},

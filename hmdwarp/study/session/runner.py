@@ -13,7 +13,7 @@ from ...display import Closed
 from ...run import Driver, Ending
 from ..design import Ask, Pause, Read, Show, Step
 from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
-from ..store import COMPLETE, SICK, STOPPED, Showing
+from ..store import COMPLETE, DECLINED, SICK, STOPPED, Showing
 from .session_context import PAUSE, SessionContext
 from .sickness import why_sick
 from .step_handlers import (
@@ -38,6 +38,7 @@ from .wording import (
     ready_panel,
     sick_panel,
     step_name,
+    still_text,
 )
 
 FAREWELL_S = 3.0
@@ -75,9 +76,10 @@ class SessionRunner:
     why: str = ""  # why the session ended, where that needs words
     _asking_again: bool = False
     _is_sick: bool = False
+    _knows_how_to_look: bool = False
 
     def run(self) -> str:
-        """Run all steps. Returns the status that the session ends with: COMPLETE, STOPPED or SICK.
+        """Run all steps. Returns the status that the session ends with.
 
         Errors: Interrupted; Closed, Lost, as Driver.run; InputError and MachineError.
         """
@@ -96,11 +98,15 @@ class SessionRunner:
         return [step for step in self.context.steps if step.key not in self.context.done]
 
     def _begin(self) -> None:
-        """Wait until the participant is ready, unless a consent does so."""
+        """Wait until the participant is ready, unless the first step does so."""
         undone = self._undone()
-        if undone and not isinstance(undone[0], Read):
-            panel = ready_panel(undone[0], self.context.steps, self.resumed, self.hints)
-            self._pursue(lambda: ConfirmHandler(self.context, Read(READY, ""), panel))
+        shows_first = undone and (isinstance(undone[0], Show) or (isinstance(undone[0], Ask) and undone[0].about))
+        if undone and not isinstance(undone[0], Read) and not shows_first:
+            self._wait_until_ready(undone[0])
+
+    def _wait_until_ready(self, next_step: Step) -> None:
+        panel = ready_panel(next_step, self.context.steps, self.resumed, self.hints)
+        self._pursue(lambda: ConfirmHandler(self.context, Read(READY, ""), panel))
 
     def farewell(self, status: str) -> None:
         """Show the last panel. Everything is stored by now: an error here no longer matters."""
@@ -126,7 +132,7 @@ class SessionRunner:
         handler = self._pursue(lambda: ConsentHandler(self.context, step))
         if handler.dialog.refused:
             self.context.record("refused", step, by=handler.by)
-            raise Over(STOPPED)
+            raise Over(DECLINED)
         self._finish(step)
 
     def _finish(self, step: Step) -> None:
@@ -136,6 +142,9 @@ class SessionRunner:
     def _show(self, step: Show) -> None:
         """Show a condition until it was seen undisturbed."""
         context = self.context
+        if not self._knows_how_to_look:
+            self._wait_until_ready(step)
+            self._knows_how_to_look = True
         while True:
             panel_ns = context.display.now_ns()
             panel = number_panel(step, context.steps)
@@ -150,6 +159,8 @@ class SessionRunner:
             context.say(f"{step_name(step, context.steps)}: shown again, from its start")
         context.done.add(step.key)
         self.seen[step.key] = showing
+        if handler.head.is_still:
+            context.say(f"{step_name(step, context.steps)}: {still_text(handler.head)}")
 
     def _ask(self, step: Ask) -> None:
         """Ask a question; a trial not seen in this run of the program is shown again first."""

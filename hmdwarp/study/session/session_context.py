@@ -63,6 +63,7 @@ class SessionContext:
     shown: Show | None = None  # the step shown last
     break_due: bool = False  # whether a requested break waits for the end of the trial
     head: PoseSample | None = None  # as it was last seen, None before
+    before_s: float = 0.0  # from the session's start to that of this run of the program
     _begun_ns: int = attrs.field(init=False)
     _told_ns: int | None = None  # when the console got its last state
 
@@ -73,6 +74,11 @@ class SessionContext:
     def tells_condition(self) -> bool:
         """Whether the experimenter may know the condition."""
         return self.design.blind in (BLIND_TO_PARTICIPANT, UNBLINDED)
+
+    @property
+    def elapsed_s(self) -> float:
+        """Time since this run of the program began."""
+        return (self.display.now_ns() - self._begun_ns) * 1e-9
 
     def now_s(self) -> float:
         """Return the time of the display's clock in seconds."""
@@ -130,7 +136,7 @@ class SessionContext:
             heading=f"study {self.design.name}, participant {session.code}, session {session.number}{origin}",
             step=step_name(step, self.steps),
             done=len(self.done.intersection(one.key for one in self.steps)) / max(len(self.steps), 1),
-            elapsed_s=(self.display.now_ns() - self._begun_ns) * 1e-9,
+            elapsed_s=self.elapsed_s,
             position_m=None if head is None else _triple(head.pose.position_m),
             angles_deg=None if head is None else head_angles_deg(head.pose),
             notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",

@@ -15,6 +15,7 @@ from ...scenes import Scene, SceneKey
 from ..actual import actual_of
 from ..design import Show
 from ..store import Showing
+from .head_range import HeadRange
 from .session_context import SessionContext
 from .step_handlers import LOST, StepHandler
 from .wording import number_panel
@@ -57,6 +58,8 @@ class TrialHandler(StepHandler):
     def __init__(self, context: SessionContext, step: Show, panel_ns: int, log: LiveLog, wait_s: float) -> None:
         super().__init__(context, step)
         self._panel_ns, self._log, self._wait_s = panel_ns, log, wait_s
+        self.head = HeadRange()  # of the pictures so far
+        self._onset_s: float | None = None
         self._arrived = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
@@ -81,8 +84,16 @@ class TrialHandler(StepHandler):
         """Start the trial's time at its first picture."""
         super().arrived(refresh)
         self._arrived = True
-        if self.pictures and self._first_ns is None:
+        if not self.pictures:
+            return
+        self.head.add(refresh.head)
+        if self._first_ns is None:
             self._first_ns = self.context.display.now_ns()
+            self._onset_s = self.context.before_s + self.context.elapsed_s
+
+    def figures(self) -> dict[str, Any]:
+        """Return what the session adds to the figures of study/actual.py."""
+        return {"onset_s": self._onset_s, **self.head.figures()}
 
     def take(self, by: str, command: Command) -> None:
         """Do nothing: no command changes a trial."""
@@ -148,6 +159,7 @@ class TrialRunner:
         showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
         path = context.store.traces / showing.trace
         log = LiveLog(attrs.evolve(self.options_of(step), record=path, seconds=None, frames=None, out=None))
+        handler: TrialHandler | None = None
         complete = False
         try:
             with ExitStack() as stack:
@@ -164,17 +176,17 @@ class TrialRunner:
             complete = handler.finished() and not handler.interrupt
         except BaseException:
             with suppress(Exception):  # the first error is the one to report
-                self._end(showing, log, complete=False)
+                self._end(showing, log, handler, complete=False)
             raise
         finally:
             self.recording = None
-        return self._end(showing, log, complete), handler
+        return self._end(showing, log, handler, complete), handler
 
     def _pipeline(self, step: Show) -> PipelineHost:
         """Build a new pipeline, even for the same settings: it must remember nothing."""
         options = self.options_of(step)
         return PipelineHost(self.context.display, options, self.scenes[options.scene_key])
 
-    def _end(self, showing: Showing, log: LiveLog, complete: bool) -> Showing:
-        actual = actual_of(log.result().summary, log.column)
+    def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
+        actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())
         return self.context.store.end_showing(self.context.session, showing, actual, complete)

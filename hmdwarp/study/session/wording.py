@@ -6,13 +6,15 @@ from collections.abc import Sequence
 
 from ..design import Ask, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
-from ..store import COMPLETE, SICK, STOPPED
+from ..store import COMPLETE, DECLINED, SICK, STOPPED
+from .head_range import HeadRange
 
 # Keys of what comes between the steps.
 READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", "sick", "end")
 _FAREWELL = {
     COMPLETE: ("Thank you", "That was all. You may take off the headset."),
     STOPPED: ("Thank you", "The session has ended. What you answered is kept."),
+    DECLINED: ("Thank you", "You are not taking part. Nothing was asked or shown."),
     SICK: ("Thank you", "The session has ended. Take your time, have some water, and tell us how you feel."),
 }
 
@@ -22,7 +24,9 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     if isinstance(step, Pause):
         return "break"
     if isinstance(step, Read):
-        return {READY: "about to begin", STOP_RULE: "the session ends", END: "over"}.get(step.key, "consent")
+        return {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}.get(
+            step.key, "consent"
+        )
     if isinstance(step, Ask) and not step.about:
         items, title = step.scale.items, step.scale.title
         return title if len(items) == 1 else f"{title}, item {items.index(step.item) + 1} of {len(items)}"
@@ -30,11 +34,21 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
 
 
 def ready_panel(next_step: Step, steps: Sequence[Step], resumed: bool, hints: InputHints) -> MessagePanel:
-    """Make the first panel: nothing begins before the participant sits right."""
+    """Make the panel before the first step and the first trial of a run of the program.
+
+    Nothing begins before the participant sits right, and no trial before they know how to look.
+    """
     next_name = "a break" if isinstance(next_step, Pause) else step_name(next_step, steps)
     resumes = f"We go on with {next_name}. " if resumed else ""
+    look = f"{hints.look} " if isinstance(next_step, Show) else ""
     menu = f"{hints.menu} opens a menu at any time: to have a break, or to stop without a reason."
-    return message_panel("Ready?", f"{resumes}Sit comfortably. {menu}", f"{hints.confirm}: begin")
+    return message_panel("Ready?", f"{resumes}Sit comfortably. {look}{menu}", f"{hints.confirm}: begin")
+
+
+def still_text(head: HeadRange) -> str:
+    """Return what the experimenter should know of a trial in which the head hardly moved."""
+    moved = f"{head.turn_deg:.1f} degrees, {head.shift_m * 100:.1f} cm"
+    return f"the head hardly moved ({moved}): what was rated is almost a still picture"
 
 
 def number_panel(step: Show, steps: Sequence[Step]) -> MessagePanel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,9 +12,9 @@ import attrs
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study.console import ConsoleState, LineConsole, make_console, news
+from hmdwarp.study.console import ConsoleState, LineConsole, make_console, news, subject_of
 
-from .played import ASKING, SHOWING, STATES
+from .played import ASKING, GRADE, SHOWING, STATES
 
 ROOT = Path(__file__).resolve().parents[3]
 PATIENCE_S = 60
@@ -56,11 +57,37 @@ def test_news_are_what_an_experimenter_should_know():
     assert news(ConsoleState(), SHOWING) == [SHOWING.heading, "trial 3 of 12: showing"]
     assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9, done=0.5)) == []
     assert news(SHOWING, attrs.evolve(SHOWING, notice="tracking lost")) == ["! tracking lost"]
-    assert news(attrs.evolve(SHOWING, notice="tracking lost"), SHOWING) == ["over: tracking lost"]
+    assert news(attrs.evolve(SHOWING, notice="tracking lost"), SHOWING) == ["no longer: tracking lost"]
     assert news(ASKING, attrs.evolve(ASKING, question=attrs.evolve(ASKING.question, entered=1.0))) == []
     assert [line[:6] for line in news(ASKING, STATES["next"])] == ["trial ", "asked:"]
     assert news(SHOWING, STATES["open"]) == []
+    assert news(SHOWING, attrs.evolve(SHOWING, step="session finished", phase="over")) == ["session finished"]
     assert news(ConsoleState(heading=SHOWING.heading), STATES["open"]) == ["trial 3 of 12: showing (late-200)"]
+
+
+def test_a_second_scale_that_asks_the_same_is_announced():
+    """Who reads the questions aloud must not miss it; no answer typed for the first reaches it."""
+    first = attrs.evolve(ASKING, question=attrs.evolve(GRADE, scale="School grade"))
+    second = attrs.evolve(first, question=attrs.evolve(first.question, scale="Quality, continuous", most=100.0))
+    (line,) = news(first, second)
+    assert line.startswith("asked: Quality, continuous: How good was the picture? (1 to 100")
+    assert subject_of(first) != subject_of(second)
+    assert news(second, second) == []
+
+
+def test_a_quiet_console_only_answers(capfd, monkeypatch):
+    read, write = os.pipe()
+    with os.fdopen(read) as stdin, os.fdopen(write, "w") as typed:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        typed.write("dance\npause\n")
+        typed.flush()
+        with make_console("auto", "a study", quiet=True) as console:
+            console.say("a line")
+            console.tell(ASKING)
+            commands = [one.control for one in console.commands()]
+    assert commands == ["pause"]
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith("console: 'dance' is no command")
 
 
 def test_a_console_whose_stdin_is_closed_asks_for_nothing(monkeypatch):

@@ -54,6 +54,9 @@ def test_a_session_is_all_its_steps_and_their_time():
 def test_breaks_come_between_trials():
     told = {one.name: one for one in session_phases(design(("every = 6", "every = 2")), "run-1")}
     assert (told["breaks"].steps, told["breaks"].seconds) == (2, 60)
+    assert told["breaks"].content.endswith("after every 2 trials")
+    each = {one.name: one for one in session_phases(design(("every = 6", "every = 1")), "run-1")}
+    assert each["breaks"].content.endswith("after every trial")
 
 
 def test_balance_is_counted():
@@ -132,4 +135,4 @@ def test_as_json_it_has_every_order_and_every_setting():
         "reference": False,
     }
     assert [scale["name"] for scale in told["scales"]] == ["grade", "acr", "fms", "ssq", "vrsq"]
-    assert told["families"][0]["comparisons"][0] == {"part": "run-1", "a": "late-200", "b": "warped-200"}
+    assert told["families"][0]["comparisons"][0] == {"part": "run-1", "baseline": "late-200", "better": "warped-200"}

@@ -93,16 +93,35 @@ def test_agreeing_is_chosen_by_nobody_beforehand():
     assert reading.panel().marked is None
     reading.handle(said("confirm"))
     assert not reading.agreed and not reading.refused and "Choose one first" in reading.panel().note
-    reading.handle(said("right", "right", "confirm"))
+    reading.handle(said("right", "confirm"))  # the button on the right
     assert reading.agreed and not reading.refused
 
 
-def test_not_agreeing_is_as_easy():
+def test_the_arrows_choose_the_button_on_their_side():
+    for text in ("A short text.", LONG):
+        for key, place in (("left", 0), ("right", -1)):
+            reading = ConsentDialog(text)
+            while "agree" not in dict(reading.panel().choices):
+                reading.handle(said("confirm"))
+            assert reading.panel().marked is None
+            reading.handle(said(key))
+            panel = reading.panel()
+            assert panel.choices[panel.marked] == panel.choices[place]
+            assert panel.choices[-1][0] == "agree"
+
+
+def test_not_agreeing_is_as_easy_and_confirmed_once():
+    """What ends the session may have been a slip."""
     reading = ConsentDialog("A short text.")
-    reading.handle(said("right", "confirm"))
+    reading.handle(said("left", "confirm"))
+    assert not reading.over and reading.panel().title == "End without taking part?"
+    reading.handle(said("confirm"))  # a second slip goes back to the text
+    assert not reading.over and reading.panel().marked is None and "agree" in dict(reading.panel().choices)
+    reading.handle(said("left", "confirm", "right", "confirm"))
     assert reading.refused and not reading.agreed
     reading = ConsentDialog("A short text.")
     reading.handle(said(("press", pressed(reading.panel(), "refuse"))))
+    reading.handle(said(("press", pressed(reading.panel(), "yes"))))
     assert reading.refused
 
 
@@ -118,7 +137,7 @@ def test_a_long_text_is_agreed_to_on_its_last_page_alone():
     assert reading.panel().title == f"Before we begin ({pages + 1} of {pages + 1})"
     reading.handle(said(("press", pressed(reading.panel(), "back")), "confirm"))
     assert not reading.agreed and "agree" in dict(reading.panel().choices)  # back, and on again
-    reading.handle(said("right", "right", "right", "confirm"))
+    reading.handle(said("right", "confirm"))
     assert reading.agreed
 
 
@@ -132,7 +151,7 @@ def test_the_desk_agrees_for_the_participant():
 def test_whatever_comes_nobody_agrees_without_a_word(sent):
     reading = ConsentDialog(LONG)
     for command in sent:
-        last_page = "agree" in dict(reading.panel().choices)
+        last_page = "agree" in dict(reading.panel().choices) or reading.panel().title == "End without taking part?"
         was = reading.agreed or reading.refused
         reading.handle([command])
         assert not (reading.agreed and reading.refused)

@@ -9,7 +9,7 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
-from hmdwarp.study.store import COMPLETE, STOPPED
+from hmdwarp.study.store import COMPLETE, DECLINED, STOPPED
 
 from .sessions import Person, ScriptedConsole, contents, press, run, study, whole
 
@@ -197,11 +197,12 @@ def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tm
 
 def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
+    clicks = {"Before we begin": "refuse", "End without taking part?": "yes"}
     person = Person(
-        lambda panel: [press(panel, "refuse")] if getattr(panel, "title", "") == "Before we begin" else None
+        lambda panel: [press(panel, clicks[panel.title])] if getattr(panel, "title", "") in clicks else None
     )
     ran = run(monkeypatch, gpu, path, person)
-    assert ran.session.status == STOPPED
+    assert ran.session.status == DECLINED
     assert events(path, "refused") == [("refused", "consent")]
     assert ran.display.shown == 0
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from .. import tiny
 from .sessions import contents, study
 
 PATIENCE_S = 120
@@ -96,6 +97,13 @@ def test_a_session_answered_at_the_console_line_by_line(tmp_path):
         (3.25, "experimenter"),
         (None, "experimenter"),
     ]
+
+
+def test_a_quiet_session_prints_nothing(tmp_path):
+    study_file, model = tiny.write(tmp_path)
+    words = ("--source", "offscreen", "--trace", "walk", "--simulate", str(model), "--quiet")
+    done = run(study_file, *words)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,10 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
+from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
-from hmdwarp.study.session import SessionOptions, first_picture_wait_s, head_angles_deg
+from hmdwarp.study.session import HeadRange, SessionOptions, first_picture_wait_s, head_angles_deg
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study
@@ -178,3 +179,32 @@ def test_a_link_that_lets_nothing_through_is_told(monkeypatch, gpu, tmp_path):
     assert isinstance(ran.error, InputError)
     assert "trial/1: no frame came within 0.1 s: see what loss and bandwidth let through" in str(ran.error)
     assert "resume with: " in str(ran.error)
+
+
+def head(yaw_deg: float, x_m: float = 0.0, origin: Origin = Origin.MEASURED) -> PoseSample:
+    half = math.radians(yaw_deg) / 2
+    return PoseSample(0, Pose((x_m, 1.6, 0.0), (0.0, -math.sin(half), 0.0, -math.cos(half))), origin)
+
+
+@pytest.mark.parametrize(
+    ("heads", "turn_deg", "shift_m", "still"),
+    [
+        ([head(30), head(32, 0.02), head(28)], 2, 0.02, True),  # sways
+        ([head(0), head(-20), head(15)], 20, 0, False),
+        ([head(10), head(10, 0.3)], 0, 0.3, False),  # leans or walks
+        ([head(0), head(40, 1.0, Origin.HELD)], 0, 0, True),  # lost tracking is no motion
+    ],
+)
+def test_a_head_that_hardly_moves_is_flagged(heads, turn_deg, shift_m, still):
+    seen = HeadRange()
+    for one in heads:
+        seen.add(one)
+    assert seen.figures() == {
+        "head_turn_deg": pytest.approx(turn_deg, abs=1e-5),
+        "head_shift_m": pytest.approx(shift_m),
+        "head_still": still,
+    }
+
+
+def test_a_head_that_nobody_saw_is_not_still():
+    assert set(HeadRange().figures().values()) == {None}

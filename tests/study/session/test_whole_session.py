@@ -10,7 +10,7 @@ from run.offscreen import PERIOD_NS, RATE_HZ
 
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions, replay
-from hmdwarp.study.actual import NUMBERS, TEXTS
+from hmdwarp.study.actual import FLAGS, NUMBERS, TEXTS
 from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
 
 from .conftest import LEAD_S, hurry
@@ -67,7 +67,7 @@ def test_what_was_really_shown_is_what_was_planned(one):
     planned = {**dict(zip(NAMES, LATENCIES_MS, strict=True)), "practice": 0.0}
     for showing in contents(path).showings:
         actual, latency = showing.actual, max(planned[showing.condition], 2 * PERIOD_MS)
-        assert set(NUMBERS) | set(TEXTS) == set(actual)
+        assert {*NUMBERS, *FLAGS, *TEXTS} == set(actual)
         assert latency - 1e-6 <= actual["latency_ms_median"] <= latency + PERIOD_MS + 1e-6
         assert actual["latency_ms_sd"] < 1e-6  # the display's clock is even
         assert actual["seconds"] == pytest.approx(0.1, abs=PERIOD_MS * 1e-3 * 1.01)
@@ -77,6 +77,34 @@ def test_what_was_really_shown_is_what_was_planned(one):
         assert actual["warp"] == ("rotation" if showing.condition == NAMES[1] else "none")
         assert 0 <= actual["hole_share_mean"] <= 1
         assert actual["angular_speed_deg_s_median"] > 0
+
+
+def test_trials_carry_when_they_began(one):
+    """By the display's clock."""
+    path, ran = one
+    shown = {showing.key: showing.actual for showing in contents(path).showings}
+    pictures = [at_ns for at_ns, is_picture, _ in ran.display.handed if is_picture]
+    first = [b for a, b in zip([0, *pictures], pictures, strict=False) if b - a > 1e8]
+    onsets = [shown[key]["onset_s"] for key in ("practice", "trial/1", "trial/2")]
+    assert np.diff(onsets) == pytest.approx(np.diff(first) * 1e-9, abs=2e-3)
+    assert onsets[0] > 0.2  # consent and the black before it
+
+
+def test_the_participant_learns_how_to_look_before_the_first_trial(one):
+    _, ran = one
+    titles = [getattr(panel, "title", "") for panel in ran.display.panels]
+    assert titles[:3] == ["Before we begin", "Ready?", "Practice: look around, it is not rated"]
+    assert titles.count("Ready?") == 1
+    ready = next(panel for panel in ran.display.panels if getattr(panel, "title", "") == "Ready?")
+    assert "Move the mouse to look around" in " ".join(ready.lines)
+
+
+def test_trials_with_a_head_that_hardly_moved_are_told_of(one):
+    """A tenth of a second of a walk is next to nothing."""
+    path, ran = one
+    assert all(showing.actual["head_still"] for showing in contents(path).showings)
+    assert sum("the head hardly moved (" in line for line in ran.console.said) == 3
+    assert "the head hardly moved in 2 of 2 trials" in " ".join(ran.said)
 
 
 def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
@@ -155,7 +183,7 @@ def test_the_console_knows_the_condition_unless_the_plan_hides_it(monkeypatch, g
 def test_the_console_is_told_what_it_can_show(one):
     _, ran = one
     states = ran.console.states
-    assert {state.phase for state in states} == {"reading", "showing", "asking", "break", "over"}
+    assert {state.phase for state in states} == {"reading", "waiting", "showing", "asking", "break", "over"}
     shares = [state.done for state in states]
     assert shares[0] == 0
     assert shares == sorted(shares)
@@ -214,6 +242,7 @@ def test_the_end_says_what_is_stored_where_and_what_comes_next(one):
     assert ran.said == [
         "participant P1, session 1, part main: complete",
         f"stored in {path.with_name('small-data')}: 6 answers, 4 of them about trials",
+        "the head hardly moved in 2 of 2 trials: almost a still picture was rated (head_still)",
         f"next: another participant, or hmdwarp study export {path} --out DIR",
     ]
     assert ran.display.panels[-1].title == "Thank you"
