@@ -78,8 +78,8 @@ class DesktopDisplay:
             keys, self._window, walker, self._painter, self._pacer, self._status, self.now_ns
         )
         self.source: PoseSource = self._source(options, walker)
-        if has_panel and not self._commands.open_panel():
-            self._painter.say(f"H shows the keys\n{NO_PANEL}")
+        lacks_panel = has_panel and not self._commands.open_panel()
+        self._painter.say("\n".join([*keys.first_words(options.trace is None), *([NO_PANEL] if lacks_panel else [])]))
         closers.callback(self._status.close)
         self._screens = ScreenMonitor(glfw, self._window, self._pacer)
         self._begun_ns = 0

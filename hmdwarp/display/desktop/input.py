@@ -50,6 +50,7 @@ class WindowInput:
         self._capture_again = False
         self._notches = 0.0  # of the wheel, the part that is no whole notch yet
         self.control_panel: InputConsumer | None = None  # takes its part of the input first
+        self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
         self.commands: list[Command] = []  # requests, oldest first; the caller empties it
         glfw.set_key_callback(window, self._key)
         glfw.set_mouse_button_callback(window, self._click)
@@ -109,6 +110,8 @@ class WindowInput:
         if key in MOVES or key in FASTER:
             if action == glfw.PRESS and self._locate is None:
                 self._held.add(key)
+            return
+        if key == glfw.KEY_ESCAPE and self.close_help():
             return
         command = self._keys.command_of(key, action, mods)
         if command is not None and command.control == "quit" and self.captured:
