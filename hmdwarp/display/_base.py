@@ -52,7 +52,7 @@ class TextPanel(Hashable, Protocol):
         """Whether it takes the pointer."""
 
     def ink(self) -> NDArray[np.uint8]:
-        """Return (h, w), top row first: 255 where ink is.
+        """Return (h, w), top row first: 255 where ink is; (h, w, 3) with linear light of a picture.
 
         Called once for each text panel, not at each refresh.
         """

@@ -21,6 +21,7 @@ from .definitions import Condition as Condition
 from .definitions import Consent as Consent
 from .definitions import Design as Design
 from .definitions import Family as Family
+from .definitions import Page as Page
 from .definitions import Part as Part
 from .definitions import Sickness as Sickness
 from .definitions import every_scale as every_scale
@@ -34,7 +35,9 @@ from .outline import SessionPhase as SessionPhase
 from .outline import balance as balance
 from .outline import least_participants as least_participants
 from .outline import notes as notes
+from .outline import reading_s as reading_s
 from .outline import session_phases as session_phases
+from .pictures import open_picture as open_picture
 from .read import SHIPPED as SHIPPED
 from .read import design_from_text as design_from_text
 from .read import load_design as load_design
@@ -44,4 +47,5 @@ from .steps import Pause as Pause
 from .steps import Read as Read
 from .steps import Show as Show
 from .steps import Step as Step
+from .steps import Tell as Tell
 from .steps import steps_of as steps_of

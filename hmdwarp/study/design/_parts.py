@@ -165,7 +165,7 @@ def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) 
 
 
 def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[str]) -> str:
-    """Return the table's name, where it has one, and the values, such as late-latency200-forward."""
+    """Return the table's name, if it has one, with the values, such as late-latency200-forward."""
     words = [_value_name(key, value) for key, value in chosen.items()]
     name = "-".join([*([table.text("name")] if "name" in table else []), *words])
     if not NAME.fullmatch(name):

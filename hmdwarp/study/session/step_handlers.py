@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ...display import Command, Label
 from ...run import FrameHandler
-from ..design import Ask, Pause, Read, Step
-from ..dialogs import BreakDialog, ConsentDialog, MenuDialog, MessagePanel, QuestionDialog, hints_for
+from ..design import Ask, Pause, Read, Step, Tell
+from ..dialogs import BreakDialog, ConsentDialog, MenuDialog, MessagePanel, PageDialog, QuestionDialog, hints_for
 from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
 
 if TYPE_CHECKING:
@@ -162,6 +162,16 @@ class QuestionHandler(DialogHandler[QuestionDialog]):
         return {"phase": self.phase, "question": self.dialog.question()}
 
 
+class PageHandler(DialogHandler[PageDialog]):
+    """Page to read or look at."""
+
+    phase = "waiting"
+
+    def __init__(self, context: SessionContext, step: Tell) -> None:
+        page, hints = step.page, hints_for(context.display.name)
+        super().__init__(context, step, PageDialog(page.title, page.text, hints, page.picture))
+
+
 class ConsentHandler(DialogHandler[ConsentDialog]):
     """Text that the participant agrees to or refuses."""
 
@@ -230,7 +240,10 @@ class ConfirmHandler(StepHandler):
 
 
 class PanelHandler(FrameHandler):
-    """Panel that stays for some refreshes or seconds; commands wait for the next step."""
+    """Panel that stays for some refreshes or seconds; commands wait for the next step.
+
+    may_close: whether the participant's confirmation closes it before its time.
+    """
 
     pictures = False
 
@@ -242,14 +255,16 @@ class PanelHandler(FrameHandler):
         refreshes: int = 1,
         seconds: float = 0.0,
         phase: str = "showing",
+        may_close: bool = False,
     ) -> None:
         self._context, self._step, self._panel, self._left, self._phase = context, step, panel, refreshes, phase
+        self._may_close, self._is_closed = may_close, False
         self._until_ns = context.display.now_ns() + round(seconds * 1e9)
         context.begin_step(step)
 
     def over(self) -> bool:
         """Return whether both the refreshes and the seconds are over."""
-        return self._left <= 0 and self._context.display.now_ns() >= self._until_ns
+        return self._is_closed or self._left <= 0 and self._context.display.now_ns() >= self._until_ns
 
     def label(self) -> Label:
         """Return the panel; called once a refresh."""
@@ -257,7 +272,8 @@ class PanelHandler(FrameHandler):
         return self._panel
 
     def handle(self, commands: Sequence[Command]) -> bool:
-        """Tell the console; the commands do nothing."""
+        """Tell the console; no command does anything but close it, where it may be."""
+        self._is_closed = self._may_close and any(one.control in CONFIRMS for one in commands)
         self._context.tell(self._step, lambda: {"phase": self._phase})
         return False
 
