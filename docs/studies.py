@@ -13,7 +13,7 @@ from PIL import Image
 
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.display import Command
-from hmdwarp.report import p_text
+from hmdwarp.report import p_text, pair_text
 from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
 from hmdwarp.study.scales import load_scale
@@ -62,7 +62,9 @@ def thesis_table(folder: Path, program: Program) -> str:
             f"{low:+.2f} .. {high:+.2f}",
         )
         figures += (f"{shift:+.2f} ({from_:+.2f} .. {to:+.2f})", p, f"{holm} / {holm_all}", f"{r:+.2f}")
-        lines.append(f"| {row['part']} | {row['a']} - {row['b']} | " + " | ".join(figures) + " |")
+        lines.append(
+            f"| {row['part']} | {pair_text(row['baseline'], row['condition'])} | " + " | ".join(figures) + " |"
+        )
     return "\n".join(lines)
 
 

@@ -59,10 +59,13 @@ def listed(names: Sequence[str], word: str = "and") -> str:
     return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
-def pair_text(a: str, b: str) -> str:
-    """Return "none → forward, 200 ms": two conditions, with their common end said once."""
-    head, comma, tail = a.rpartition(", ")
-    return f"{head} → {b}" if comma and b.endswith(f", {tail}") else f"{a} → {b}"
+def pair_text(baseline: str, condition: str) -> str:
+    """Return "forward over none, 200 ms"; a positive difference is a gain over the baseline.
+
+    The common end of the two names is said once.
+    """
+    head, comma, tail = condition.rpartition(", ")
+    return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"
 
 
 def name_pieces(text: str) -> list[str]:

@@ -14,7 +14,6 @@ Column = Callable[[str], NDArray[np.float64]]
 # None where unknown.
 NUMBERS = (
     "onset_s",
-    "block",
     "seconds",
     "pictures",
     "rate_hz",
@@ -49,9 +48,8 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
     """Return NUMBERS, FLAGS and TEXTS from a live run's summary and its columns.
 
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
-    session's start to the first picture; block, of trials between two planned breaks, from 1 on, 0
-    for the practice; head_turn_deg, head_shift_m: largest distances of the head from where it was
-    first; head_still: session/head_range.py.
+    session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
+    from where it was first; head_still: session/head_range.py.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
     the frame to showing it. period: between two pictures. missed: refreshes without a new picture,

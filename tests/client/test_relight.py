@@ -219,7 +219,7 @@ def test_samples_are_the_same_every_time_and_within_reach():
     "text", ["model:share=0", "model:share=1.1", "relight:samples=0", "relight:reach=0", "relight:share=-1"]
 )
 def test_settings_that_are_none_are_refused(text):
-    with pytest.raises(InputError, match="wanted"):
+    with pytest.raises(InputError, match="expected"):
         parse_fills(text)
 
 

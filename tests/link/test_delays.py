@@ -123,7 +123,7 @@ def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
 def test_traces_that_cannot_be_meant(text, message, tmp_path):
     path = tmp_path / "delays.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match="wanted") as caught:
+    with pytest.raises(InputError, match="expected") as caught:
         read_delays(path)
     assert str(caught.value).startswith(str(path))
     assert message in str(caught.value)

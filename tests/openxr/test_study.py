@@ -67,7 +67,7 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
         command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as process:
         try:
-            until_showing(tmp_path / "tiny-data", "trial/2", process)
+            until_showing(tmp_path / "tiny-simulated-data", "trial/2", process)
             time.sleep(2.0)  # its wait before the first picture is over
             monado.kill()
             said = process.communicate(timeout=LONG_S)[0]
@@ -75,7 +75,7 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
             process.kill()
     assert process.returncode == 3, said
     assert "--resume" in said and "Traceback" not in said
-    before = contents(tmp_path / "tiny-data")
+    before = contents(tmp_path / "tiny-simulated-data")
     assert [one.status for one in before.sessions] == ["interrupted"]
     assert [one.complete for one in before.showings if one.key == "trial/2"] == [False]
     monado.start()
@@ -83,7 +83,7 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
         [*command, "--resume"], check=False, capture_output=True, text=True, timeout=2 * LONG_S, env=os.environ
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    after = contents(tmp_path / "tiny-data")
+    after = contents(tmp_path / "tiny-simulated-data")
     assert [one.status for one in after.sessions] == ["complete"]
     assert [one.complete for one in after.showings if one.key == "trial/2"] == [False, True]
     assert after.answers[: len(before.answers)] == before.answers

@@ -141,7 +141,7 @@ def test_the_motion_does_not_depend_on_the_rate():
     ],
 )
 def test_what_cannot_be_made_is_refused(wrong):
-    with pytest.raises(InputError, match="wanted"):
+    with pytest.raises(InputError, match="expected"):
         synthesise("still", **wrong)
 
 

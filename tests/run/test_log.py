@@ -22,8 +22,9 @@ from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu import download, flip_rows
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
-from hmdwarp.run import LiveLog, LiveOptions, RunOptions, Thinned, live_figures, replay
+from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
 from hmdwarp.run import live_log as log
+from hmdwarp.run.live_figures import Thinned
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 

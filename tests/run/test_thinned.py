@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.poses import quaternions
-from hmdwarp.run import Thinned
 from hmdwarp.run.garbage import Pauses
+from hmdwarp.run.live_figures import Thinned
 from hmdwarp.run.speeds import angle_between
 
 

@@ -168,7 +168,8 @@ def table(studies: int) -> Iterator[str]:
         true = true_values(design, model)
         for k, one in enumerate(found.comparisons):
             yield (
-                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | {one.a} - {one.b} | "
+                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | "
+                f"{one.better} over {one.baseline} | "
                 f"{true[one][0]:+.2f} "
                 f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | "
                 f"{expected_bca(found.pairs[:, k]):.1%} "

@@ -60,12 +60,12 @@ class Study:
 def study(tmp_path_factory) -> Study:
     folder = tmp_path_factory.mktemp("study")
     file, model = tiny.write(folder, **PEOPLE)
-    data, made = folder / "tiny-data", folder / "made"
+    data, made = folder / "tiny-simulated-data", folder / "made"
     with Nursery() as nursery:
         for code in CODES:
             done = live(nursery, tiny.session(file, model, code))
             assert done.status == 0, done.said
-        assert live(nursery, tiny.session(file, model, PILOT, "--pilot")).status == 0
+        assert live(nursery, tiny.session(file, model, PILOT, "--pilot", "--store", str(data))).status == 0
     tiny.ran("study", "export", file, "--out", made / "export", "--simulated", "--quiet")
     tiny.ran("study", "analyse", file, "--out", made / "analysis", "--simulated", "--quiet")
     with Store(data) as store:
@@ -121,7 +121,7 @@ def test_the_known_effects_come_back_inside_their_intervals(study):
     (scale,) = json.loads((study.made / "analysis" / "analysis.json").read_text())["scales"]
     assert len(scale["comparisons"]) == 2
     for row in scale["comparisons"]:
-        effect = known_effect(study, Comparison("main", row["a"], row["b"]))
+        effect = known_effect(study, Comparison("main", row["baseline"], row["condition"]))
         assert effect > 0.5  # a warp helps these people
         assert row["low"] <= effect <= row["high"]
         assert row["shift_low"] <= effect <= row["shift_high"]

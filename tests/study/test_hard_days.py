@@ -58,7 +58,7 @@ def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
     Ended in the middle of a trial it is gone on with.
     """
     study, model = long_study(tmp_path)
-    data = tmp_path / "tiny-data"
+    data = tmp_path / "tiny-simulated-data"
     first = started(tiny.session(study, model, "one"))
     try:
         until_showing(data, first)
@@ -121,7 +121,7 @@ def test_a_disk_that_is_full_in_mid_session(small_disk, tmp_path):
 def test_a_folder_that_may_not_be_written(tmp_path):
     """Of what is there nothing is changed; what may be read may be exported."""
     study, model = tiny.write(tmp_path)
-    data = tmp_path / "tiny-data"
+    data = tmp_path / "tiny-simulated-data"
     tiny.ran(*tiny.session(study, model, "one"))
     if (
         os.geteuid() != 0

@@ -5,6 +5,7 @@ The simulation against theory, against the analysis, and as a command.
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 
@@ -19,6 +20,7 @@ from scipy.stats import binomtest
 
 from hmdwarp.cli.study.power import power as command
 from hmdwarp.errors import InputError
+from hmdwarp.report.study import comparison_lines
 from hmdwarp.study.analysis import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
 from hmdwarp.study.power import (
@@ -36,6 +38,7 @@ from hmdwarp.study.respondents import Population, load_model
 from . import tiny
 from .made_up import simulate_study
 
+PLAN_COMPARES = 'compare = [{ better = "warped", baseline = "late" }]\n#'
 DESIGN, THESIS = load_design("quick"), load_design("thesis")
 GRADE = DESIGN.scales[0]
 
@@ -71,9 +74,30 @@ def test_what_is_significant_is_what_the_analysis_says():
         given_ = {c: differences(cohorts[c.part], GRADE, c) for family in THESIS.families for c in family.comparisons}
         found = significant(THESIS, given_, 0.05)
         for row in rows:
-            one = Comparison(row["part"], row["a"], row["b"])
+            one = Comparison(row["part"], row["baseline"], row["condition"])
             assert found[one] == (row["holm"] <= 0.05)
             assert sorted(given_[one]) == pytest.approx(sorted(row["differences"].values()))
+
+
+@pytest.mark.parametrize("scale", ["grade", "slider"])  # low is good; high is good
+def test_every_command_names_a_comparison_by_the_sign_that_it_prints(tmp_path, scale):
+    """A warp that is better by planning: "warped over late" in plan, power and analysis, and a
+    positive figure beside it, whichever way the scale goes.
+    """
+    study = tmp_path / "s.toml"
+    study.write_text(tiny.STUDY.replace('"grade"', f'"{scale}"').replace("pairs = [", PLAN_COMPARES), encoding="utf-8")
+    design = load_design(str(study))
+    assert "warped over late" in hmdwarp("study", "plan", study).stdout
+    planned = ("--effect", 3, "--sd", 0.5, "--n", 6, "--studies", 10, "--out", tmp_path / "power")
+    said = hmdwarp("study", "power", study, *planned).stdout
+    assert "warped over late (a true mean difference of +" in " ".join(said.split())
+    (row,) = csv.DictReader((tmp_path / "power" / "power.csv").read_text(encoding="utf-8").splitlines())
+    assert (row["condition"], row["baseline"], float(row["true_effect"]) > 0) == ("warped", "late", True)
+
+    model = planned_model(design, design.scales[0], 3.0, 0.5)
+    (compares,) = compared(simulate_study(design, model, 6, seed=1), scale, design.families, Resampling(resamples=100))
+    assert (compares["condition"], compares["baseline"], compares["mean"] > 0) == ("warped", "late", True)
+    assert comparison_lines([compares])[1][0][0] == "main: warped over late"
 
 
 def one_comparison():

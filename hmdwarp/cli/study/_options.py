@@ -11,11 +11,14 @@ import typer
 from ...options import option
 
 _STUDY = "The study's .toml file, or the name of a shipped study, such as thesis."
-_STORE = "Folder of the study's data; by default beside its file."
+_STORE = "Folder of the study's data; by default STUDY-data beside its file."
 StudyArgument = Annotated[str, typer.Argument(metavar="STUDY", help=_STUDY)]
 StoreOption = Annotated[
     Path | None,
     typer.Option("--store", help=_STORE, show_default=False),
+]
+SimulatedOption = Annotated[
+    bool, typer.Option("--simulated", help="Simulated sessions instead of those of participants.")
 ]
 PilotOption = Annotated[bool, typer.Option("--pilot", help="Pilot sessions instead of those of participants.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]

@@ -16,6 +16,7 @@ from ._options import store_field
 if TYPE_CHECKING:
     from rich.table import Table
 
+_SIGN = "positive: rated better than the baseline, the one after 'over'"
 _Texts = list[str] | None
 _SOURCE = "A table with one row per rating (.csv, .tsv), a study's .toml file, or the name of a shipped study."
 
@@ -38,7 +39,7 @@ class AnalyseOptions(Declared):
         None,
         "Compare these pairs instead of the planned ones, as one family; may be repeated.",
         kind=list,
-        metavar="A:B;C:D",
+        metavar="BASELINE:BETTER;..",
     )
     claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.", kind=Path)
     pilot: bool = option(False, "Pilot sessions instead of those of participants.")
@@ -151,7 +152,7 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
     heads = [(name, "") for name in ("compared", "pairs +/0/-", "mean", "BCa 95 %", "p", "Holm", "all", "r")]
     lines = [
         [
-            pair_text(row["a"], row["b"]),
+            pair_text(row["baseline"], row["condition"]),
             pairs_text(row),
             signed(row["mean"], 3) if row["n"] else "–",
             interval(row["low"], row["high"]),
@@ -161,7 +162,7 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
         for row in rows
     ]
     return _table(
-        f"{part}: positive means the second was rated better" if part else "Positive: the second was rated better",
+        f"{part}: {_SIGN}" if part else _SIGN.capitalize(),
         heads,
         lines,
     )

@@ -39,13 +39,13 @@ def export(said: Said) -> None:
     from ...study.design import load_design
     from ...study.export import ExportOptions
     from ...study.export import export as run
-    from ...study.store import PERSON, PILOT, SIMULATED, Store, store_folder
+    from ...study.store import PERSON, PILOT, SIMULATED, Store, folder_to_read
     from .._show import steps
 
     wanted = ExportCommand.of(said)
     origin = PILOT if wanted.pilot else SIMULATED if wanted.simulated else PERSON
     design = load_design(wanted.study, checked=False)
-    with Store(store_folder(design, wanted.store), study=design.name) as data:
+    with Store(folder_to_read(design, wanted.store, origin), study=design.name) as data:
         contents = data.contents(pilot=wanted.pilot)
     options = ExportOptions(
         origin=origin, remarks=wanted.remarks, revisions=wanted.all_revisions, parquet=wanted.parquet

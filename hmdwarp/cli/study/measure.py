@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ._options import PilotOption, QuietOption, StoreOption, StudyArgument
+from ._options import PilotOption, QuietOption, SimulatedOption, StoreOption, StudyArgument
 
 
 def measure(
@@ -29,21 +29,26 @@ def measure(
         bool, typer.Option("--again", help="Re-measure trials already measured with these options.")
     ] = False,
     pilot: PilotOption = False,
+    simulated: SimulatedOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
+    from ...errors import InputError
     from ...pipeline.options import parse_size
     from ...study.design import load_design
     from ...study.measure import MeasureOptions, measure_study
-    from ...study.store import Store, store_folder
+    from ...study.store import PERSON, PILOT, SIMULATED, Store, folder_to_read
     from .._show import steps
 
+    if pilot and simulated:
+        raise InputError("--pilot and --simulated: their data lie apart; measure one after the other")
+    origin = PILOT if pilot else SIMULATED if simulated else PERSON
     design = load_design(study, checked=False)  # only its name is needed
     options = MeasureOptions(
         every=every, size=None if size is None else parse_size(size), again=again, pilot=pilot, workers=workers
     )
     with (
-        Store(store_folder(design, store), study=design.name) as data,
+        Store(folder_to_read(design, store, origin), study=design.name) as data,
         steps("refreshes", quiet=quiet) as (progress, screen),
     ):
         found = measure_study(data, options, progress, *([] if quiet else [screen.print]))

@@ -224,10 +224,11 @@ def _print_families(design: Design) -> None:
 
 
 def _family(family: Family) -> str:
+    from ...report import pair_text
     from ...study.design import least_participants
     from ...study.statistics import smallest_p
 
-    pairs = ", ".join(f"{one.a} - {one.b}" for one in family.comparisons)
+    pairs = ", ".join(pair_text(one.baseline, one.better) for one in family.comparisons)
     count = len(family.comparisons)
     need = least_participants(count)
     best = f"{count} x {smallest_p(need):.2g} at best with {need}"

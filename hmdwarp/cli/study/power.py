@@ -131,7 +131,11 @@ def _write(folder: OutputFolder, found: Power, target: float) -> None:
     folder.write_csv("power.csv", rows, COLUMNS)
     lines = []
     for one in found.true_effect:
-        own = [row for row in rows if (row["part"], row["a"], row["b"]) == (one.part, one.a, one.b)]
+        own = [
+            row
+            for row in rows
+            if (row["part"], row["condition"], row["baseline"]) == (one.part, one.better, one.baseline)
+        ]
         values = ([row[key] for row in own] for key in ("power", "power_low", "power_high", "power_unlimited"))
         lines.append(PowerLine(name_of(one, found), *values))
     power_chart(folder.path("power.png"), [one.n for one in found.at], lines, target, found.design.title)

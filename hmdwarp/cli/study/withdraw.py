@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from ._options import StoreOption, StudyArgument
+from ._options import PilotOption, StoreOption, StudyArgument
 
 
 def withdraw(
     study: StudyArgument,
     code: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.")],
     store: StoreOption = None,
+    pilot: PilotOption = False,
     yes: Annotated[bool, typer.Option("--yes", help="Erase without confirmation.")] = False,
 ) -> None:
     """Erase all ratings, events and head traces of a participant; the code stays reserved."""
@@ -23,7 +24,7 @@ def withdraw(
     from ...study.withdraw import BEYOND, finish_interrupted, holdings
     from ...study.withdraw import withdraw as go
 
-    folder, name = _where(study, store)
+    folder, name = _where(study, store, pilot)
     with Store(folder, study=name, say=typer.echo) as opened:
         if not yes and not finish_interrupted(opened, code):
             if not sys.stdin.isatty():
@@ -40,11 +41,11 @@ def withdraw(
     )
 
 
-def _where(study: str, store: Path | None) -> tuple[Path, str | None]:
+def _where(study: str, store: Path | None, pilot: bool) -> tuple[Path, str | None]:
     """Return folder and name of the study; with --store a broken study file does not matter."""
     from ...errors import InputError
     from ...study.design import load_design
-    from ...study.store import store_folder
+    from ...study.store import PERSON, PILOT, store_folder
 
     try:
         design = load_design(study, checked=False)
@@ -52,4 +53,4 @@ def _where(study: str, store: Path | None) -> tuple[Path, str | None]:
         if store is None:
             raise
         return store, None
-    return store_folder(design, store), design.name
+    return store_folder(design, store, PILOT if pilot else PERSON), design.name

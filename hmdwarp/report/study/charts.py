@@ -46,7 +46,7 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
 def forest_chart(rows: Sequence[Row], unit: str) -> str:
     """Draw each comparison's differences, their mean (BCa interval) and Hodges-Lehmann shift."""
     shown = [row for row in rows if row["n"]]
-    with drawing([(row["part"], row["a"], row["b"], row["mean"]) for row in shown]):
+    with drawing([(row["part"], row["baseline"], row["condition"], row["mean"]) for row in shown]):
         figure, axes = _figure(_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2))
         dress(axes, PAGE, grid="x")
         axes.axvline(0, color=PAGE.ink, linewidth=1)
@@ -59,7 +59,7 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
             default=1.0,
         )
         axes.set_xlim(-1.08 * max(reach, 1e-9), 1.08 * max(reach, 1e-9))
-        axes.set_xlabel(f"difference in {unit}:  the second was rated worse  ←  0  →  better")
+        axes.set_xlabel(f"difference in {unit}:  rated worse than the baseline  ←  0  →  better")
         figure.legend(handles=_forest_key(), loc="outside upper left", ncols=3, frameon=False, labelcolor=PAGE.ink)
         return svg_text(figure)
 
@@ -117,7 +117,7 @@ def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[lis
     names = [row["condition"] for row in conditions]
     if len(comparisons) > _MOST_PAIRS:
         return names, []
-    columns = [name for row in comparisons for name in (row["a"], row["b"])]
+    columns = [name for row in comparisons for name in (row["baseline"], row["condition"])]
     return [*columns, *(name for name in names if name not in columns)], [
         (2 * k, row) for k, row in enumerate(comparisons)
     ]
@@ -133,7 +133,7 @@ def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
 
 
 def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Mapping[str, Mapping[str, float]]) -> None:
-    a, b = row["a"], row["b"]
+    a, b = row["baseline"], row["condition"]
     for who, difference in row["differences"].items():
         x = [at + shifts[a][who], at + 1 + shifts[b][who]]
         y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
@@ -183,7 +183,7 @@ def _rating_key(lines: bool) -> list[Any]:
     ]
     if lines:
         key += [
-            Line2D([], [], color=_BETTER, linewidth=1.2, label="rated the second better"),
+            Line2D([], [], color=_BETTER, linewidth=1.2, label="rated better than the baseline"),
             Line2D([], [], color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2)), label="worse"),
         ]
     return key
@@ -205,8 +205,8 @@ def _forest_line(axes: Axes, y: int, row: Row) -> None:
 
 
 def _comparison_label(row: Row) -> str:
-    first = f"{row['part']}: {row['a']}" if row["part"] else row["a"]
-    return f"{first}\n→ {row['b']}"
+    first = f"{row['part']}: {row['condition']}" if row["part"] else row["condition"]
+    return f"{first}\nover {row['baseline']}"
 
 
 def _forest_key() -> list[Any]:

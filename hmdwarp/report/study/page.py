@@ -82,7 +82,7 @@ def _missing(rows: Sequence[Row]) -> list[str]:
 
 def _in_words(rows: Sequence[Row]) -> str:
     return "; ".join(
-        f"{row['part']} {row['a']} to {row['b']}: "
+        f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
         f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
         for row in rows
         if row["n"]
@@ -117,7 +117,8 @@ def _without(rows: Sequence[Row]) -> PageTable | None:
         return None
     heads = (("without them", ""), ("pairs", ""), ("mean", ""), ("p", ""), ("Holm", ""))
     lines = [
-        [pair_text(r["a"], r["b"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])] for r in rows
+        [pair_text(r["baseline"], r["condition"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])]
+        for r in rows
     ]
     return PageTable.of("The same comparisons without those who missed the reference", heads, lines)
 

@@ -14,12 +14,12 @@ CONDITION_COLUMNS = (
     "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "sd", "q1", "q3", "least", "most",
 )  # fmt: skip
 COMPARISON_COLUMNS = (
-    "scale", "part", "family", "a", "b", "n", "better", "equal", "worse", "mean", "sd", "median",
+    "scale", "part", "family", "condition", "baseline", "n", "better", "equal", "worse", "mean", "sd", "median",
     "w_plus", "w_minus", "p", "smallest_p", "holm", "holm_of", "holm_all", "holm_all_of",
     "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
 )  # fmt: skip
 RATING_COLUMNS = ("scale", "part", "participant", "condition", "value")
-DIFFERENCE_COLUMNS = ("scale", "part", "a", "b", "participant", "difference")
+DIFFERENCE_COLUMNS = ("scale", "part", "condition", "baseline", "participant", "difference")
 MISSING_COLUMNS = ("scale", "part", "participant", "session", "condition", "why")
 
 
@@ -55,7 +55,7 @@ def comparison_lines(rows: Sequence[Row]) -> tuple[Heads, list[list[str]]]:
 
 
 def _comparison(row: Row) -> list[str]:
-    name = ": ".join([*filter(None, [row["part"]]), pair_text(row["a"], row["b"])])
+    name = ": ".join([*filter(None, [row["part"]]), pair_text(row["baseline"], row["condition"])])
     if not row["n"]:
         return [name, "0", *["–"] * 9]
     return [
@@ -111,7 +111,7 @@ def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]
                 ratings += [own | {"participant": who, "value": value} for who, value in row["ratings"].items()]
         for row in scale["comparisons"]:
             comparisons.append({key: row[key] for key in COMPARISON_COLUMNS})
-            own = named | {key: row[key] for key in ("part", "a", "b")}
+            own = named | {key: row[key] for key in ("part", "condition", "baseline")}
             differences += [
                 own | {"participant": who, "difference": value} for who, value in row["differences"].items()
             ]

@@ -25,10 +25,10 @@ class Claim:
 
     part: str
     step: float  # what it was rounded to
-    difference: float | None = None  # mean of a minus b, positive where b is better; None: a mere mention
-    latency_ms: float | None = None  # means the comparison at that latency, instead of a and b
-    a: str = ""
-    b: str = ""
+    difference: float | None = None  # mean, positive where `better` was rated better; None: a mere mention
+    latency_ms: float | None = None  # means the comparison at that latency, instead of a pair
+    baseline: str = ""
+    better: str = ""
     where: str = ""  # in the text
 
 
@@ -60,11 +60,13 @@ def _claims(data: Keys, text: str) -> Claims:
 def _claim(table: Keys, raw: Mapping[str, Any], step: float | None) -> Claim:
     difference = table.number("difference") if "difference" in table else None
     latency = table.number("latency_ms") if "latency_ms" in table else None
-    a, b, where = (table.text(key) if key in table else "" for key in ("a", "b", "where"))
-    if latency is None and not (a and b):
-        raise table.fault("difference", "lacks its comparison: expected latency_ms, or a and b")
+    baseline, better, where = (table.text(key) if key in table else "" for key in ("baseline", "better", "where"))
+    if latency is None and not (baseline and better):
+        raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
     last = Decimal(1).scaleb(Decimal(str(raw.get("difference", 1))).as_tuple().exponent)  # type: ignore[arg-type]
-    return Claim(table.text("part"), float(last) if step is None else step, difference, latency, a, b, where)
+    return Claim(
+        table.text("part"), float(last) if step is None else step, difference, latency, baseline, better, where
+    )
 
 
 def checked(claims: Claims, rows: Sequence[Mapping[str, Any]], ratings: Ratings, scale: str) -> list[dict[str, Any]]:
@@ -88,7 +90,7 @@ def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, 
     row = next((row for row in rows if row["part"] == claim.part and _is_about(claim, row, ratings)), None)
     if row is None:
         return found | {"follows": False, "why_not": _no_comparison(claim, ratings)}
-    found |= {"a": row["a"], "b": row["b"], "data": row["mean"], "n": row["n"]}
+    found |= {"baseline": row["baseline"], "condition": row["condition"], "data": row["mean"], "n": row["n"]}
     if claim.difference is None or row["mean"] is None:
         return found | {"follows": True if claim.difference is None else None}
 
@@ -104,7 +106,7 @@ def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, 
 
 def _no_comparison(claim: Claim, ratings: Ratings) -> str:
     if claim.latency_ms is None:
-        return f"'{claim.a}' and '{claim.b}' are not compared"
+        return f"'{claim.baseline}' and '{claim.better}' are not compared"
     settings = [ratings.settings(claim.part, name) for name in ratings.conditions(claim.part)]
     known = sorted({one["latency_ms"] for one in settings if "latency_ms" in one})
     latencies = ", ".join(f"{one:g}" for one in known)
@@ -112,15 +114,16 @@ def _no_comparison(claim: Claim, ratings: Ratings) -> str:
 
 
 def _is_about(claim: Claim, row: Mapping[str, Any], ratings: Ratings) -> bool:
-    if claim.a:
-        return (row["a"], row["b"]) == (claim.a, claim.b)
-    latencies = {ratings.settings(row["part"], row[end]).get("latency_ms") for end in ("a", "b")}
+    if claim.baseline:
+        return (row["baseline"], row["condition"]) == (claim.baseline, claim.better)
+    latencies = {ratings.settings(row["part"], row[end]).get("latency_ms") for end in ("baseline", "condition")}
     return latencies == {claim.latency_ms}
 
 
 def _others(row: Mapping[str, Any], ratings: Ratings, scale: str) -> dict[str, float]:
     table, sign = ratings.table(row["part"], scale), ratings.scale_info[scale].sign
-    a, b = (column[np.isfinite(column)] for column in (table.column(row["a"]), table.column(row["b"])))
+    columns = (table.column(row[end]) for end in ("baseline", "condition"))
+    a, b = (column[np.isfinite(column)] for column in columns)
     return {
         "difference of the means over all who rated either": float(sign * (a.mean() - b.mean())),
         "difference of the medians": float(sign * (np.median(a) - np.median(b))),

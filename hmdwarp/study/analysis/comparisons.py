@@ -55,18 +55,18 @@ def compared(
     for family in families:
         for comparison in family.comparisons:
             table = ratings.table(comparison.part, scale).without((without or {}).get(comparison.part, set()))
-            if {comparison.a, comparison.b} <= set(table.conditions):
+            if {comparison.baseline, comparison.better} <= set(table.conditions):
                 rows.append(_compared(table, ratings.scale_info[scale], family.name, comparison, resampling))
     _correct(rows)
     return rows
 
 
 def differences(table: Table, comparison: Comparison, sign: int) -> dict[str, float]:
-    """Return the difference of each participant who rated both; positive where b is better."""
-    first, second = table.column(comparison.a), table.column(comparison.b)
-    both = np.isfinite(first) & np.isfinite(second)
+    """Return the difference of each participant who rated both; positive for `better`."""
+    baseline, better = table.column(comparison.baseline), table.column(comparison.better)
+    both = np.isfinite(baseline) & np.isfinite(better)
     return {
-        name: round(float(sign * (first[k] - second[k])), 9) for k, name in enumerate(table.participants) if both[k]
+        name: round(float(sign * (baseline[k] - better[k])), 9) for k, name in enumerate(table.participants) if both[k]
     }
 
 
@@ -79,8 +79,8 @@ def _compared(
         "part": comparison.part,
         "scale": scale.name,
         "family": family,
-        "a": comparison.a,
-        "b": comparison.b,
+        "condition": comparison.better,
+        "baseline": comparison.baseline,
         "n": len(values),
         "better": int((values > 0).sum()),
         "equal": int((values == 0).sum()),
@@ -175,7 +175,7 @@ def _requested(text: str, ratings: Ratings) -> list[Family]:
         here = [Comparison(one, a, b) for a, b in pairs if a in known and b in known]
         if here:
             found.append(Family(f"{one}: as requested" if one else "as requested", tuple(here)))
-    named = {(c.a, c.b) for family in found for c in family.comparisons}
+    named = {(c.baseline, c.better) for family in found for c in family.comparisons}
     for pair in pairs:
         if pair not in named:
             names = "; ".join(dict.fromkeys(name for one in parts for name in ratings.conditions(one)))

@@ -19,6 +19,7 @@ ROLES: Mapping[str, tuple[str, ...]] = {
     "participant": (
         "participant",
         "participant_id",
+        "ppid",
         "sub",
         "subject",
         "subject_id",

@@ -14,6 +14,7 @@ from ..statistics import friedman, kendalls_w, wilcoxon_exact
 from .comparisons import shift_of
 from .ratings import Ratings, ScaleInfo, SurveyAnswer, Table
 
+_EQUAL = 1e-9  # means of equal ratings may differ by rounding
 Sheets = dict[tuple[str, int], dict[str, float | None]]  # scores by participant and session
 
 
@@ -59,24 +60,34 @@ def friedman_row(table: Table) -> dict[str, Any] | None:
     return found._asdict() | {"conditions": len(table.conditions), "w": kendalls_w(found)}
 
 
-def reference_missed(table: Table, references: tuple[str, ...], scale: ScaleInfo) -> dict[str, Any] | None:
-    """Return who rated the hidden reference worse than the median of their other ratings.
+def reference_votes(table: Table, references: tuple[str, ...], scale: ScaleInfo) -> dict[str, Any] | None:
+    """Return how each participant rated the hidden reference against the median of their others.
 
-    None without a reference.
+    "better" and "same" are counts, "missed" the participants who rated it worse; "flat" counts
+    those of "same" who gave everything the same rating. None without a reference.
     """
     if not references:
         return None
     inside = [table.conditions.index(name) for name in references]
     outside = [k for k in range(len(table.conditions)) if k not in inside]
-    badness = scale.sign * table.values
-    rated, missed = 0, []
-    for who, row in zip(table.participants, badness, strict=True):
+    better, same, flat = 0, 0, 0
+    missed = []
+    for who, row in zip(table.participants, scale.sign * table.values, strict=True):
         own, others = row[inside][np.isfinite(row[inside])], row[outside][np.isfinite(row[outside])]
-        if len(own) and len(others):
-            rated += 1
-            if own.mean() > np.median(others) + 1e-9:
-                missed.append(who)
-    return {"rated": rated, "missed": missed, "references": list(references)}
+        if not len(own) or not len(others):
+            continue
+        worse_by = own.mean() - np.median(others)
+        if worse_by > _EQUAL:
+            missed.append(who)
+        elif worse_by < -_EQUAL:
+            better += 1
+        else:
+            same += 1
+            flat += bool(np.ptp([*own, *others]) <= _EQUAL)
+    rated = better + same + len(missed)
+    return {
+        "rated": rated, "better": better, "same": same, "flat": flat, "missed": missed, "references": list(references)
+    }  # fmt: skip
 
 
 def place_residuals(ratings: Ratings, part: str, scale: str) -> list[dict[str, Any]]:

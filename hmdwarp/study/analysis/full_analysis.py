@@ -24,7 +24,7 @@ from .descriptives import (
     missing_rows,
     place_residuals,
     questionnaire_rows,
-    reference_missed,
+    reference_votes,
     scale_or_none,
     session_counts,
     sickness_rows,
@@ -126,7 +126,7 @@ def _part(
     info, table = ratings.scale_info[scale], ratings.table(part, scale)
     test = friedman_row(table)
     effects = order_effects(ratings.of(part, scale))
-    reference = reference_missed(table, ratings.references(part), info)
+    reference = reference_votes(table, ratings.references(part), info)
     found = {
         "part": part,
         "participants": len(table.participants),
@@ -142,6 +142,8 @@ def _part(
     if reference and reference["missed"]:
         rows = compared(ratings, scale, families, resampling, without={part: set(reference["missed"])})
         found["without"] = [
-            {key: row[key] for key in ("a", "b", "n", "mean", "p", "holm")} for row in rows if row["part"] == part
+            {key: row[key] for key in ("condition", "baseline", "n", "mean", "p", "holm")}
+            for row in rows
+            if row["part"] == part
         ]
     return found

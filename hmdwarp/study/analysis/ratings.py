@@ -50,7 +50,7 @@ class ScaleInfo:
 
     @property
     def sign(self) -> int:
-        """Factor that turns "a minus b" into "b is better"."""
+        """Factor that turns "baseline minus condition" into "the condition is better"."""
         return 1 if self.low_is_good else -1
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...report import ALPHA, counted, listed, p_is, plain, signed
+from ...report import ALPHA, counted, listed, p_is, pair_text, plain, signed
 from .ratings import ScaleInfo
 
 Row = Mapping[str, Any]
@@ -19,12 +19,17 @@ def of_comparison(row: Row, scale: ScaleInfo) -> str:
     """Describe a comparison. row: as comparisons.compared."""
     where = f"{row['part']}: " if row["part"] else ""
     if not row["n"]:
-        return f"{where}no participant rated both '{row['a']}' and '{row['b']}': they cannot be compared."
+        return (
+            f"{where}no participant rated both '{row['condition']}' and '{row['baseline']}': they cannot be compared."
+        )
     return f"{where}{_votes(row)}; {_size(row, scale)} {_verdict(row, scale)}"
 
 
 def _votes(row: Row) -> str:
-    parts = [f"{row['better']} of {row['n']} rated '{row['b']}' better than '{row['a']}'", f"{row['worse']} worse"]
+    parts = [
+        f"{row['better']} of {row['n']} rated '{row['condition']}' better than '{row['baseline']}'",
+        f"{row['worse']} worse",
+    ]
     if row["equal"]:
         parts.append(f"{row['equal']} the same")
     return ", ".join(parts)
@@ -47,7 +52,7 @@ def _verdict(row: Row, scale: ScaleInfo) -> str:
         # Not by the shift: it is 0 where more than half of the pairs are equal, which the test
         # leaves out.
         way = "better" if row["w_plus"] > row["w_minus"] else "worse"
-        return f"{after} {p_is(row['holm'])}: '{row['b']}' was rated {way}."
+        return f"{after} {p_is(row['holm'])}: '{row['condition']}' was rated {way}."
     if row["smallest_p"] > ALPHA:
         pairs = counted(row["better"] + row["worse"], "unequal pair")
         always = "" if row["equal"] else ", whatever the ratings"
@@ -146,7 +151,7 @@ def of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
     at = (
         f"{row['part']}, {row['latency_ms']:g} ms"
         if row["latency_ms"] is not None
-        else f"{row['part']}, {row['a']} against {row['b']}"
+        else f"{row['part']}, {pair_text(row['baseline'], row['condition'])}"
     )
     if row["difference"] is None:
         return f"{at}: {source} names it, and it was rated."
@@ -160,16 +165,24 @@ def of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
 
 
 def of_reference(row: Row | None) -> str:
-    """Say whether people rated the hidden reference as good."""
+    """Say how people rated the hidden reference among their other ratings; ties are ties."""
     if row is None:
         return "Without a hidden reference the ratings do not show who judged with care."
     if not row["rated"]:
         return "The hidden reference was not rated."
-    if not row["missed"]:
-        who = {1: "The only participant", 2: "Both"}.get(row["rated"], f"All {row['rated']}")
-        return f"{who} who rated the hidden reference put it in the better half of their ratings."
-    return (
-        f"{len(row['missed'])} of {row['rated']} rated the hidden reference worse than the median of their other "
-        "ratings "
-        f"({listed(row['missed'])}). Their ratings are kept; the comparisons without them are listed as well."
-    )
+    said = [f"{_reference_votes(row)} the median of their other ratings."]
+    if row["flat"]:
+        said.append(f"{row['flat']} of them gave everything the same rating, which shows nothing.")
+    if row["missed"]:
+        said.append(f"Worse: {listed(row['missed'])}.")
+        said.append("Their ratings are kept; the comparisons without them are listed as well.")
+    return " ".join(said)
+
+
+def _reference_votes(row: Row) -> str:
+    """Return "3 of 5 who rated the hidden reference rated it better than and 2 the same as"."""
+    counts = {"better than": row["better"], "the same as": row["same"], "worse than": len(row["missed"])}
+    (way, most), *others = ((way, count) for way, count in counts.items() if count)
+    who = f"{most} of {row['rated']}" if others else {1: "The only participant", 2: "Both"}.get(most, f"All {most}")
+    ways = [f"{who} who rated the hidden reference rated it {way}"]
+    return listed([*ways, *(f"{count} {way}" for way, count in others)])

@@ -8,7 +8,7 @@ import attrs
 
 from ...errors import InputError
 from ..design import SHIPPED, load_design
-from ..store import DATABASE, PERSON, PILOT, Store, store_folder
+from ..store import DATABASE, PERSON, PILOT, Store, folder_to_read, store_folder
 from .claims import Claims, load_claims
 from .ratings import Ratings
 from .store_ratings import from_contents
@@ -32,18 +32,14 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
             f"{name}: no such file: expected a table of ratings, a study's .toml file, or a shipped study's name"
         )
     design = load_design(name, checked=False)
-    folder = store_folder(design, store)
+    origin = options.origin or PERSON
     published = SHIPPED / f"{name}_ratings.csv"
-    if not (folder / DATABASE).exists():
-        if store is None and published.is_file():
-            known = attrs.evolve(options, scale=options.scale or design.scales[0].name)
-            return attrs.evolve(from_csv(published, known), title=design.title)
-        raise InputError(
-            f"{folder}: there are no data of '{design.name}' yet: run sessions first, or name their folder with --store"
-        )
-    with Store(folder, study=design.name) as data:
-        contents = data.contents(pilot=options.origin == PILOT)
-    return from_contents(contents, design, options.origin or PERSON)
+    if store is None and published.is_file() and not (store_folder(design, None, origin) / DATABASE).exists():
+        known = attrs.evolve(options, scale=options.scale or design.scales[0].name)
+        return attrs.evolve(from_csv(published, known), title=design.title)
+    with Store(folder_to_read(design, store, origin), study=design.name) as data:
+        contents = data.contents(pilot=origin == PILOT)
+    return from_contents(contents, design, origin)
 
 
 def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -10,7 +11,7 @@ import attrs
 from ...errors import InputError
 from ...report import counted
 from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
-from ..export import long_rows, no_sessions, of_origin, plan_of
+from ..export import declined, long_rows, no_sessions, of_origin, plan_of
 from ..scales import RATING
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
 from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
@@ -30,11 +31,11 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
     origin: "person", "pilot" or "simulated". Every session is read by the plan that it ran with.
     Missing ratings are included, with the reason. Errors: InputError where there are no sessions.
     """
-    # By their random words: in which order people came must not show.
-    sessions = sorted((one for one in contents.sessions if one.origin == origin), key=lambda one: (one.sub, one.number))
+    kept = of_origin(contents, origin)
+    sessions = kept.sessions
     if not sessions:
         raise InputError(no_sessions(contents, origin, "analyse"))
-    latest = _latest(contents.answers)
+    latest = _latest(kept.answers)
     rows: list[Rating] = []
     survey: list[SurveyAnswer] = []
     summaries: list[SessionSummary] = []
@@ -62,7 +63,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         survey=tuple(survey),
         scales={scale.name: scale for scale in every_scale(design)},
         notes=tuple(_notes(contents, sessions, design, origin)),
-        long=tuple(long_rows(of_origin(contents, origin), design)),
+        long=tuple(long_rows(kept, design)),
     )
     return _without_part(found) if [part.name for part in design.parts] == [ONLY_PART] else found
 
@@ -134,7 +135,7 @@ def _survey_answer(session: Session, one: Answer) -> SurveyAnswer:
     return SurveyAnswer(session.sub, session.part, session.number, one.phase, one.trial, one.scale, one.item, one.value)
 
 
-def _notes(contents: Contents, sessions: list[Session], design: Design, origin: str) -> Iterable[str]:
+def _notes(contents: Contents, sessions: Sequence[Session], design: Design, origin: str) -> Iterable[str]:
     others = {session.origin for session in contents.sessions} - {origin}
     if origin != PERSON:
         yield f"These ratings are of origin '{origin}', not of people taking part in the study."
@@ -144,8 +145,10 @@ def _notes(contents: Contents, sessions: list[Session], design: Design, origin: 
     if changed:
         those = f"{changed} of {counted(len(sessions), 'session')}"
         yield f"The study's file was changed after {those}; each is read by the plan that it ran with."
-    again = len({session.sub for session in sessions if session.number > 1})
+    again = sum(count > 1 for count in Counter(session.sub for session in sessions).values())
     if again:
         yield f"Participants with more than one session: {again}; their ratings of a condition are averaged."
+    if count := declined(contents, origin):
+        yield f"Declined to take part, and counted nowhere else: {count}."
     if contents.withdrawn:
         yield f"Withdrawn, with all data erased: {contents.withdrawn}."

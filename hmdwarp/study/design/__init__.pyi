@@ -25,6 +25,7 @@ from .definitions import Page as Page
 from .definitions import Part as Part
 from .definitions import Sickness as Sickness
 from .definitions import every_scale as every_scale
+from .new_plan import write_new_plan as write_new_plan
 from .orders import RANDOM_ROWS as RANDOM_ROWS
 from .orders import Order as Order
 from .orders import allot as allot

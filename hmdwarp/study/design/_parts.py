@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path, PurePath
 
 from ...errors import InputError
@@ -19,6 +20,8 @@ NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "expected a name of letters, digits, and . _ + - after the first, 64 at most"
 _MOST_CONDITIONS = 100
 _MOST_TRIALS = 1000  # of one session
+_COMPARE = 'compare = [{ better = "warped", baseline = "late" }]'
+_Named = tuple[str, str, Callable[[str], KeyFault]]  # baseline, better, and how to blame where they stand
 
 
 class Checker:
@@ -188,7 +191,7 @@ def _value_name(key: str, value: object) -> str:
 
 
 def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
-    """Read [[family]], each with pairs of conditions of one part."""
+    """Read [[family]], each with comparisons of conditions of one part."""
     made: list[Family] = []
     for table in data.tables("family"):
         name = table.line("name")
@@ -205,10 +208,41 @@ def _part_of(table: Table, parts: tuple[Part, ...]) -> Part:
 
 
 def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
-    pairs, known = table.raw("pairs"), [condition.name for condition in part.conditions]
+    """Read compare, whose entries name better and baseline; or pairs, the baseline first."""
+    if "pairs" not in table and "compare" not in table:
+        raise table.fault(None, f"has no comparison: expected {_COMPARE}")
+    known = [condition.name for condition in part.conditions]
+    made: list[Comparison] = []
+    for baseline, better, fault in (*_compare(table, known, part), *_pairs(table, known, part)):
+        if baseline == better or {baseline, better} in [{one.baseline, one.better} for one in made]:
+            why = "a condition beside itself" if baseline == better else "the same pair a second time"
+            raise fault(f"has '{better}' over '{baseline}': {why}; expected each comparison once")
+        made.append(Comparison(part.name, baseline, better))
+    return tuple(made)
+
+
+def _compare(table: Table, known: list[str], part: Part) -> Iterator[_Named]:
+    """Yield baseline, better and how to blame the entry."""
+    if "compare" not in table:
+        return
+    entries = table.tables("compare")
+    if not entries:
+        raise table.fault("compare", f"is empty: expected {_COMPARE}")
+    for entry in entries:
+        names = {key: entry.text(key) for key in ("baseline", "better")}
+        for key, name in names.items():
+            if name not in known:
+                raise entry.fault(key, f"is an {unknown_name('condition', name, known)} in part '{part.name}'")
+        yield names["baseline"], names["better"], partial(entry.fault, "better")
+
+
+def _pairs(table: Table, known: list[str], part: Part) -> Iterator[_Named]:
+    """Yield as _compare does."""
+    if "pairs" not in table:
+        return
+    pairs = table.raw("pairs")
     if not isinstance(pairs, list) or not pairs:
         raise table.fault("pairs", 'is no list of pairs: expected names of conditions, like [["late", "warped"]]')
-    made: list[Comparison] = []
     for number, pair in enumerate(pairs):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
             raise table.fault(
@@ -219,9 +253,9 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
                 raise table.fault(
                     "pairs", f"has an {unknown_name('condition', name, known)} in part '{part.name}'", number
                 )
-        a, b = pair
-        if a == b or {a, b} in [{one.a, one.b} for one in made]:
-            why = "a condition beside itself" if a == b else "the same pair a second time"
-            raise table.fault("pairs", f"has [{a}, {b}]: {why}; expected each comparison once", number)
-        made.append(Comparison(part.name, a, b))
-    return tuple(made)
+        baseline, better = pair
+
+        def fault(says: str, number: int = number) -> KeyFault:
+            return table.fault("pairs", says, number)
+
+        yield baseline, better, fault

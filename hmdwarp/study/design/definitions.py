@@ -73,11 +73,11 @@ class Page:
 
 @attrs.frozen
 class Comparison:
-    """Two conditions of a part: a minus b, signed so that positive means b is better."""
+    """Two conditions of a part; a positive difference means that `better` was rated better."""
 
     part: str
-    a: str
-    b: str
+    baseline: str
+    better: str
 
 
 @attrs.frozen

@@ -1,4 +1,5 @@
 from .export_rows import answer_rows as answer_rows
+from .export_rows import declined as declined
 from .export_rows import long_rows as long_rows
 from .export_rows import of_origin as of_origin
 from .export_rows import plan_of as plan_of
@@ -10,6 +11,7 @@ from .formats import field_text as field_text
 from .formats import tsv_text as tsv_text
 from .head_motion import CHANNELS as CHANNELS
 from .head_motion import Rates as Rates
+from .head_motion import TrackingSystem as TrackingSystem
 from .head_motion import motion_text as motion_text
 from .table_columns import COLUMNS as COLUMNS
 from .table_columns import FLAG as FLAG

@@ -8,7 +8,7 @@ Source: BIDS specification 1.9 (bids-specification.readthedocs.io), "Behavioral 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Any
 
@@ -18,12 +18,13 @@ from ...errors import TraceError
 from ...poses import load_trace
 from ...report import OutputFolder
 from ...version import __version__
-from ..design import Design
+from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
-from .export_rows import Row, all_scales
+from .export_rows import Row, all_scales, sessions_of
 from .formats import tsv_text
-from .head_motion import TRACKSYS, channels_json, channels_text, motion_json, motion_text, software
+from .head_motion import TrackingSystem, channels_json, channels_text, motion_json, motion_text, software
+from .short_tables import EVENTS, RUN_EVENTS, event_rows
 from .table_columns import COLUMNS, Column, columns_for, label_of
 
 VERSION = "1.9.0"
@@ -63,7 +64,8 @@ def write_bids(
 
     contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
     """
-    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design))
+    shows = {one.session.id: one.shows for one in sessions_of(contents, design)}
+    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
     tree.head(readme)
     count, written = sum(_has_motion(one) for one in contents.showings), 0
     left_out: list[str] = []
@@ -71,6 +73,7 @@ def write_bids(
         files = tree.behaviour(
             session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
         )
+        tree.events(session)
         for showing in (one for one in contents.showings if one.session == session.id and _has_motion(one)):
             try:
                 files.append(tree.motion(session, showing, len(files)))
@@ -97,6 +100,7 @@ class _Tree:
     design: Design
     task: str
     scales: dict[str, Scale]
+    shows: dict[int, Mapping[str, Show]]  # planned showings of each session, by key
 
     def head(self, readme: str) -> None:
         """Write the files of the whole data set."""
@@ -135,15 +139,30 @@ class _Tree:
         self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **sidecar(columns, self.scales)})
         return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
 
+    def events(self, session: Session) -> None:
+        """Write the trials of a session, with their times since it began."""
+        shown = (one for one in self.contents.showings if one.session == session.id and one.complete)
+        self._events(session, f"beh/{self._stem(session)}", event_rows(session, self.shows[session.id], shown))
+
+    def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
+        self._text(f"{self._folder(session)}/{stem}_events.tsv", tsv_text(rows, columns))
+        self._json(
+            f"{self._folder(session)}/{stem}_events.json",
+            self._task(session) | self._presented(session) | sidecar(columns),
+        )
+
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
         """Write the head motion of a showing. Errors: TraceError for an unreadable trace."""
         track = load_trace(self.contents.folder / "traces" / showing.trace).track
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
-        stem = f"motion/{self._stem(session)}_tracksys-{TRACKSYS}_run-{run:02d}"
+        facts = self._facts(session, showing)
+        events = [row | {"onset": 0.0} for row in event_rows(session, self.shows[session.id], [showing])]
+        self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, RUN_EVENTS)
+        stem = f"motion/{self._stem(session)}_tracksys-{TrackingSystem.of(facts).label}_run-{run:02d}"
         folder = self._folder(session)
         self._text(f"{folder}/{stem}_motion.tsv", motion_text(track))
-        self._json(f"{folder}/{stem}_motion.json", motion_json(track, self._task(session), session.facts))
+        self._json(f"{folder}/{stem}_motion.json", motion_json(track, self._task(session), facts))
         self._text(f"{folder}/{stem}_channels.tsv", channels_text())
         self._json(f"{folder}/{stem}_channels.json", channels_json())
         return {
@@ -153,6 +172,15 @@ class _Tree:
             "condition": showing.condition,
             "presentation": showing.presentation,
         }
+
+    def _facts(self, session: Session, showing: Showing) -> Mapping[str, Any]:
+        """Return the facts of the run of the program that showed it; a session may be resumed."""
+        resumed = [
+            event.data
+            for event in self.contents.events
+            if (event.session, event.kind) == (session.id, "resume") and event.at_utc <= showing.started_utc
+        ]
+        return next((facts for facts in reversed(resumed) if facts), session.facts)
 
     def scans(self, session: Session, files: Sequence[Row]) -> None:
         """List the files with their times since the beginning of the session."""
@@ -164,8 +192,15 @@ class _Tree:
         return {
             "TaskName": self.design.name,
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
+            "Instructions": " ".join(["After each trial:", *(_asked(scale) for scale in self.design.scales)]),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
+
+    def _presented(self, session: Session) -> dict[str, Any]:
+        machine = session.facts.get("machine", {})
+        system = " ".join(str(machine[key]) for key in ("system", "release") if key in machine)
+        made_by = {"SoftwareName": "hmdwarp", "SoftwareVersion": session.facts.get("hmdwarp", __version__)}
+        return {"StimulusPresentation": {"OperatingSystem": system or "n/a", **made_by}}
 
     def _folder(self, session: Session) -> str:
         return f"sub-{session.sub}/ses-{session.number:02d}"
@@ -196,6 +231,10 @@ def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -
             one.name: one.title or one.name for scale in scales.values() for one in scale.scores
         }
     return out
+
+
+def _asked(scale: Scale) -> str:
+    return scale.prompt or scale.items[0].text
 
 
 def _about(scale: Scale) -> str:

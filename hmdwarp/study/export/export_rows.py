@@ -11,7 +11,8 @@ import attrs
 from ...errors import InputError
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
 from ..scales import RATING, Scale, scored
-from ..store import COMPLETE, PERSON, Answer, Contents, Session, Showing
+from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
+from .short_tables import onset_s
 from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
 
 Row = dict[str, Any]
@@ -59,9 +60,10 @@ def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
 def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
     """Keep sessions of one origin: people, pilots and programs are never mixed.
 
-    They come in the order of the random words, so that the order of arrival does not show.
+    Sessions of people who declined are left out: they took no part. The others come in the order of
+    the random words, so that the order of arrival does not show.
     """
-    chosen = (one for one in contents.sessions if one.origin == origin)
+    chosen = (one for one in contents.sessions if one.origin == origin and one.status != DECLINED)
     sessions = tuple(sorted(chosen, key=lambda one: (one.sub, one.number)))
     ids = {one.id for one in sessions}
     return attrs.evolve(
@@ -71,6 +73,13 @@ def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
         showings=tuple(one for one in contents.showings if one.session in ids),
         events=tuple(one for one in contents.events if one.session in ids),
     )
+
+
+def declined(contents: Contents, origin: str = PERSON) -> int:
+    """Return how many of that origin declined to take part, and did not take part later."""
+    of_them = [one for one in contents.sessions if one.origin == origin]
+    refused = {one.sub for one in of_them if one.status == DECLINED}
+    return len(refused - {one.sub for one in of_them if one.status != DECLINED})
 
 
 def long_rows(contents: Contents, design: Design) -> list[Row]:
@@ -170,6 +179,8 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "seconds_to_answer": None if answer is None else answer.seconds,
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
+        "onset": None if showing is None else onset_s(session, showing),
+        "duration": None if showing is None else showing.actual.get("seconds"),
         "answered_by": None if answer is None else answer.by,
         **({} if showing is None else {f"actual_{name}": value for name, value in showing.actual.items()}),
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
@@ -192,10 +203,11 @@ def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | No
 
 def _shown(data: SessionData, show: Show | None) -> Row:
     if show is None:
-        return {"trial": None, "repeat": None, "condition": None, "reference": None, "previous": None}
+        return {"trial": None, "block": None, "repeat": None, "condition": None, "reference": None, "previous": None}
     before = {one.trial: one.condition.name for one in data.shows.values() if one.trial}
     return {
         "trial": show.trial,
+        "block": show.block,
         "repeat": show.repeat,
         "condition": show.condition.name,
         "reference": show.condition.reference,

@@ -13,8 +13,8 @@ import attrs
 import numpy as np
 
 from ...poses import PoseTrack
+from ...run.options import DESKTOP, OPENXR
 
-TRACKSYS = "hmd"
 FRAME = "world"
 # name, component, type, units: in the order of the columns of _motion.tsv.
 CHANNELS = (
@@ -27,7 +27,33 @@ CHANNELS = (
     ("head_quat_z", "quat_z", "ORNT", "n/a"),
     ("head_quat_w", "quat_w", "ORNT", "n/a"),
 )
+_NO_CHANNELS = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "VEL")
 _UNEVEN = 0.05  # of a median step: smaller deviations are the timer's
+
+
+@attrs.frozen
+class TrackingSystem:
+    """What led the head of a showing."""
+
+    label: str  # for tracksys-<label>
+    name: str
+    model: str = ""  # of the device, "" where there is none
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> TrackingSystem:
+        """Read it from the facts of a session. The headset of a window is only emulated.
+
+        A trace's file name stays private: it may name a person.
+        """
+        display = facts.get("display", {})
+        if facts.get("trace"):
+            return cls("trace", "head trace, replayed")
+        if facts.get("source") == OPENXR:
+            model = display.get("headset", "")
+            return cls("hmd", f"{model or 'headset'}, by OpenXR runtime {_runtime(display) or 'unknown'}", model)
+        if facts.get("source") == DESKTOP:
+            return cls("mouse", "mouse and keyboard of a desktop window")
+        return cls("unknown", "not recorded")
 
 
 @attrs.frozen
@@ -75,34 +101,39 @@ def motion_text(track: PoseTrack) -> str:
 def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the sidecar.
 
-    task: TaskName and other fields of the task. facts: of the session; only versions and headset
-    are used.
+    task: TaskName and other fields of the task. facts: of the session; only versions and what led
+    the head are used.
     """
-    rates = Rates.of(track)
-    headset = f" ({facts['headset']})" if facts.get("headset") else ""
+    rates, system = Rates.of(track), TrackingSystem.of(facts)
     return {
         **task,
         "SamplingFrequency": round(rates.nominal_hz, 6),
         "SamplingFrequencyEffective": round(rates.effective_hz, 6),
         "SamplingDescription": rates.describe(),
-        "TrackingSystemName": f"head-mounted display{headset}",
+        "TrackingSystemName": system.name,
         "RecordingDuration": round(track.duration_ns * 1e-9, 6),
         "MotionChannelCount": len(CHANNELS),
         "LATENCYChannelCount": 1,
         "POSChannelCount": 3,
         "ORNTChannelCount": 4,
+        **{f"{kind}ChannelCount": 0 for kind in _NO_CHANNELS},
         "TrackedPointsCount": 1,
         "MissingValues": "n/a",
         "SubjectArtefactDescription": "n/a",
-        **({"ManufacturersModelName": facts["headset"]} if facts.get("headset") else {}),
+        "Manufacturer": "n/a",
+        "ManufacturersModelName": system.model or "n/a",
+        "DeviceSerialNumber": "n/a",  # would identify the machine
         "SoftwareVersions": software(facts.get("hmdwarp", ""), facts.get("display", {})),
     }
 
 
 def software(hmdwarp: str, display: Mapping[str, Any]) -> str:
     """Name the versions of hmdwarp and of the runtime, as far as known."""
-    runtime = " ".join(str(display[key]) for key in ("runtime", "runtime_version") if display.get(key))
-    return ", ".join(filter(None, (f"hmdwarp {hmdwarp}".strip(), runtime)))
+    return ", ".join(filter(None, (f"hmdwarp {hmdwarp}".strip(), _runtime(display))))
+
+
+def _runtime(display: Mapping[str, Any]) -> str:
+    return " ".join(str(display[key]) for key in ("runtime", "runtime_version") if display.get(key))
 
 
 def channels_text() -> str:

@@ -12,7 +12,7 @@ from ...metrics import metrics_in_order
 from ..actual import FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
-from ..store import ORIGINS, STATUSES
+from ..store import COMPLETE, DECLINED, ORIGINS, STATUSES
 
 TEXT, NUMBER, INTEGER, FLAG = "text", "number", "whole", "flag"
 MISSING = "n/a"
@@ -41,11 +41,13 @@ _WHO = (
     Column("status", TEXT, "How the session ended", levels=dict(zip(STATUSES, (
         "it was running", "it may be resumed", "complete",
         "ended by the participant or the experimenter, without a reason", "ended by the stop rule for sickness",
+        "the consent was refused: in no table",
     ), strict=True))),
     Column("order", INTEGER, "Which of the part's orders of conditions, from 0 on"),
 )  # fmt: skip
 _WHAT = (
     Column("trial", INTEGER, "Place of the trial in the session, from 1 on; 0 is the practice"),
+    Column("block", INTEGER, "Trials between two planned breaks, from 1 on; 0 is the practice"),
     Column("repeat", INTEGER, "Which time the condition was shown in this session, from 1 on"),
     Column("condition", TEXT, "Name of the condition"),
     Column("reference", FLAG, "Whether it is the hidden reference"),
@@ -70,7 +72,8 @@ _SHOWN = (
         CANNOT_SAY: "the participant could not say",
         NOT_ASKED: "the session ended without the question",
         NOT_ALL: "answers that the score needs are missing",
-        **{f"session {status}": "the session ended before the answer" for status in STATUSES if status != "complete"},
+        **{f"session {status}": "the session ended before the answer" for status in STATUSES
+           if status not in (COMPLETE, DECLINED)},
     }),
     Column("seconds_to_answer", NUMBER, "From the question to the confirmed answer", "s"),
     Column("revision", INTEGER, "More than 1 where the question was repeated; the last one counts"),
@@ -103,7 +106,6 @@ _ACTUAL_TEXTS = {
     "lost_s": ("Time without a display", "s"),
     "tracking_lost_share": ("Share of pictures for a head pose held because tracking was lost", ""),
     "onset_s": ("From the start of the session to the first picture", "s"),
-    "block": ("Block of trials between two planned breaks, from 1 on; 0 is the practice", ""),
     "head_turn_deg": ("Largest angle of the head from its first direction", "deg"),
     "head_shift_m": ("Largest distance of the head from its first place", "m"),
     "head_still": ("Whether the head hardly moved, so that little could be seen of the latency", ""),
@@ -115,6 +117,7 @@ _TEXTS = {
     "hmdwarp": "Version of hmdwarp",
     "size": "Pixels of one eye",
     "source": "Display",
+    "headset": "Headset; where a window or trace leads the head, only its optics were emulated",
 }
 
 
@@ -127,7 +130,7 @@ def _actual(name: str) -> Column:
     text, unit = _ACTUAL_TEXTS.get(
         stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
     )
-    kind = FLAG if name in FLAGS else INTEGER if name in ("pictures", "missed", "block") else NUMBER
+    kind = FLAG if name in FLAGS else INTEGER if name in ("pictures", "missed") else NUMBER
     return Column(f"actual_{name}", kind, f"As it was shown: {text}{how}", unit)
 
 
@@ -151,7 +154,7 @@ OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTING
 _BY_NAME = {column.name: column for column in (*COLUMNS, *_PHASE)}
 
 
-def _column_of(name: str) -> Column:
+def column_of(name: str) -> Column:
     """Return the column of that name, by default a setting of a study."""
     if name in _BY_NAME:
         return _BY_NAME[name]
@@ -164,7 +167,7 @@ def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> 
     others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
     names = (*after[:before], *others, *more, *after[before:])
-    return tuple(_column_of(name) for name in names)
+    return tuple(column_of(name) for name in names)
 
 
 def label_of(text: str) -> str:

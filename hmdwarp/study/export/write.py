@@ -15,8 +15,9 @@ from ..extra import INSTALL
 from ..scales import QUESTIONNAIRE, RATING, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
-from .export_rows import Row, all_scales, answer_rows, of_origin, revision_rows, score_rows
+from .export_rows import Row, all_scales, answer_rows, declined, of_origin, revision_rows, score_rows
 from .formats import csv_text, has_parquet, tsv_text, write_parquet
+from .short_tables import SHORT, short_rows
 from .table_columns import Column, columns_for
 
 EXTRA = ("phase", "kind")
@@ -83,6 +84,8 @@ def export(
                 f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it "
                 "ran with"
             )
+        if count := declined(contents, options.origin):
+            notes.append(f"{counted(count, 'person')} declined to take part: in no table")
         notes += _tables(folder, kept, design, answers, ratings, options)
         text = _readme(design, kept, ratings, options.origin)
         motion = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
@@ -106,6 +109,12 @@ def _tables(
     folder.write_bytes("ratings.csv", csv_text(ratings, columns).encode())
     folder.write_text("ratings.tsv", tsv_text(ratings, columns))
     notes = ["ratings.csv, ratings.tsv: one row for each rating"]
+    short = short_rows(ratings)
+    folder.write_text("ratings_short.csv", csv_text(short, SHORT))
+    for session in contents.sessions:
+        own = [row for row in short if (row["participant"], row["session"]) == (session.sub, session.number)]
+        folder.write_text(f"sessions/{session.sub}_ses-{session.number:02d}.csv", csv_text(own, SHORT))
+    notes.append(f"ratings_short.csv: the same in {len(SHORT)} columns; sessions/: the same, a file for each session")
     notes.append(_parquet(folder, ratings, columns, design, options.parquet))
     sickness = [row for row in answers if row["kind"] not in (RATING, QUESTIONNAIRE)]
     questionnaires = [row for row in answers if row["kind"] == QUESTIONNAIRE] + score_rows(contents, design)
@@ -119,7 +128,7 @@ def _tables(
         notes.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
     if options.remarks:
         notes.append(_remarks(folder, contents))
-    folder.write_json("columns.json", sidecar(columns_for(answers, EXTRA), all_scales(contents, design)))
+    folder.write_json("columns.json", sidecar((*columns_for(answers, EXTRA), *SHORT), all_scales(contents, design)))
     return [text for text in notes if text]
 
 
@@ -204,11 +213,14 @@ Conditions, by part of the study:
 {conditions}
 
 ratings.csv, ratings.tsv, and ratings.parquet where pyarrow is installed: the same table with one
-row per rating, missing ones included, and what was shown. If the study has them: sickness.tsv,
-sickness between the trials, and questionnaires.tsv, answers and scores before and after the
-session.
+row per rating, missing ones included, and what was shown. ratings_short.csv: the columns that an
+analysis needs first, with onset, duration and block of each trial; sessions/ has the same, one file
+for each session. ppid is the participant, as UXF and similar programs name the column. If the study
+has them: sickness.tsv, sickness between the trials, and questionnaires.tsv, answers and scores
+before and after the session.
 columns.json: meaning, units and values of each column. bids/: the same as a BIDS data set, with the
 motion of the heads.
+In bids/ authors, licence and institution are left for you to fill in.
 Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last
 one counts.
 

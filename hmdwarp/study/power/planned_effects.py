@@ -17,13 +17,13 @@ from ..scales import Scale
 def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Model:
     """Return a model of an effect and a spread, in the scale's unit.
 
-    effect: b is rated better than a by so much. sd: of one person's difference between two
-    showings. Half of that variance is opinion, which repeats do not average out, and half is
+    effect: the true difference of every planned comparison. sd: of one person's difference between
+    two showings. Half of that variance is opinion, which repeats do not average out, and half is
     chance; people's levels spread as much as their ratings of one condition. There are no dropouts
     and no missing answers. Conditions lie around the middle of the scale.
     Errors: InputError where comparisons contradict each other.
     """
-    each = sd / 2  # of opinion and of chance: var(a - b) = 2 (each^2 + each^2) = sd^2
+    each = sd / 2  # of opinion and of chance: a difference has the variance 2 (each^2 + each^2) = sd^2
     rating = RatingModel(people_sd=sd / math.sqrt(2), condition_sd=each, noise_sd=each)
     model = Model(path="--effect", title=f"an effect of {effect:g}, sd {sd:g}", ratings={scale.name: rating})
     return with_effect(model, design, scale, effect)
@@ -53,7 +53,7 @@ def _means(part: Part, comparisons: list[Comparison], scale: Scale, effect: floa
         return dict.fromkeys(names, middle)
     differences = np.zeros((len(comparisons), len(names)))
     for row, one in zip(differences, comparisons, strict=True):
-        row[names.index(one.a)], row[names.index(one.b)] = 1, -1
+        row[names.index(one.baseline)], row[names.index(one.better)] = 1, -1
     target = np.full(len(comparisons), effect if scale.low_is_good else -effect)
     offsets = np.linalg.lstsq(differences, target, rcond=None)[0]
     if not np.allclose(differences @ offsets, target):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...report import pair_text
 from ..design import Comparison
 from .proportions import Proportion, people_for
 from .simulation import Power, PowerAt
 
 COLUMNS = (
-    *("part", "a", "b", "n", "power", "power_low", "power_high", "power_unlimited", "pairs", "complete"),
+    *("part", "condition", "baseline", "n", "power", "power_low", "power_high", "power_unlimited", "pairs", "complete"),
     *("true_effect", "planned_effect"),
 )
 
@@ -23,8 +24,8 @@ def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
     found = at_n.found[one]
     return {
         "part": one.part,
-        "a": one.a,
-        "b": one.b,
+        "condition": one.better,
+        "baseline": one.baseline,
         "n": at_n.n,
         "power": found.value,
         "power_low": found.low,
@@ -40,7 +41,8 @@ def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
 def name_of(one: Comparison, power: Power) -> str:
     """Name a comparison for tables and plots, with its part where there are several."""
     several = len({other.part for other in power.true_effect}) > 1
-    return f"{one.part}: {one.a} - {one.b}" if several else f"{one.a} - {one.b}"
+    name = pair_text(one.baseline, one.better)
+    return f"{one.part}: {name}" if several else name
 
 
 def sentences(power: Power, target: float) -> list[str]:

@@ -109,10 +109,10 @@ def power_of(
 def differences(
     cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)
 ) -> Floats:
-    """Return how much better b was rated than a, by each person who rated both."""
+    """Return how much better `better` was rated than the baseline, by each who rated both."""
     rated = cohort.per_condition(scale.name, latent=latent, people=people)
     names = [one.name for one in cohort.part.conditions]
-    out = rated[:, names.index(comparison.a)] - rated[:, names.index(comparison.b)]
+    out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
     return (out if scale.low_is_good else -out)[~np.isnan(out)]
 
 

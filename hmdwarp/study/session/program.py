@@ -51,7 +51,8 @@ def run_session(
     design = load_design(options.study)
     with ExitStack() as stack:
         ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
-        store = stack.enter_context(Store(store_folder(design, options.store), create=True, study=design.name, say=say))
+        folder = store_folder(design, options.store, options.origin)
+        store = stack.enter_context(Store(folder, create=True, study=design.name, say=say))
         part, design = _planned(options, design, store)
         answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
         words = ClosingWords(options, design, store, say, on_end)

@@ -13,7 +13,7 @@ from ...display import Closed
 from ...run import Driver, Ending
 from ..design import Ask, Page, Pause, Read, Show, Step, Tell, reading_s
 from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
-from ..store import COMPLETE, SICK, STOPPED, Showing
+from ..store import COMPLETE, DECLINED, SICK, STOPPED, Showing
 from .session_context import PAUSE, SessionContext
 from .sickness import why_sick
 from .step_handlers import (
@@ -80,7 +80,7 @@ class SessionRunner:
     _knows_how_to_look: bool = False
 
     def run(self) -> str:
-        """Run all steps. Returns the status that the session ends with: COMPLETE, STOPPED or SICK.
+        """Run all steps. Returns the status that the session ends with.
 
         Errors: Interrupted; Closed, Lost, as Driver.run; InputError and MachineError.
         """
@@ -144,7 +144,7 @@ class SessionRunner:
         handler = self._pursue(lambda: ConsentHandler(self.context, step))
         if handler.dialog.refused:
             self.context.record("refused", step, by=handler.by)
-            raise Over(STOPPED)
+            raise Over(DECLINED)
         self._finish(step)
 
     def _finish(self, step: Step) -> None:

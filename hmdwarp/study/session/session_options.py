@@ -31,7 +31,7 @@ class SessionOptions(Declared):
     trace: str = option("", "Recorded head that leads the window or the offscreen display.")
     store: Path | None = option(
         None,
-        "Folder for the data; by default STUDY-data beside the file.",
+        "Folder for the data; by default STUDY-data beside the file, STUDY-pilot-data, STUDY-simulated-data.",
         kind=Path,
         convert=attrs.converters.optional(Path),
     )

@@ -93,7 +93,7 @@ class TrialHandler(StepHandler):
 
     def figures(self) -> dict[str, Any]:
         """Return what the session adds to the figures of study/actual.py."""
-        return {"onset_s": self._onset_s, "block": self.step.block, **self.head.figures()}
+        return {"onset_s": self._onset_s, **self.head.figures()}
 
     def take(self, by: str, command: Command) -> None:
         """Do nothing: no command changes a trial."""

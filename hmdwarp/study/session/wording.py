@@ -8,7 +8,7 @@ import attrs
 
 from ..design import Ask, Page, Pause, Read, Show, Step, Tell
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
-from ..store import COMPLETE, SICK, STOPPED
+from ..store import COMPLETE, DECLINED, SICK, STOPPED
 from .head_range import HeadRange
 
 # Keys of what comes between the steps.
@@ -16,6 +16,7 @@ READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", 
 _FAREWELL = {
     COMPLETE: ("Thank you", "That was all. You may take off the headset."),
     STOPPED: ("Thank you", "The session has ended. What you answered is kept."),
+    DECLINED: ("Thank you", "You are not taking part. Nothing was asked or shown."),
     SICK: ("Thank you", "The session has ended. Take your time, have some water, and tell us how you feel."),
 }
 

@@ -1,8 +1,10 @@
 from .clock import Clock as Clock
 from .clock import seconds_since as seconds_since
 from .folders import DATABASE as DATABASE
+from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
 from .records import COMPLETE as COMPLETE
+from .records import DECLINED as DECLINED
 from .records import INTERRUPTED as INTERRUPTED
 from .records import ORIGINS as ORIGINS
 from .records import PERSON as PERSON

@@ -9,22 +9,44 @@ from pathlib import Path
 from ...errors import InputError, MachineError
 from ..design import Design
 from .lock import NAME as LOCK
+from .records import ORIGINS, PERSON
 
 DATABASE, TRACES = "study.sqlite3", "traces"
 _OURS = {DATABASE, f"{DATABASE}-wal", f"{DATABASE}-shm", f"{DATABASE}-journal", LOCK, TRACES}
 _PACKAGE = Path(__file__).resolve().parents[2]
 
 
-def store_folder(design: Design, folder: Path | None) -> Path:
+def store_folder(design: Design, folder: Path | None, origin: str = PERSON) -> Path:
     """Return `folder`; without it `<stem>-data` beside the study's file.
 
-    The data of a shipped study lie in the current folder.
+    Pilots lie in `<stem>-pilot-data` and simulated participants in `<stem>-simulated-data`: no
+    rehearsal stands in the way of the study. The data of a shipped study lie in the current folder.
     """
     if folder is not None:
         return Path(folder)
     file = Path(design.path or f"{design.name}.toml")
     shipped = file.resolve().is_relative_to(_PACKAGE)
-    return (Path() if shipped else file.parent) / f"{file.stem}-data"
+    whose = "" if origin == PERSON else f"-{origin}"
+    return (Path() if shipped else file.parent) / f"{file.stem}{whose}-data"
+
+
+def folder_to_read(design: Design, folder: Path | None, origin: str) -> Path:
+    """Return as store_folder. Errors: InputError where it holds no data, naming who has some."""
+    found = store_folder(design, folder, origin)
+    if (found / DATABASE).exists():
+        return found
+    others = {one: store_folder(design, None, one) for one in ORIGINS if folder is None and one != origin}
+    there = [
+        f"{'leave out --' + origin if one == PERSON else '--' + one} for {at}"
+        for one, at in others.items()
+        if (at / DATABASE).exists()
+    ]
+    whose = "" if origin == PERSON else f", {origin},"
+    hint = "".join(f", {one}" for one in there)
+    raise InputError(
+        f"{found}: there are no data{whose} of '{design.name}' yet: run sessions first, or name their folder with "
+        f"--store{hint}"
+    )
 
 
 def trace_name(sub: str, number: int, trial: int, presentation: int) -> str:

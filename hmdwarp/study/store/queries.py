@@ -8,7 +8,12 @@ from pathlib import Path
 from ._json import from_json
 from .records import PILOT, Answer, Contents, Event, Session, Showing
 
-_SESSION = """SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, s.status, plan.text,
+# Whoever refused the consent and did not agree to it later, in a resumed run, took no part.
+_STATUS = """CASE WHEN s.status = 'stopped' AND EXISTS (
+    SELECT 1 FROM event refused WHERE refused.session = s.id AND refused.kind = 'refused' AND NOT EXISTS (
+      SELECT 1 FROM event agreed WHERE agreed.session = s.id AND agreed.kind = 'finished' AND agreed.key = refused.key))
+  THEN 'declined' ELSE s.status END"""
+_SESSION = f"""SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, {_STATUS}, plan.text,
   s.started_utc, s.ended_utc, s.why, s.facts
   FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
 _ANSWER = """SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing

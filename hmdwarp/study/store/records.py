@@ -9,9 +9,12 @@ from typing import Any
 import attrs
 
 ORIGINS = (PERSON, PILOT, SIMULATED) = ("person", "pilot", "simulated")
-STATUSES = (RUNNING, INTERRUPTED, COMPLETE, STOPPED, SICK) = ("running", "interrupted", "complete", "stopped", "sick")
+STATUSES = (RUNNING, INTERRUPTED, COMPLETE, STOPPED, SICK, DECLINED) = (
+    *("running", "interrupted", "complete", "stopped", "sick", "declined"),
+)
 # RUNNING: now, or its program died. INTERRUPTED: may be resumed. STOPPED: by the participant or the
-# experimenter, without a reason. SICK: by the stop rule. The last three are over.
+# experimenter, without a reason. SICK: by the stop rule. DECLINED: the consent was refused, so
+# nobody took part: the session counts nowhere. The last four are over.
 
 
 @attrs.frozen

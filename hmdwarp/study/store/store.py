@@ -26,7 +26,7 @@ from .clock import Clock, MachineClock
 from .erasing import erase, known
 from .faults import translated
 from .folders import check_place, sync_trace, trace_name
-from .records import RUNNING, STATUSES, Answer, Contents, Session, Showing
+from .records import DECLINED, RUNNING, STATUSES, STOPPED, Answer, Contents, Session, Showing
 from .store_connection import Connection
 
 
@@ -151,7 +151,10 @@ class Store:
             return queries.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
-        """End a session. status: any of STATUSES but RUNNING. why: in words, "" for none."""
+        """End a session. status: any of STATUSES but RUNNING. why: in words, "" for none.
+
+        DECLINED needs "refused" in the journal, which tells it from STOPPED.
+        """
         if status not in STATUSES or status == RUNNING:
             raise ValueError(f"a session does not end as {status!r}")
         with self._connection.running(session) as db:
@@ -159,9 +162,12 @@ class Store:
             now = self._connection.now()
             db.execute(
                 "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
-                (status, now, clean(why), session.id),
+                (STOPPED if status == DECLINED else status, now, clean(why), session.id),
             )
-            return queries.session(db, session.id)
+            ended = queries.session(db, session.id)
+            if (ended.status == DECLINED) != (status == DECLINED):
+                raise ValueError(f"a session cannot end as {status!r}: its journal says {ended.status!r}")
+            return ended
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
         """Record an event. data: as JSON can hold, and NumPy's numbers; NaN becomes null."""

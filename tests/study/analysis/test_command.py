@@ -134,7 +134,7 @@ def test_the_order_has_its_chart_where_it_is_known(tmp_path):
 
 
 WRONG = [
-    (("none.csv",), "there is no such file"),
+    (("none.csv",), "no such file"),
     (("thezis",), "thesis"),
     (("quick",), "there are no data of 'quick' yet"),
     ((PUBLISHED, "--family", "a:b"), "no part has both 'a' and 'b'"),

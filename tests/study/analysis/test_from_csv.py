@@ -150,7 +150,7 @@ def test_families_may_be_asked_for():
     found = from_csv(PUBLISHED)
     families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
     (only,) = families[0].comparisons
-    assert (only.part, only.a, only.b) == ("run 1", "none, 200 ms", "none, 800 ms")
+    assert (only.part, only.baseline, only.better) == ("run 1", "none, 200 ms", "none, 800 ms")
     with pytest.raises(InputError, match="no part has both 'a' and 'b'"):
         families_for(found, ["a:b"])
     with pytest.raises(InputError, match="expected pairs of conditions"):

@@ -16,9 +16,9 @@ from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis import SourceOptions, analyse, from_contents, from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
-from hmdwarp.study.export import ExportOptions, export
+from hmdwarp.study.export import ExportOptions, declined, export
 from hmdwarp.study.scales import FOLDER as SCALES
-from hmdwarp.study.store import PERSON, PILOT, SIMULATED, Store
+from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
 
@@ -202,10 +202,33 @@ def test_one_person_is_one_person(contents, design):
     assert all(row["low"] is row["high"] is row["level"] is None for row in data["questionnaires"])
 
 
+def test_who_declines_counts_nowhere(tmp_path, design):
+    """Nor in the export: tables, counts and missing ratings are those of the others."""
+    with Store(tmp_path / "data", create=True) as store:
+        for code in ("p1", "p2"):
+            sit(store, design, code)
+        before = store.contents()
+        session = store.begin(design, None, "p3", PERSON)
+        store.record(session, "refused", "consent", by="participant")
+        store.end(session, DECLINED)
+        after = store.contents()
+        (kept, data), (_, with_refusal) = (
+            (export(one, design, tmp_path / name), analyse(from_contents(one, design)))
+            for one, name in ((before, "before"), (after, "after"))
+        )
+    note = "Declined to take part, and counted nowhere else: 1."
+    assert with_refusal.pop("notes") == [*data.pop("notes"), note]
+    assert with_refusal == data and data["participants"] == 2 and data["missing"] == 0
+    files = {path.relative_to(kept.folder) for path in kept.folder.rglob("*") if path.is_file()}
+    for name in files:
+        assert (kept.folder / name).read_bytes() == (tmp_path / "after" / name).read_bytes(), name
+    assert declined(after) == 1 and declined(before) == 0
+
+
 def test_the_planned_family_is_compared(contents, design):
     data = analyse(from_contents(contents, design))
     (row,) = data["scales"][0]["comparisons"]
-    assert (row["family"], row["a"], row["b"], row["worse"]) == ("the warp", "late", "warped", 0)
+    assert (row["family"], row["baseline"], row["condition"], row["worse"]) == ("the warp", "late", "warped", 0)
     assert row["mean"] == pytest.approx(2.0)
     assert "all differences are the same" in row["sentence"]  # as the grades were made: no interval, and no NaN
 

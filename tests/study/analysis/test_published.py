@@ -44,7 +44,9 @@ def whole():
 @pytest.mark.parametrize("line", LINES, ids=lambda line: f"{line[0]}, {line[1]} ms")
 def test_a_line_of_the_table(whole, line):
     part, latency, pairs, votes, mean, _, p, holm, holm_all, r, interval, sums = line
-    row = next(row for row in whole["scales"][0]["comparisons"] if row["part"] == part and f" {latency} ms" in row["a"])
+    row = next(
+        row for row in whole["scales"][0]["comparisons"] if row["part"] == part and f" {latency} ms" in row["baseline"]
+    )
     assert (str(row["n"]), f"{row['better']}/{row['equal']}/{row['worse']}", signed(row["mean"], 3)) == (
         pairs,
         votes,

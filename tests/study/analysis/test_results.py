@@ -96,7 +96,7 @@ def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
         assert "no interval" in row["sentence"] and row["low"] is row["high"] is None
         json.dumps(row, allow_nan=False)
         _, ((name, _, _, bca, _, exact, *_),) = comparison_lines([row])
-        assert name == "late → warped" and bca == "–" and (exact == "–") == (len(late) == 1)
+        assert name == "warped over late" and bca == "–" and (exact == "–") == (len(late) == 1)
 
 
 def test_an_exact_interval_is_given_where_it_is_sure_of_anything():
@@ -254,7 +254,7 @@ def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
 
 def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
     path = tmp_path / "claims.toml"
-    claims = ("latency_ms = 200\ndifference = 1.50", 'a = "p"\nb = "q"\ndifference = 2.0')
+    claims = ("latency_ms = 200\ndifference = 1.50", 'better = "q"\nbaseline = "p"\ndifference = 2.0')
     path.write_text('title = "it"\n' + "".join(f'[[claim]]\npart = "x"\n{claim}\n' for claim in claims))
     assert [one.step for one in load_claims(path).claims] == [0.01, 0.1]
 
@@ -286,3 +286,35 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
 
 def test_a_reference_that_nobody_rated_is_not_praised():
     assert of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."
+
+
+REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the best grade
+    (
+        {"late": [1] * 8, "warped": [4] * 8, "other": [4] * 8, "best": [4] * 8},  # tied for worst
+        "All 8 who rated the hidden reference rated it the same as the median of their other ratings.",
+    ),
+    (
+        {"late": [3, 3], "warped": [3, 3], "best": [3, 3]},
+        "Both who rated the hidden reference rated it the same as the median of their other ratings. 2 of them gave "
+        "everything the same rating, which shows nothing.",
+    ),
+    (
+        {"late": [5, 5, 2, 3], "warped": [4, 4, 3, 3], "best": [1, 2, 5, 3]},
+        "2 of 4 who rated the hidden reference rated it better than, 1 the same as and 1 worse than the median of "
+        "their other ratings. 1 of them gave everything the same rating, which shows nothing. Worse: c. Their ratings "
+        "are kept; the comparisons without them are listed as well.",
+    ),
+    (
+        {"late": [5], "warped": [4], "best": [1]},
+        "The only participant who rated the hidden reference rated it better than the median of their other ratings.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("values", "says"), REFERENCE, ids=["tied for worst", "flat", "mixed", "one"])
+@pytest.mark.parametrize("turned", [False, True], ids=["low is good", "high is good"])
+def test_a_tie_with_the_reference_is_a_tie(values, says, turned):
+    scale = attrs.evolve(GRADE, low_is_good=not turned)
+    values = {name: [7 - one if turned else one for one in column] for name, column in values.items()}
+    (part,) = analyse(ratings_of(values, reference="best", measure=scale))["scales"][0]["parts"]
+    assert part["reference_sentence"] == says

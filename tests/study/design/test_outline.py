@@ -135,4 +135,4 @@ def test_as_json_it_has_every_order_and_every_setting():
         "reference": False,
     }
     assert [scale["name"] for scale in told["scales"]] == ["grade", "acr", "fms", "ssq", "vrsq"]
-    assert told["families"][0]["comparisons"][0] == {"part": "run-1", "a": "late-200", "b": "warped-200"}
+    assert told["families"][0]["comparisons"][0] == {"part": "run-1", "baseline": "late-200", "better": "warped-200"}

@@ -52,7 +52,7 @@ def test_people_are_told_everything_in_80_columns(study):
         "order 6:",
         "1 = very good",
         "high is good",
-        "late-200 - warped-200, late-200 - reference",
+        "warped-200 over late-200, reference over late-200",
         "fewer than 7 people",
         "no condition is a hidden reference",
     ):

@@ -287,6 +287,25 @@ BROKEN = [
     ('["late-200", "reference"],', '["late-200", "late-200"],', "a condition beside itself", None),
     ('["late-200", "reference"],', '["warped-200", "late-200"],', "the same pair a second time", None),
     (
+        "pairs = [",
+        "compare = [ {better = 'reference', baseline = 'late'} ]\npairs = [",
+        "an unknown condition",
+        "compare",
+    ),
+    (
+        "pairs = [",
+        "compare = [ {better = 'late-200'} ]\npairs = [",
+        "the key family.compare.baseline is miss",
+        "compare",
+    ),
+    ("pairs = [", "compare = []\npairs = [", "family.compare is empty: expected compare = [{ better", "compare"),
+    (
+        "pairs = [",
+        "compare = [{better = 'late-200', baseline = 'warped-200'}]\npairs = [",
+        "has 'warped-200' over 'late-200': the same pair a second time",
+        '["late-200", "warped-200"]',
+    ),
+    (
         '[[part.condition]]\nname = "late',
         '[part.condition]\nname = "late',
         "this is no TOML",
@@ -295,6 +314,18 @@ BROKEN = [
     ("[[family]]", "[[condition]]\nname = 'x'\n[[family]]", "condition beside [[part]]: expected it within one", None),
     ("seed = 7", "seed = ", "this is no TOML: Invalid value (column 8)", None),
 ]
+
+
+def test_a_plan_names_the_better_condition_and_its_baseline():
+    pairs = WHOLE[WHOLE.index("pairs = [") :]
+    compare = """compare = [
+  { better = "warped-200", baseline = "late-200" },
+  { better = "reference", baseline = "late-200" },
+]
+"""
+    assert read(WHOLE.replace(pairs, compare)).families == read(WHOLE).families
+    with pytest.raises(InputError, match="has no comparison: expected compare ="):
+        read(WHOLE.replace(pairs, ""))
 
 
 @pytest.mark.parametrize(("found", "put", "says", "where"), BROKEN, ids=lambda value: str(value)[:40])

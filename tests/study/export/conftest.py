@@ -94,6 +94,7 @@ def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, un
             actual = {
                 "latency_ms_median": 401.5 + step.trial,
                 "pictures": 90,
+                "seconds": 1.5,
                 "hole_share_mean": None,
                 "warp": "forward",
                 "size": "96x120",

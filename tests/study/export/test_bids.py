@@ -6,14 +6,18 @@ Names and contents by the rules of the specification, poses as they were recorde
 import csv
 import json
 import re
+from datetime import datetime
 
+import attrs
 import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.study.export import CHANNELS, Rates, export, motion_text
+from hmdwarp.study.design import Show, steps_of
+from hmdwarp.study.export import CHANNELS, Rates, TrackingSystem, export, motion_text
+from hmdwarp.study.store import PERSON, Store
 
-from .conftest import write_trace
+from .conftest import Day, write_trace
 
 SUB, SES = r"sub-(?P<sub>[0-9a-zA-Z]+)", r"ses-(?P<ses>[0-9a-zA-Z]+)"
 TASK = r"task-[0-9a-zA-Z]+"
@@ -21,8 +25,9 @@ TASK = r"task-[0-9a-zA-Z]+"
 NAMES = [
     r"(README|dataset_description\.json|participants\.(tsv|json))",
     rf"{SUB}/{SES}/sub-(?P=sub)_ses-(?P=ses)_scans\.(tsv|json)",
-    rf"{SUB}/{SES}/beh/sub-(?P=sub)_ses-(?P=ses)_{TASK}_beh\.(tsv|json)",
+    rf"{SUB}/{SES}/beh/sub-(?P=sub)_ses-(?P=ses)_{TASK}_(beh|events)\.(tsv|json)",
     rf"{SUB}/{SES}/motion/sub-(?P=sub)_ses-(?P=ses)_{TASK}_tracksys-[0-9a-zA-Z]+_run-[0-9]+_(motion|channels)\.(tsv|json)",
+    rf"{SUB}/{SES}/motion/sub-(?P=sub)_ses-(?P=ses)_{TASK}_run-[0-9]+_events\.(tsv|json)",
 ]
 
 
@@ -119,6 +124,29 @@ def test_poses_are_as_they_were_recorded(tree, store):
     assert count == 4 + 3 + 4
 
 
+def test_trials_are_events_of_the_session_and_of_each_recording(tree, store):
+    """Onset and duration first, as the specification wants them, by the session's own clock."""
+    for session in store.contents().sessions:
+        folder = tree / f"sub-{session.sub}" / "ses-01"
+        (file,) = folder.glob("beh/*_events.tsv")
+        rows = table(file)
+        assert list(rows[0])[:3] == ["onset", "duration", "trial_type"]
+        shown = [one for one in store.contents().showings if one.session == session.id]
+        assert [row["trial_type"] for row in rows] == [one.condition for one in shown]
+        assert [int(row["trial"]) for row in rows] == [one.trial for one in shown]
+        begun = datetime.fromisoformat(session.started_utc)
+        for row, one in zip(rows, shown, strict=True):
+            assert float(row["onset"]) == (datetime.fromisoformat(one.started_utc) - begun).total_seconds() > 0
+            assert float(row["duration"]) == 1.5
+        for path in folder.glob("motion/*_motion.tsv"):  # the validator looks for events of the same run
+            stem = re.sub(r"_tracksys-\w+?(?=_run)", "", path.name.removesuffix("_motion.tsv"))
+            (row,) = table(path.with_name(f"{stem}_events.tsv"))
+            assert (float(row["onset"]), float(row["duration"])) == (0, 1.5)
+        side = loaded(file.with_suffix(".json"))
+        assert side["StimulusPresentation"]["SoftwareName"] == "hmdwarp"
+        assert side["Instructions"] == "After each trial: How good was that, all in all?"
+
+
 def test_rates_tell_how_uneven_samples_are(tmp_path):
     track = write_trace(tmp_path / "a.csv", 1, samples=400)
     steps = np.diff(track.time_ns)
@@ -162,6 +190,42 @@ def test_no_date_and_no_code_is_in_any_byte(tree):
                 word,
                 data[max(0, data.find(word) - 40) :][:80],
             )
+
+
+HEADSET = {"runtime": "Monado", "runtime_version": "25.0.0", "headset": "Index"}
+LED = [  # facts of a session; label, name, model
+    ({"source": "desktop", "headset": "rift-dk1"}, ("mouse", "mouse and keyboard of a desktop window", "")),
+    ({"source": "desktop", "headset": "rift-dk1", "trace": "secret.csv"}, ("trace", "head trace, replayed", "")),
+    (
+        {"source": "openxr", "headset": "Index", "display": HEADSET},
+        ("hmd", "Index, by OpenXR runtime Monado 25.0.0", "Index"),
+    ),
+    ({"headset": "rift-dk1"}, ("unknown", "not recorded", "")),
+]
+
+
+@pytest.mark.parametrize(("facts", "wanted"), LED, ids=[wanted[0] for _, wanted in LED])
+def test_what_led_the_head_is_named_and_not_the_emulated_headset(facts, wanted):
+    assert attrs.astuple(TrackingSystem.of(facts)) == wanted
+
+
+def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, design):
+    """Begun with a mouse and resumed in a headset: each trial's own."""
+    with Store(tmp_path / "data", create=True, clock=Day()) as store:
+        session = store.begin(design, None, "P1", PERSON, facts={"source": "desktop", "headset": "rift-dk1"})
+        steps = [step for step in steps_of(design, session.order, session.part) if isinstance(step, Show)]
+        for step in steps[:2]:
+            if step is steps[1]:
+                store.end(session, "interrupted")
+                store.resume("P1", facts={"source": "openxr", "display": HEADSET})
+            showing = store.begin_showing(session, step, {})
+            write_trace(store.traces / showing.trace, step.trial)
+            store.end_showing(session, showing, {}, complete=True)
+        contents = store.contents()
+    tree = export(contents, design, tmp_path / "out").folder / "bids"
+    sides = [loaded(path) for path in sorted(tree.rglob("*_motion.json"), key=lambda path: "tracksys-hmd" in path.name)]
+    assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[2][1][1]]
+    assert [side["ManufacturersModelName"] for side in sides] == ["n/a", "Index"]
 
 
 def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design, tmp_path):

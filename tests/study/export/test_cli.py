@@ -41,6 +41,6 @@ def test_pilots_are_asked_for(study, tmp_path):
 
 def test_a_folder_without_data_is_told(study, tmp_path):
     for command in (("export", "--out", tmp_path / "out"), ("measure",)):
-        with pytest.raises(InputError, match="no data of a study"):
+        with pytest.raises(InputError, match="there are no data of 'late-or-warped' yet"):
             run(command[0], study[0], "--store", tmp_path / "nothing", *command[1:])
     assert not (tmp_path / "nothing").exists() and not (tmp_path / "out").exists()

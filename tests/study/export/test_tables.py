@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study.analysis import from_csv
 from hmdwarp.study.design import design_from_text
 from hmdwarp.study.export import (
     COLUMNS,
@@ -22,6 +23,7 @@ from hmdwarp.study.export import (
     LONG_COLUMNS,
     NUMBER,
     ExportOptions,
+    answer_rows,
     columns_for,
     csv_text,
     export,
@@ -29,9 +31,9 @@ from hmdwarp.study.export import (
     long_rows,
     tsv_text,
 )
-from hmdwarp.study.store import PILOT, SIMULATED
+from hmdwarp.study.store import PILOT, SIMULATED, Store
 
-from .conftest import NASTY, TEXT
+from .conftest import NASTY, TEXT, Day, sit
 from .reading import read_table
 
 VALUES = {
@@ -107,7 +109,7 @@ def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
             assert row["fill"] == (
                 "interpolate" if row["condition"] == "warped" else "none"
             )  # the default of a live run
-    assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:18], "guard", *LONG_COLUMNS[18:]]
+    assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:19], "guard", *LONG_COLUMNS[19:]]
 
 
 def test_how_the_pictures_were_measured_stands_beside_what_was_measured(store, design, tmp_path):
@@ -116,6 +118,36 @@ def test_how_the_pictures_were_measured_stands_beside_what_was_measured(store, d
     out = export(store.contents(), design, tmp_path / "out").folder
     (row,) = [row for row in read(out / "ratings.csv", ",") if row["measured_flip"] != "n/a"]
     assert (row["measured_flip"], row["measured_every"], row["measured_size"]) == ("0.25", "10", "48x60")
+
+
+def test_a_short_table_and_a_file_for_each_session_hold_the_same_ratings(store, design, tmp_path):
+    """As programs for experiments write them; the analysis reads them like the long table."""
+    out = export(store.contents(), design, tmp_path / "out").folder
+    short, long = read(out / "ratings_short.csv", ","), read(out / "ratings.csv", ",")
+    assert len(short[0]) == 16 and len(short) == len(long) == 9
+    for row, of in zip(short, long, strict=True):
+        assert row["ppid"] == row["participant"] and row["rating"] == of["value"]
+        shared = row.keys() & of.keys()
+        assert shared >= {"participant", "block", "trial", "condition", "scale"}
+        assert {name: row[name] for name in shared} == {name: of[name] for name in shared}
+    first = [row for row in short if row["trial"] == "1"]
+    assert all(float(row["onset"]) > 0 and row["duration"] == "1.5" for row in first)
+    names = sorted(f"{one.sub}_ses-01.csv" for one in store.contents().sessions)
+    assert sorted(path.name for path in (out / "sessions").iterdir()) == names
+    assert [row for name in names for row in read(out / "sessions" / name, ",")] == short
+    one, other = (from_csv(out / name).rows for name in ("ratings.csv", "ratings_short.csv"))
+    assert [(r.participant, r.condition, r.value, r.place) for r in one] == [
+        (r.participant, r.condition, r.value, r.place) for r in other
+    ]
+
+
+def test_the_block_of_a_trial_changes_at_each_planned_break(tmp_path):
+    design = design_from_text(TEXT.replace("[practice]", "[breaks]\nevery = 2\nseconds = 1\n[practice]"), "late.toml")
+    with Store(tmp_path / "data", create=True, clock=Day()) as store:
+        sit(store, design, "P1")
+        rows = answer_rows(store.contents(), design)
+    blocks = {row["trial"]: row["block"] for row in rows if row["trial"] is not None}
+    assert blocks == {0: 0, 1: 1, 2: 1, 3: 2}
 
 
 def test_a_files_folder_is_not_told(tmp_path):

@@ -45,12 +45,20 @@ def test_what_is_left_is_as_without_them(store, design, tmp_path):
         "bids/participants.json",
         "bids/participants.tsv",
         "ratings.csv",
+        "ratings_short.csv",
         "ratings.tsv",
         "ratings.parquet",
         "sickness.tsv",
         "questionnaires.tsv",
     }
-    for name in ("ratings.csv", "ratings.tsv", "sickness.tsv", "questionnaires.tsv", "bids/participants.tsv"):
+    for name in (
+        "ratings.csv",
+        "ratings_short.csv",
+        "ratings.tsv",
+        "sickness.tsv",
+        "questionnaires.tsv",
+        "bids/participants.tsv",
+    ):
         assert after[name].splitlines() == [line for line in before[name].splitlines() if gone.sub.encode() not in line]
 
 

@@ -232,7 +232,7 @@ def run(
 
 def contents(path: Path, pilot: bool = False) -> Contents:
     """What the store holds."""
-    with Store(path.with_name("small-data")) as store:
+    with Store(path.with_name("small-pilot-data" if pilot else "small-data")) as store:
         return store.contents(pilot)
 
 

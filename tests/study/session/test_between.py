@@ -9,7 +9,7 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
-from hmdwarp.study.store import COMPLETE, STOPPED
+from hmdwarp.study.store import COMPLETE, DECLINED, STOPPED
 
 from .sessions import Person, ScriptedConsole, contents, press, run, study, whole
 
@@ -202,7 +202,7 @@ def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
         lambda panel: [press(panel, clicks[panel.title])] if getattr(panel, "title", "") in clicks else None
     )
     ran = run(monkeypatch, gpu, path, person)
-    assert ran.session.status == STOPPED
+    assert ran.session.status == DECLINED
     assert events(path, "refused") == [("refused", "consent")]
     assert ran.display.shown == 0
 

@@ -250,7 +250,7 @@ def test_what_is_refused_is_refused_before_a_display_is_opened(monkeypatch, gpu,
         ({"participant": "nobody", "resume": True}, "not known"),
         ({"participant": "Anna Meier"}, "must not be a name"),
         ({"part": "two"}, "--part two is not in"),
-        ({"simulate": "perfect"}, "person participants"),
+        ({"simulate": "perfect", "store": path.with_name("small-data")}, "person participants"),
         ({"participant": "P2", "simulate": "no-such", "pilot": True}, "no-such"),
     ]:
         with pytest.MonkeyPatch.context() as patch:
@@ -288,12 +288,14 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
 def test_a_session_is_gone_on_with_by_the_same_kind_alone(monkeypatch, gpu, tmp_path, was, now, told):
     """Else made-up answers would get into somebody's session."""
     path = study(tmp_path)
-    assert run(monkeypatch, gpu, path, at={5: closing()}, **was).session.status == INTERRUPTED
+    one = {"store": tmp_path / "one"}
+    assert run(monkeypatch, gpu, path, at={5: closing()}, **was, **one).session.status == INTERRUPTED
     with pytest.MonkeyPatch.context() as patch:
-        ran = run(patch, gpu, path, resume=True, **now)
+        ran = run(patch, gpu, path, resume=True, **now, **one)
     assert isinstance(ran.error, InputError)
     assert told in str(ran.error)
-    assert contents(path, pilot=bool(was)).sessions[0].status == INTERRUPTED
+    with Store(tmp_path / "one") as store:
+        assert store.contents(pilot=bool(was)).sessions[0].status == INTERRUPTED
 
 
 def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):

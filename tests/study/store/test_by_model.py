@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initialize, invariant, precondition, rule
 
 from hmdwarp.errors import InputError
-from hmdwarp.study import holdings
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, Store
-from hmdwarp.study.withdraw import withdraw
+from hmdwarp.study.withdraw import holdings, withdraw
 
 from .sessions import asks, begun, shows
 

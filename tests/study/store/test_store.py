@@ -9,9 +9,22 @@ import sqlite3
 import numpy as np
 import pytest
 
-from hmdwarp.errors import HmdwarpError
+from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.study.design import WILLIAMS, rows_for
-from hmdwarp.study.store import COMPLETE, INTERRUPTED, PILOT, RUNNING, SICK, SIMULATED, STOPPED, Store, store_folder
+from hmdwarp.study.store import (
+    COMPLETE,
+    DECLINED,
+    INTERRUPTED,
+    PILOT,
+    RUNNING,
+    SICK,
+    SIMULATED,
+    STOPPED,
+    Session,
+    Store,
+    folder_to_read,
+    store_folder,
+)
 from hmdwarp.study.store import _json as json_
 
 from .sessions import SetClock, answered, asks, begun, design, go_through, shows, steps, whole
@@ -164,6 +177,38 @@ def test_what_a_terminal_broke_does_not_break_a_session(store):
     assert store.end(session, STOPPED, "\udce9").why == "?"
 
 
+def decline(store, code: str = "P1") -> Session:
+    """A session whose consent is refused."""
+    session = begun(store, code)
+    store.record(session, "refused", "consent", by="participant")
+    return store.end(session, DECLINED)
+
+
+def test_who_declines_has_a_status_of_their_own_and_may_still_agree(store):
+    assert decline(store).status == DECLINED
+    with pytest.raises(InputError, match="session 1 of part 'one' declined"):
+        begun(store, "P1")
+    session = begun(store, "P1", new_session=True)
+    store.record(session, "refused", "consent", by="participant")
+    store.end(session, INTERRUPTED)  # the program died before it could end the session
+    session = store.resume("P1")
+    store.finish_step(session, "consent")  # agreed, in the second run
+    assert store.end(session, STOPPED).status == STOPPED
+    with pytest.raises(ValueError, match="cannot end as 'declined'"):
+        store.end(begun(store, "P2"), DECLINED)
+    assert [one.status for one in store.contents().sessions] == [DECLINED, STOPPED, RUNNING]
+
+
+def test_a_store_of_before_that_status_tells_who_declined(store):
+    """Then such a session ended as stopped, with the same journal."""
+    session = begun(store, "P1")
+    store.record(session, "refused", "consent", by="participant")
+    db = store._connection.db
+    db.execute("UPDATE session SET status = 'stopped' WHERE id = ?", (session.id,))
+    assert store.contents().sessions[0].status == DECLINED
+    assert db.execute("SELECT status FROM session").fetchone() == ("stopped",), "older versions read it too"
+
+
 # --- who gets which order
 # --------------------------------------------------------------------------------------------------
 
@@ -300,6 +345,19 @@ def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):
     from hmdwarp.study.design import load_design
 
     assert store_folder(load_design("quick"), None).as_posix() == "quick-data"
+
+
+def test_rehearsals_lie_apart_and_are_found_by_name(tmp_path):
+    study = design(path=str(tmp_path / "late.toml"))
+    assert store_folder(study, None, SIMULATED) == tmp_path / "late-simulated-data"
+    assert store_folder(study, None, PILOT) == tmp_path / "late-pilot-data"
+    with Store(store_folder(study, None, SIMULATED), create=True) as store:
+        whole(store, "P1", origin=SIMULATED)
+    with Store(store_folder(study, None), create=True) as store:
+        whole(store, "P1"), "the rehearsal does not stand in the way"
+    assert folder_to_read(study, None, SIMULATED) == tmp_path / "late-simulated-data"
+    with pytest.raises(InputError, match=r"no data, pilot, of 'late' yet: .*leave out --pilot for .*--simulated for"):
+        folder_to_read(study, None, PILOT)
 
 
 def test_the_folder_is_its_owner_s_alone(store, tmp_path):

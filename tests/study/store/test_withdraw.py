@@ -15,9 +15,8 @@ import time
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.study import holdings
 from hmdwarp.study.store import COMPLETE, Store, erasing
-from hmdwarp.study.withdraw import withdraw
+from hmdwarp.study.withdraw import holdings, withdraw
 
 from .killing import Killing
 from .sessions import asks, begun, child, design, go_through, whole
