@@ -145,8 +145,9 @@ def _scale_row(scale: Scale) -> dict[str, str]:
     items = [item.text for item in scale.items]
     return {
         "name": scale.name,
-        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, "
-        f"{'low' if scale.low_is_good else 'high'} is good",
+        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, {scale.direction}"
+        if scale.has_answers
+        else f"{scale.title}: each question has its own answers",
         "kind": scale.kind,
         "step": f"{scale.step:g}",
         "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items()),

@@ -154,6 +154,7 @@ class DesktopDisplay:
         """Draw the eyes' pictures, the text over them and the control panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
         self._painter.draw(canvases, self._views.current, self._window.framebuffer_size, self._status.column, label)
+        self._commands.input.takes_text = not isinstance(label, str) and label.takes_text
         self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
         self._commands.pending += self._status.draw_panel()
         handed_over_ns = self.now_ns()

@@ -88,6 +88,11 @@ def direction(held: set[int]) -> tuple[int, int, int]:
     return right, up, forward
 
 
+def prints(key: int) -> bool:
+    """Return whether a key writes a character, by glfw's numbers."""
+    return key < glfw.KEY_ESCAPE or (glfw.KEY_KP_0 <= key <= glfw.KEY_KP_EQUAL and key != glfw.KEY_KP_ENTER)
+
+
 def label(name: str) -> str:
     """Return what the user's keyboard has printed on that key. glfw must be running."""
     printed = glfw.get_key_name(token(name), 0) if len(name) == 1 else None

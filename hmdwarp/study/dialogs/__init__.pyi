@@ -26,3 +26,4 @@ from .scale_layout import LineLayout as LineLayout
 from .scale_layout import ScaleForm as ScaleForm
 from .scale_layout import layout_of as layout_of
 from .study_controls import CONTROLS as CONTROLS
+from .text_dialog import TextDialog as TextDialog

@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..design import Ask
 from .buttons import (
     GAP,
     KEYS,
@@ -38,6 +39,7 @@ class MessagePanel:
     column: bool = False  # buttons one under the other instead of side by side
     least_lines: int = 0  # room for so many lines, so that a longer page does not make the panel jump
     picture: str = ""  # file of a picture in place of the lines, "" for none
+    takes_text: bool = False
 
     @property
     def pointed(self) -> bool:
@@ -98,6 +100,15 @@ def trial_panel(trial: int, trials: int) -> MessagePanel:
     return message_panel(f"Trial {trial} of {trials}" if trial else "Practice: look around, it is not rated")
 
 
+def heading_of(ask: Ask, again: bool) -> str:
+    """Return which trial the question is about, or which item of how many it is."""
+    items, more = ask.scale.items, ", once more" if again else ""
+    if len(items) > 1:
+        heading = f"{ask.scale.title}: item {items.index(ask.item) + 1} of {len(items)}{more}"
+        return f"{heading}\n{ask.scale.prompt}" if ask.scale.prompt else heading
+    return (f"trial {ask.trial}" if ask.trial else ask.scale.title) + more
+
+
 @attrs.frozen(cache_hash=True)
 class QuestionPanel:
     """Question with its scale and marker. It knows nothing of conditions."""
@@ -111,6 +122,7 @@ class QuestionPanel:
     note: str = ""  # shown in place of the hint
     hints: InputHints = KEYS
     pointed: bool = True
+    takes_text: bool = False
 
     @property
     def layout(self) -> Layout:

@@ -20,7 +20,7 @@ from .formats import csv_text, has_parquet, tsv_text, write_parquet
 from .short_tables import SHORT, short_rows
 from .table_columns import Column, columns_for
 
-EXTRA = ("phase", "kind")
+EXTRA = ("phase", "kind", "text")
 REMARKS = (
     Column("participant", "text", "Random word for the participant"),
     Column("session", "whole", "Which session of the participant"),

@@ -188,11 +188,19 @@ class SessionRunner:
         context = self.context
         handler = self._pursue(lambda: QuestionHandler(context, step, self._asking_again))
         answer = context.store.answer(
-            context.session, step, handler.dialog.value, handler.seconds, handler.by, self.about.get(step.key)
+            context.session,
+            step,
+            handler.dialog.value,
+            handler.seconds,
+            handler.by,
+            self.about.get(step.key),
+            handler.dialog.text,
         )
         context.done.add(step.key)
         self.answered = step
-        said = "left unanswered" if answer.value is None else f"{answer.value:g}"
+        said = step.scale.words_for(step.item, answer.value, answer.text) or (
+            "left unanswered" if answer.value is None else f"{answer.value:g}"
+        )
         name = step_name(step, context.steps)
         about = f"{name}, {step.scale.title}" if step.about else name
         context.say(f"{about}: {said}" + (" (answered again)" if answer.revision > 1 else ""))

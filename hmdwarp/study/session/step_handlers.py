@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 from ...display import Command, Label
 from ...run import FrameHandler
 from ..design import Ask, Pause, Read, Step, Tell
-from ..dialogs import BreakDialog, ConsentDialog, MenuDialog, MessagePanel, PageDialog, QuestionDialog, hints_for
+from ..dialogs import (
+    BreakDialog,
+    ConsentDialog,
+    MenuDialog,
+    MessagePanel,
+    PageDialog,
+    QuestionDialog,
+    TextDialog,
+    hints_for,
+)
+from ..scales import WORDS
 from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
 
 if TYPE_CHECKING:
@@ -139,13 +149,19 @@ class DialogHandler(StepHandler, Generic[D]):
             self.by, self.seconds = by, self.elapsed_s
 
 
-class QuestionHandler(DialogHandler[QuestionDialog]):
+class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
     """Question. again: whether it was asked before."""
 
     phase = "asking"
 
     def __init__(self, context: SessionContext, ask: Ask, again: bool = False) -> None:
-        super().__init__(context, ask, QuestionDialog(ask, context.now_s, hints_for(context.display.name), again))
+        hints = hints_for(context.display.name)
+        is_text = ask.item.answer == WORDS
+        super().__init__(
+            context,
+            ask,
+            TextDialog(ask, hints, again) if is_text else QuestionDialog(ask, context.now_s, hints, again),
+        )
 
     def leave_unanswered(self) -> None:
         """Leave the question unanswered, as the menu offers."""
