@@ -83,9 +83,14 @@ class QuestionDialog:
         self._step(1 if layout_of(self._form).downwards else -1)
 
     def _step(self, steps: int) -> None:
-        """Move the marker; the first step puts it in the middle, or takes a skip back."""
+        """Move the marker; the first step puts it in the middle, or takes a skip back.
+
+        In a list of choices, which have no middle, it puts it at the end where it comes from.
+        """
         if self._skipping:
             self._skipping = False
+        elif self.value is None and self._form.listed:
+            self._set(self._scale.least if steps > 0 else self._scale.most)
         elif self.value is None:
             self._set(middle(self._scale, upper=steps > 0))
         else:

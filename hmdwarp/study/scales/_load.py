@@ -84,9 +84,7 @@ def _items(data: Table, own: bool) -> tuple[Item, ...]:
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
         if "answer" in table and not own:
-            raise table.fault(
-                "answer", f"is for questionnaires: expected the scale's own answers, or kind {QUESTIONNAIRE}"
-            )
+            raise table.fault("answer", f"is for kind {QUESTIONNAIRE}: expected the answers of the scale alone")
         items.append(Item(key, table.line("text"), **(_own_answers(table) if "answer" in table else {})))
     return tuple(items)
 
