@@ -18,12 +18,14 @@ from __future__ import annotations
 import difflib
 import functools
 import importlib
-import importlib.metadata
 import pkgutil
 from collections.abc import Iterator
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from .errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    import importlib.metadata
 
 T = TypeVar("T")
 E = TypeVar("E")
@@ -109,4 +111,6 @@ class Registry(Generic[T]):
 
 @functools.cache
 def _entry_points(group: str) -> dict[str, importlib.metadata.EntryPoint]:
+    import importlib.metadata  # --help, which asks for no entry, does not wait for it
+
     return {point.name: point for point in importlib.metadata.entry_points(group=group)}

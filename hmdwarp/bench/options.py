@@ -2,41 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Number, Option, group, names_in, option, same_as
-from ..pipeline.options import parse_size
+from ..options import Declared, Number, Option, group, names_in, option, same_as, several, split_names
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
 
 Size = tuple[int, int]
 
-_REPEAT = "For several, repeat it, or put commas between."
 _RUN = attrs.fields(RunOptions)
-
-
-def _several(what: str, key: Callable[[Any], Any] = lambda value: value) -> Callable[[Iterable[Any]], tuple[Any, ...]]:
-    """Return a converter to a tuple without repetitions; a text alone is one value.
-
-    Errors: InputError where nothing is left.
-    """
-
-    def convert(values: Iterable[Any]) -> tuple[Any, ...]:
-        found = tuple({key(value): value for value in ((values,) if isinstance(values, str) else values)}.values())
-        if not found:
-            raise InputError(f"a bench without any {what}: expected at least one")
-        return found
-
-    return convert
-
-
-def _unique(names: Iterable[str]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys((names,) if isinstance(names, str) else names))
+_RECORDING = Option("As an argument; repeat it for several.", list, name="recording", metavar="TRACE")
 
 
 def _size(value: Any) -> Size:
@@ -46,30 +26,6 @@ def _size(value: Any) -> Size:
     return sides
 
 
-def _split(text: str) -> list[str]:
-    return [part.strip() for part in text.split(",")]
-
-
-def _names(texts: list[str]) -> list[str]:
-    """Return every text that has settings (these hold commas), or its parts between commas."""
-    return [name for text in texts for name in ([text] if ":" in text else _split(text))]
-
-
-def _listed(texts: list[str]) -> list[str]:
-    """Return every text, or its parts between commas unless it names a file."""
-    return [part for text in texts for part in ([text] if Path(text).exists() else _split(text))]
-
-
-def _milliseconds(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        raise InputError(f"latency '{text}': expected milliseconds, like 200") from error
-
-
-_RECORDING = Option("As an argument; repeat it for several.", list, name="recording", metavar="TRACE")
-
-
 @attrs.frozen
 class BenchOptions(Declared):
     """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
@@ -77,73 +33,30 @@ class BenchOptions(Declared):
     Errors: InputError for a number that makes no sense, and for an empty list.
     """
 
-    recordings: tuple[str, ...] = option(
+    recordings: tuple[str, ...] = several(
+        _RUN.trace,
         ("look-around", "walk"),
-        "Traces, as for replay; by default look-around and walk.",
         name="traces",
-        kind=list,
-        default=None,
         metavar="[TRACE]...",
         positional=True,
+        parse=None,
         beside=(_RECORDING,),
-        convert=_several("recording"),
     )
-    scenes: tuple[str, ...] = option(
-        ("room",),
-        f"Scenes: {names_in('scenes/library')}, files; by default room. {_REPEAT}",
-        name="scene",
-        kind=list,
-        default=None,
-        metavar="NAME|FILE",
-        parse=_listed,
-        convert=_several("scene"),
-    )
-    latencies_ms: tuple[float, ...] = option(
-        (_RUN.latency_ms.default,),
-        f"From drawing a frame to showing it; by default {_RUN.latency_ms.default:g}. {_REPEAT}",
-        name="latency",
-        kind=list,
-        default=None,
-        unit="ms",
-        metavar="MS",
-        parse=lambda texts: [_milliseconds(text) for text in _listed(texts)],
-        convert=_several("latency"),
-        valid=Number(),
-    )
+    scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
+    latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
     # Names, with settings where they matter (`mesh:cut=slope`); empty for all and their variants.
-    warps: tuple[str, ...] = option(
+    warps: tuple[str, ...] = several(
+        _RUN.warp,
         (),
-        f"Warps: {names_in('client/warps')}; by default all. For several, repeat it; settings follow a colon, "
-        "as in mesh:cut=slope.",
-        name="warp",
-        kind=list,
-        default=None,
-        metavar="NAME",
-        parse=_names,
-        convert=_unique,
+        f"Warp: {names_in('client/warps')}; by default all. Settings follow a colon, as in mesh:cut=slope.",
+        split=split_names,
     )
-    fills: tuple[str, ...] = option(
-        ("none", "interpolate"),
-        f"Fills: {names_in('client/fills')}; by default none and interpolate. {_REPEAT}",
-        name="fill",
-        kind=list,
-        default=None,
-        metavar="NAME",
-        parse=_names,
-        convert=_several("fill"),
+    fills: tuple[str, ...] = several(
+        _RUN.fill, ("none", "interpolate"), f"Fill: {names_in('client/fills')}, or several with +", split=split_names
     )
     effects: str = same_as(_RUN.effects)
-    sizes: tuple[Size, ...] = option(
-        ((1280, 800),),
-        f"Pixels of one eye; by default 1280x800. {_REPEAT}",
-        name="size",
-        kind=list,
-        default=None,
-        metavar="WxH",
-        parse=lambda texts: [parse_size(text) for text in _listed(texts)],
-        convert=_several("size", _size),
-    )
-    lens: str = option("none", "Lens correction, timed too; figures are of the picture before it.")
+    sizes: tuple[Size, ...] = several(_RUN.size, ((1280, 800),), "Pixels of one eye", each=_size)
+    lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     headset: str = same_as(_RUN.headset)
     rate_hz: float | None = same_as(_RUN.rate_hz)
     start_s: float = same_as(_RUN.start_s)
@@ -157,12 +70,8 @@ class BenchOptions(Declared):
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
     # Chooses the most accurate combination within it.
-    budget_ms: float | None = option(
-        None,
-        "Milliseconds for one eye: name the most accurate combination within them.",
-        kind=float,
-        unit="ms",
-        valid=Number(above=True),
+    budget_ms: float | None = same_as(
+        _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
     )
     grid: bool = option(True, "Sweep head displacements in the first scene.", off="--no-grid")
     fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated
 
 import typer
 
+from ..options import Option
 from ..version import __version__
 from . import bench, doctor, listing, live, plan, record, replay, study, trace, warp
+from ._options import commands
 
 app = typer.Typer(
     name="hmdwarp",
@@ -45,3 +48,14 @@ app.command("plan")(plan.plan)
 app.command("doctor")(doctor.doctor)
 app.add_typer(study.app, name="study")
 app.add_typer(trace.app, name="trace")
+
+
+def _options_of_all(group: typer.Typer, prefix: str = "") -> Iterator[tuple[str, list[Option]]]:
+    for one in group.registered_commands:
+        yield f"{prefix}{one.name or one.callback.__name__}", one.callback.options  # type: ignore[union-attr]
+    for inner in group.registered_groups:
+        assert inner.typer_instance is not None
+        yield from _options_of_all(inner.typer_instance, f"{prefix}{inner.name} ")
+
+
+commands.update(_options_of_all(app))

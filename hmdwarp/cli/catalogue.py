@@ -14,18 +14,21 @@ import attrs
 if TYPE_CHECKING:
     from ..client.fills import Fill
     from ..client.warps import Warp
+    from ..frames.layers import EyeSizes, Layer
     from ..headsets import Headset
     from ..options import Option
     from ..poses import PoseTrack
     from ..study.design import Design
     from ..study.scales import Scale
 
+_SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture", "own": "its own"}
+
 
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, studies,
-    options.
+    kind: warps, fills, effects, lenses, scenes, headsets, formats, layers, recordings,
+    scales, studies, options.
     """
     return _MAKERS[kind]()
 
@@ -174,22 +177,37 @@ def _study_row(design: Design) -> dict[str, str]:
     }
 
 
-def _options() -> list[dict[str, str]]:
-    from ..bench import BenchOptions
-    from ..options import options_of
+def _layers() -> list[dict[str, str]]:
+    from ..frames.layers import layers
+    from ..headsets import load_headset
     from ..pipeline.options import PipelineOptions
-    from ..run import LiveOptions, RecordOptions, RunOptions
+    from ..pipeline.sizes import eye_sizes
 
-    commands = {
-        "replay": RunOptions,
-        "live": LiveOptions,
-        "plan": PipelineOptions,
-        "record": RecordOptions,
-        "bench": BenchOptions,
+    headset = load_headset(PipelineOptions().headset)
+    sizes = eye_sizes(1.0, headset, headset.eye_size_px)
+    return [_layer_row(layer, sizes, headset.name) for layer in layers]
+
+
+def _layer_row(layer: type[Layer], sizes: EyeSizes, headset: str) -> dict[str, str]:
+    per, count = "frame" if layer.per_frame else "eye", layer.bytes(layer.something, sizes)
+    return {
+        "name": layer.name,
+        "summary": layer.summary,
+        "format": " + ".join(layer.formats) or "none: no picture",
+        "size": _SIZES[layer.size_class] if layer.formats else "none",
+        "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset}" if count else "none",
+        "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
+        "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
+        "coded_as": layer.coding if count else "nothing",
     }
+
+
+def _options() -> list[dict[str, str]]:
+    from ._options import commands
+
     takers: dict[Option, list[str]] = {}
-    for command, kind in commands.items():
-        for option in options_of(kind):
+    for command, options in commands.items():
+        for option in options:
             takers.setdefault(option, []).append(command)
     first = {option.name: option for option in reversed(takers)}
     return [
@@ -221,6 +239,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "scenes": _scenes,
     "headsets": _headsets,
     "formats": _formats,
+    "layers": _layers,
     "recordings": _recordings,
     "scales": _scales,
     "studies": _studies,

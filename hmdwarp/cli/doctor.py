@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
 
 import typer
+
+from ..options import Option
+from ._options import Said, takes
 
 COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": typer.colors.YELLOW}
 
 
-def doctor(
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead of lines.")] = False,
-) -> None:
+@takes(Option("Print one JSON object instead of lines.", bool, False, name="json"))
+def doctor(said: Said) -> None:
     """Show what this machine has.
 
     GL, compute, timers, OpenXR; what is missing and how to get it.
@@ -21,7 +22,7 @@ def doctor(
 
     findings = examine()
     ready = replay_can_run(findings)
-    if as_json:
+    if said["json"]:
         rows = [
             {"name": f.name, "state": f.state, "detail": f.detail, "remedy": f.remedy, "facts": dict(f.facts)}
             for f in findings

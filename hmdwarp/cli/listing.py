@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
+import attrs
 import typer
+
+from ..errors import InputError
+from ..options import Declared, option
+from ._options import Said, takes
 
 KINDS = (
     "warps",
@@ -14,6 +17,7 @@ KINDS = (
     "scenes",
     "headsets",
     "formats",
+    "layers",
     "recordings",
     "scales",
     "studies",
@@ -21,31 +25,39 @@ KINDS = (
 )
 
 
-def list_(
-    kind: Annotated[str, typer.Argument(help=f"One of {', '.join(KINDS)}.")],
-    name: Annotated[str | None, typer.Argument(help="Tell everything about this one.", show_default=False)] = None,
-    json: Annotated[bool, typer.Option("--json", help="Everything, as a JSON array of objects.")] = False,
-    markdown: Annotated[bool, typer.Option("--markdown", help="Everything, as a Markdown table.")] = False,
-) -> None:
-    """List warps, fills, effects, lenses, scenes, headsets, formats, recordings, scales, .."""
-    from ..errors import InputError
+@attrs.frozen
+class ListOptions(Declared):
+    """What to list, and how. Errors: InputError for two forms at once."""
+
+    kind: str = option(attrs.NOTHING, f"One of {', '.join(KINDS)}.", positional=True)
+    name: str | None = option(None, "Tell everything about this one.", positional=True)
+    json: bool = option(False, "Everything, as a JSON array of objects.")
+    markdown: bool = option(False, "Everything, as a Markdown table.")
+
+    def __attrs_post_init__(self) -> None:
+        if self.json and self.markdown:
+            raise InputError("--json and --markdown: expected one of the two")
+
+
+@takes(ListOptions)
+def list_(said: Said) -> None:
+    """List warps, fills, effects, lenses, scenes, headsets, formats, layers, recordings, .."""
     from ..registry import unknown_name
 
-    if kind not in KINDS:
-        raise unknown_name("list", kind, list(KINDS))
-    if json and markdown:
-        raise InputError("--json and --markdown: expected one of the two")
-    rows = _rows(kind, name)
-    if json:
-        import json as json_
+    options = ListOptions.of(said)
+    if options.kind not in KINDS:
+        raise unknown_name("list", options.kind, list(KINDS))
+    rows = _rows(options.kind, options.name)
+    if options.json:
+        import json
 
-        typer.echo(json_.dumps(rows, indent=2, ensure_ascii=False))
-    elif markdown:
+        typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+    elif options.markdown:
         typer.echo(_markdown(rows))
-    elif name is not None:
+    elif options.name is not None:
         _print_all_of(rows[0])
     else:
-        _print_summaries(kind, rows)
+        _print_summaries(options.kind, rows)
 
 
 def _rows(kind: str, name: str | None) -> list[dict[str, str]]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
+import attrs
 import typer
 
-from ..options import Option
+from ..options import Declared, Option, option
 from ..poses.formats import formats
-from ..poses.options import TraceOptions
+from ..poses.options import MOTIONS, TraceOptions
 from ._options import Said, takes
 
 if TYPE_CHECKING:
@@ -79,23 +80,28 @@ def convert(said: Said) -> None:
     )
 
 
+@attrs.frozen
+class SynthOptions(Declared):
+    """A head that is made up."""
+
+    kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
+    out: Path = option(attrs.NOTHING, "The file to write.", kind=Path)
+    seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
+    seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
+    rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
+
+
 @app.command()
-def synth(
-    kind: Annotated[str, typer.Argument(metavar="KIND", help="still, look-around, reversals, walk or fast-turns.")],
-    out: Annotated[Path, typer.Option("--out", help="The file to write.")],
-    seed: Annotated[
-        int | None, typer.Option("--seed", help="The same seed gives the same bytes; by default the recording's.")
-    ] = None,
-    seconds: Annotated[float | None, typer.Option("--seconds", help="Length; by default the recording's.")] = None,
-    rate: Annotated[float, typer.Option("--rate", help="Samples per second.")] = 90.0,
-) -> None:
+@takes(SynthOptions)
+def synth(said: Said) -> None:
     """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
     from ..report import write_stream
 
-    track = synthesise(kind, seed, seconds, rate)
-    write_stream(out, lambda stream: write_synthetic(track, stream))
-    typer.echo(f"{out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
+    options = SynthOptions.of(said)
+    track = synthesise(options.kind, options.seed, options.seconds, options.rate_hz)
+    write_stream(options.out, lambda stream: write_synthetic(track, stream))
+    typer.echo(f"{options.out}: {len(track)} samples, {track.duration_ns / 1e9:.3f} s, {track.origin}", err=True)
 
 
 def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:

@@ -18,18 +18,16 @@ from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.looped import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
-from .desktop.views import ViewChoice
+from .desktop.views import OfViews
 from .present import Presenter
 
 if TYPE_CHECKING:
-    from ..geometry import Eyes
-    from ..headsets import Headset
     from . import Picture
 
 AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
 
 
-class OffscreenDisplay:
+class OffscreenDisplay(OfViews):
     """display.Display like a window's: hmdwarp corrects the lens.
 
     Its clock stands still between pictures.
@@ -39,13 +37,12 @@ class OffscreenDisplay:
     """
 
     name = "offscreen"
-    distorts = takes_depth = ""
 
     def __init__(self, options: DisplayOptions, gpu: Gpu | None = None) -> None:
         if options.trace is None:
             raise InputError("an offscreen display has no head to follow: name a recorded one by --trace")
         headset = load_headset(options.headset)
-        self._views = ViewChoice(headset, options.size, options.view)
+        super().__init__(headset, options.size, options.view)
         self.rate_hz = options.rate_hz or headset.refresh_hz
         self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0
         self.source = LoopedSource(options.trace, self.now_ns)
@@ -56,28 +53,9 @@ class OffscreenDisplay:
         self._closed = False
         self.about = {"display": "offscreen", "trace": options.trace.name, "renderer": self.gpu.renderer}
 
-    @property
-    def eyes(self) -> Eyes:
-        """Eyes of the present view."""
-        return self._views.current.eyes
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) of one eye's picture in the present view."""
-        return self._views.current.size
-
-    @property
-    def headset(self) -> Headset | None:
-        """The headset whose lens the plan corrects; None for the flat view."""
-        return self._views.current.headset
-
     def now_ns(self) -> int:
         """Return the number of ticks, in nanoseconds."""
         return self._at_ns
-
-    def look(self, view: str) -> None:
-        """Switch the view like a window."""
-        self._views.look(view)
 
     def restart(self) -> None:
         """Begin the recording anew."""
@@ -91,7 +69,7 @@ class OffscreenDisplay:
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw what a window would, invisibly."""
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
-        count = self._views.current.count
+        count = self._view.count
         into, notice = self._framebuffer((w * count, h)), self._presenter.notice(label)
         for eye in range(count):
             panel = refresh.eyes[eye].panel if refresh is not None else None

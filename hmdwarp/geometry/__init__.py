@@ -5,7 +5,7 @@ This package knows nothing of the rest of the program. Conventions: docs/convent
 
 from .cube import cube_size, face_views
 from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres, metres_from_inverse_depth
-from .mirror import Mirror, fresnel, image_behind_ball
+from .mirror import Mirror
 from .pose import Pose
 from .rigid import RigidState
 from .view import Eyes, Fov, View, guarded_eyes
@@ -23,9 +23,7 @@ __all__ = [
     "WarpMap",
     "cube_size",
     "face_views",
-    "fresnel",
     "guarded_eyes",
-    "image_behind_ball",
     "inverse_depth_from_clip",
     "inverse_depth_from_metres",
     "metres_from_inverse_depth",

@@ -1,4 +1,4 @@
-"""Mirrors, plane and spherical: position, reflectivity, and where mirrored things appear to be."""
+"""Mirrors, plane and spherical: position and reflectivity."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .pose import frozen3
 from .view import View
@@ -27,7 +27,7 @@ class Mirror:
     right_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     up_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
     radius_m: float = 0.0
-    reflectivity: float = 1.0  # at normal incidence, 0 to 1; more at grazing angles, see `fresnel`
+    reflectivity: float = 1.0  # at normal incidence, 0 to 1; more at grazing angles (Schlick 1994)
 
     @property
     def is_curved(self) -> bool:
@@ -39,33 +39,6 @@ class Mirror:
         """Unit normal of the front of a plane mirror."""
         across = np.cross(self.right_m, self.up_m)
         return across / np.linalg.norm(across)
-
-
-def fresnel(reflectivity: ArrayLike, cosine: ArrayLike) -> Array:
-    """Return the reflected share of the light.
-
-    cosine: of the angle between ray and normal, 0 to 1.
-    Source: Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, eq. 15.
-    """
-    reflectivity = np.asarray(reflectivity, np.float64)
-    return reflectivity + (1 - reflectivity) * (1 - np.clip(cosine, 0, 1)) ** 5
-
-
-def image_behind_ball(away_m: ArrayLike, radius_m: ArrayLike, cosine: ArrayLike) -> Array:
-    """Return how far behind a ball's surface, along the viewing ray, the mirrored point appears.
-
-    away_m: from the surface to the mirrored point, along the mirrored ray; inf allowed.
-    cosine: of the angle between ray and normal.
-
-    1/v = 1/u + 2 / (R cos): half the radius for distant points seen straight on, and 0 at the rim.
-    This is the tangential focus, in the plane of the two rays; across that plane points appear up
-    to R / (2 cos) away, which no single depth can express.
-
-    Source: Coddington 1829, A Treatise on the Reflexion and Refraction of Light (oblique pencils);
-    Hecht 2017, Optics, 5.4.
-    """
-    cosine = np.maximum(np.asarray(cosine, np.float64), 1e-6)
-    return 1 / (1 / np.asarray(away_m, np.float64) + 2 / (np.asarray(radius_m, np.float64) * cosine))
 
 
 def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:

@@ -9,7 +9,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 from numpy.polynomial import polynomial
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import Fov, Pose, View
@@ -80,35 +80,6 @@ class RadialLens:
         t = np.linspace(0, 1, 1025)
         turns = np.append(turns, t[polynomial.polyval(t, slope) <= 0])
         return float(np.sqrt(turns.min())) * self.reach if len(turns) else None
-
-    def tangent_from_lens(self, on_lens: ArrayLike, colour: str) -> NDArray[np.float64]:
-        """Return the tangents that the lens shows at positions (..., 2) on the lens plane."""
-        on_lens = np.asarray(on_lens, dtype=np.float64)
-        r2 = (on_lens**2).sum(axis=-1, keepdims=True)
-        return on_lens * self.tangent_per_unit * polynomial.polyval(r2, np.array(self.coefficients[colour]))
-
-    def lens_from_tangent(self, tangent: ArrayLike, colour: str) -> NDArray[np.float64]:
-        """Return the positions on the lens plane that show tangents (..., 2); NaN beyond reach.
-
-        Bisects the radius: 60 halvings of 0..reach leave less than one unit in the last place of
-        reach.
-        """
-        tangent = np.asarray(tangent, dtype=np.float64)
-        wanted = np.sqrt((tangent**2).sum(axis=-1)) / self.tangent_per_unit
-        k = np.array(self.coefficients[colour])
-
-        def radius_function(r: NDArray[np.float64]) -> NDArray[np.float64]:
-            return r * polynomial.polyval(r * r, k)
-
-        low, high = np.zeros_like(wanted), np.full_like(wanted, self.reach)
-        for _ in range(60):
-            middle = (low + high) / 2
-            below = radius_function(middle) < wanted
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        r = (low + high) / 2
-        seen = wanted <= radius_function(np.array(self.reach)) * (1 + 1e-12)
-        scale = np.divide(r, wanted, out=np.full_like(r, 1 / k[0]), where=wanted > 0)
-        return np.where(seen[..., None], tangent / self.tangent_per_unit * scale[..., None], np.nan)
 
 
 @attrs.frozen

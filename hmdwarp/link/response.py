@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from statistics import median
 from typing import Self
 
 import attrs
@@ -63,5 +62,7 @@ def medians(times: Sequence[ResponseTime]) -> dict[str, float] | None:
     """
     if not times:
         return None
+    from statistics import median  # not at the top: --help reads this package's options
+
     out = {name: median(getattr(one, name) for one in times) for name in ResponseTime().parts()}
     return {**out, "total_ms": median(one.total_ms for one in times)}

@@ -4,8 +4,9 @@ The command line, the keys of a study's file, the help and the table of `hmdwarp
 made from the declarations. This package imports nothing heavy, nor does a module that declares.
 """
 
-from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, options_of, same_as
+from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as
 from .limits import Number, names_in, one_of
+from .several import several, split_names
 
 __all__ = [
     "CONDITION",
@@ -18,6 +19,9 @@ __all__ = [
     "names_in",
     "one_of",
     "option",
+    "option_of",
     "options_of",
     "same_as",
+    "several",
+    "split_names",
 ]

@@ -80,12 +80,24 @@ def group(kind: type[Declared]) -> Any:
     return attrs.field(factory=kind, metadata={_GROUP: kind})
 
 
-def same_as(field: attrs.Attribute[Any], default: Any = None) -> Any:
-    """Return an attrs field that is the option of another class. default: in place of its own."""
-    (first, *others), value = field.metadata[_KEY], field.default if default is None else default
-    first = attrs.evolve(first.named(field.name), default=first.default if default is None else default)
+def option_of(field: attrs.Attribute[Any]) -> Option:
+    """Return the option that an attrs field is, with its name."""
+    first: Option = field.metadata[_KEY][0]
+    return first.named(field.name)
+
+
+def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> Any:
+    """Return an attrs field that is the option of another class.
+
+    default: in place of its own. about: attributes of Option that differ.
+    """
+    if default is not None:
+        about = {"default": default, **about}
     return attrs.field(
-        default=value, validator=field.validator, converter=field.converter, metadata={_KEY: (first, *others)}
+        default=field.default if default is None else default,
+        validator=field.validator,
+        converter=field.converter,
+        metadata={_KEY: (attrs.evolve(option_of(field), **about), *field.metadata[_KEY][1:])},
     )
 
 
@@ -124,7 +136,7 @@ class Declared:
             if _GROUP in field.metadata:
                 values[field.name] = field.metadata[_GROUP].of(said)
             elif _KEY in field.metadata:
-                own = field.metadata[_KEY][0].named(field.name)
+                own = option_of(field)
                 value = said.get(own.name)
                 if value is not None:
                     values[field.name] = value if own.parse is None else own.parse(value)

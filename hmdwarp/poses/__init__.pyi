@@ -26,7 +26,6 @@ from .synth import DECIMALS as DECIMALS
 from .synth import KINDS as KINDS
 from .synth import RATE_HZ as RATE_HZ
 from .synth import minimum_jerk as minimum_jerk
-from .synth import peak_speed as peak_speed
 from .synth import shift_seconds as shift_seconds
 from .synth import synthesise as synthesise
 from .synth import write_synthetic as write_synthetic

@@ -9,6 +9,8 @@ import attrs
 from ..errors import InputError
 from ..options import Declared, names_in, option
 
+# Kinds of `poses.synth`, in words.
+MOTIONS = "still, look-around, reversals, walk or fast-turns"
 QUAT_ORDERS = ("xyzw", "wxyz")
 
 

@@ -35,13 +35,13 @@ def predict(
     return predictor.predict(track, now_ns, target_ns, horizon_ns)
 
 
-def predict_many(track: PoseTrack, now_ns: np.ndarray, ahead_ns: int, window_ns: int = WINDOW_NS) -> np.ndarray:
+def predict_many(track: PoseTrack, now_ns: np.ndarray, ahead_ns: int) -> np.ndarray:
     """Return (n, 4) orientations `ahead_ns` after each of `now_ns`, for statistics of a trace.
 
-    The angular velocity is that of the `window_ns` before. Unlike `predict` this interpolates the
+    The angular velocity is that of the WINDOW_NS before. Unlike `predict` this interpolates the
     poses at both ends of the window, so the result does not depend on where the samples lie.
     """
     q1 = track.sample_many(now_ns).orientation_xyzw
-    q0 = track.sample_many(now_ns - window_ns).orientation_xyzw
+    q0 = track.sample_many(now_ns - WINDOW_NS).orientation_xyzw
     turn = quaternions.to_rotation_vector(quaternions.multiply(q1, quaternions.conjugate(q0)))
-    return quaternions.multiply(quaternions.from_rotation_vector(turn * (ahead_ns / window_ns)), q1)
+    return quaternions.multiply(quaternions.from_rotation_vector(turn * (ahead_ns / WINDOW_NS)), q1)

@@ -38,7 +38,6 @@ NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
 # 210. Chosen, with the pauses and the drift of `_look_around`, to meet the speeds of 264 recorded
 # heads (30/113/191 deg/s at p50/p95/p99).
 SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
-PEAK_OF_MINIMUM_JERK = 1.875  # peak speed over mean speed
 DECIMALS = (6, 8)  # 1 um and 1e-8: rounder than the last bit in which two machines' sines may differ
 RATE_HZ = 90.0
 _LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
@@ -111,11 +110,6 @@ def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
 def shift_seconds(amplitude_deg: float, vigour: float = 1.0) -> float:
     """Return the duration of a gaze shift; vigour above 1 is hurried."""
     return (SHIFT_BASE_S + SHIFT_PER_DEG_S * abs(amplitude_deg)) / vigour
-
-
-def peak_speed(amplitude_deg: float, vigour: float = 1.0) -> float:
-    """Return the peak speed of a gaze shift in deg/s."""
-    return PEAK_OF_MINIMUM_JERK * abs(amplitude_deg) / shift_seconds(amplitude_deg, vigour)
 
 
 def minimum_jerk(share: Array) -> Array:

@@ -3,6 +3,7 @@ from .charts import binned as binned
 from .charts import time_series as time_series
 from .files import OutputFolder as OutputFolder
 from .files import atomic as atomic
+from .files import sync as sync
 from .files import write_bytes as write_bytes
 from .files import write_csv as write_csv
 from .files import write_error as write_error

@@ -64,9 +64,7 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
     return Band(np.bincount(index, time_s, minlength=count) / amount, mean, low, high)
 
 
-def time_series(
-    series: Sequence[Series], unit: str, *, from_zero: bool = True, width_in: float = 5.0, height_in: float = 2.2
-) -> str:
+def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) -> str:
     """Draw at most two lines over time as one <svg> element.
 
     A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left
@@ -76,7 +74,7 @@ def time_series(
     with drawing([(line.label, line.value.tobytes()) for line in series]):
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(width_in, height_in), layout="constrained")
+        figure = Figure(figsize=(5.0, 2.2), layout="constrained")
         axes = figure.add_subplot()
         drawn = [_draw(axes, number, line) for number, line in enumerate(series)]
         dress(axes)

@@ -48,9 +48,9 @@ def atomic(path: str | os.PathLike) -> Iterator[Path]:
     temporary = path.with_name(f".{path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
     try:
         yield temporary
-        _sync(
-            temporary
-        )  # a full disk may show only here, and a crash must not leave an empty file under the final name
+        # A full disk may show only here, and a crash must not leave an empty file under the final
+        # name.
+        sync(temporary)
         temporary.replace(path)
     except OSError as error:
         raise write_error(error, path) from error
@@ -59,7 +59,8 @@ def atomic(path: str | os.PathLike) -> Iterator[Path]:
             temporary.unlink()
 
 
-def _sync(path: Path) -> None:
+def sync(path: Path) -> None:
+    """Sync a file's content, or a folder's list of files. Errors: OSError."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)

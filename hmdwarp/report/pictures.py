@@ -89,9 +89,9 @@ def png_bytes(picture: NDArray) -> bytes:
     return _encoded(picture, "PNG", compress_level=6)
 
 
-def jpeg_bytes(picture: NDArray, quality: int = 90) -> bytes:
+def jpeg_bytes(picture: NDArray) -> bytes:
     """Encode a picture as a JPEG file without chroma subsampling: about a tenth of the PNG."""
-    return _encoded(picture, "JPEG", quality=quality, subsampling=0)
+    return _encoded(picture, "JPEG", quality=90, subsampling=0)
 
 
 def _encoded(picture: NDArray, kind: str, **options: object) -> bytes:

@@ -10,7 +10,7 @@ import attrs
 from ..errors import InputError
 from ..options import DISPLAY, PICTURE, Declared, Number, group, names_in, one_of, option, same_as
 from ..pipeline.options import AUTO, PipelineOptions
-from ..poses.options import TraceOptions
+from ..poses.options import MOTIONS, TraceOptions
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -184,9 +184,7 @@ class RecordOptions(Declared):
         unit="Hz",
         valid=Number(least=1, most=1000),
     )
-    kind: str = option(
-        "look-around", "Made-up motion: still, look-around, reversals, walk or fast-turns; it ends by itself."
-    )
+    kind: str = option("look-around", f"Made-up motion: {MOTIONS}; it ends by itself.")
     # What the window shows.
     scene: str = same_as(_LIVE.scene)
     reconnect_s: float = same_as(_LIVE.reconnect_s)

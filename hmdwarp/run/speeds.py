@@ -13,15 +13,16 @@ from ..poses import PoseTrack, quaternions
 if TYPE_CHECKING:
     from ..pipeline.loop import Refresh
 
+_HALF_NS = 5_000_000
 _APART_NS = 500_000_000  # a picture after a longer break says nothing of the way there
 Speeds = tuple[float | None, float | None]
 
 
-def speeds_at(track: PoseTrack, time_ns: int, half_ns: int = 5_000_000) -> Speeds:
+def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
     """Return angular speed in deg/s and linear speed in m/s, by central differences over 10 ms."""
-    before, after = track.at(time_ns - half_ns).pose, track.at(time_ns + half_ns).pose
+    before, after = track.at(time_ns - _HALF_NS).pose, track.at(time_ns + _HALF_NS).pose
     turned = quaternions.angle_between(before.orientation_xyzw, after.orientation_xyzw)
-    seconds = 2 * half_ns * 1e-9
+    seconds = 2 * _HALF_NS * 1e-9
     return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
 
 

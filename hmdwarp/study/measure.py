@@ -17,27 +17,16 @@ import attrs
 from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..options import Number
 from ..pipeline.options import PipelineOptions, parse_size
 from ..run import RunOptions, figures
 from ..version import __version__
 from .design import live_options
+from .measure_options import MeasureOptions
 from .store import Session, Showing, Store
 
 _SHARED = tuple(field.name for field in attrs.fields(PipelineOptions))
 Progress = Callable[[int, int], None]
 Say = Callable[[str], None]
-
-
-@attrs.frozen(kw_only=True)
-class MeasureOptions:
-    """Which trials to measure, and how finely."""
-
-    every: int = attrs.field(default=10, validator=Number(least=1))  # measure every n-th refresh
-    size: tuple[int, int] | None = None  # (w, h) of one eye; None for the size shown
-    again: bool = False  # also trials already measured with these options
-    pilot: bool = False  # pilot sessions instead of those of participants
-    workers: int | None = None  # as RunOptions
 
 
 @attrs.frozen

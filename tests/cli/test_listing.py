@@ -10,11 +10,14 @@ import subprocess
 import sys
 
 import pytest
+import typer
 
+from hmdwarp.cli._app import app
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
+from hmdwarp.frames.layers import layers
 from hmdwarp.resources import recording_names
 from hmdwarp.version import __version__
 
@@ -67,6 +70,35 @@ def test_json_is_an_array_of_named_things(kind, command):
 def test_lists_hold_what_the_registries_hold(command):
     assert [row["name"] for row in json.loads(command("list", "warps", "--json").out)] == warps.names()
     assert [row["name"] for row in json.loads(command("list", "recordings", "--json").out)] == recording_names()
+
+
+def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):
+    rows = {row["name"]: row for row in json.loads(command("list", "layers", "--json").out)}
+    assert list(rows) == layers.names()
+    cube = ["rgba16f", "its own", "17.5 MB for each eye of rift-dk1", "cube", "packed"]
+    assert [rows["cube"][key] for key in ("format", "size", "bytes", "drawn_by", "coded_as")] == cube
+    assert rows["colour"]["carried"] == "once for each eye, always"
+    assert rows["overlay"]["size"] == "of the shown picture"
+    assert rows["others"]["bytes"] == rows["others"]["size"] == "none"
+
+
+def flags_of(one, name: str = "") -> dict[str, set[str]]:
+    """Flags of each command and its groups' commands, as its parser has them."""
+    if hasattr(one, "commands"):
+        return {k: v for each, sub in one.commands.items() for k, v in flags_of(sub, f"{name} {each}".strip()).items()}
+    flags = {option.opts[0] for option in one.params if option.opts[0].startswith("-")}
+    return {name: flags}
+
+
+def test_options_are_those_of_every_command(command):
+    """Of the study's commands too, and none is missing."""
+    parsed = flags_of(typer.main.get_command(app))
+    listed: dict[str, set[str]] = {name: set() for name in parsed}
+    for row in json.loads(command("list", "options", "--json").out):
+        for name in row["commands"].split(", "):
+            listed[name] |= {row["flag"]} if row["flag"].startswith("-") else set()
+    assert listed == parsed
+    assert {"--participant", "--simulate", "--console"} <= listed["study run"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from reference.lens import radial
+from reference.lens_curve import tangent_from_lens
 from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 from hmdwarp.client.lens import lenses
@@ -67,7 +68,7 @@ def places(headset: Headset, eye: int, panel_size, colour: str) -> tuple[np.ndar
     tangent_error = slope * place_error * 2 + 22 * UNIT * absolute * r
     left, right, down, up = headset.fov(eye).tangents
     low, span = np.array([left, down]), np.array([right - left, up - down])
-    tangent = lens.tangent_from_lens(on_lens, colour)
+    tangent = tangent_from_lens(lens, on_lens, colour)
     error = tangent_error[..., None] / span + 4 * UNIT * (np.abs(tangent) + np.abs(low)) / span
     return (tangent - low) / span, error
 

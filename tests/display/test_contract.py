@@ -91,15 +91,22 @@ def classes_of(path: Path) -> list[ast.ClassDef]:
     return [node for node in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)]
 
 
-def displays() -> dict[str, ast.ClassDef]:
-    """Every class of the package that is named like a display, and the stub."""
+@functools.cache
+def all_classes() -> dict[str, ast.ClassDef]:
+    """Every class of the package, and the stub."""
     paths = [*sorted(DISPLAYS.rglob("*.py")), Path(__file__).with_name("stub_display.py")]
-    return {node.name: node for path in paths for node in classes_of(path) if node.name.endswith("Display")}
+    return {node.name: node for path in paths for node in classes_of(path)}
 
 
 def members_of(node: ast.ClassDef) -> dict[str, str]:
-    """Public names of a class: methods with names and defaults of their parameters, "" for data."""
+    """Public names of a class and of its bases in the package.
+
+    Methods with names and defaults of their parameters, "" for data.
+    """
     found: dict[str, str] = {}
+    for base in node.bases:
+        if isinstance(base, ast.Name) and base.id in all_classes():
+            found |= members_of(all_classes()[base.id])
     for statement in ast.walk(node):
         if isinstance(statement, ast.FunctionDef):
             is_property = any(isinstance(one, ast.Name) and one.id == "property" for one in statement.decorator_list)
@@ -124,7 +131,7 @@ def parameters_of(function: ast.FunctionDef) -> str:
 
 
 PROTOCOL = members_of(next(node for node in classes_of(DISPLAYS / "_base.py") if node.name == "Display"))
-FOUND = {name: node for name, node in displays().items() if name != "Display"}
+FOUND = {name: node for name, node in all_classes().items() if name.endswith("Display") and name != "Display"}
 
 
 def test_all_displays_are_found():

@@ -12,7 +12,7 @@ from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.frames import EyeImage, EyeSizes, Mirrored, Needs, Others, Surface, frame_bytes
-from hmdwarp.frames.layers import DEPTH, PACKED, PIXEL_BYTES, VIDEO, layers, readable_names
+from hmdwarp.frames.layers import DEPTH, OWN, PACKED, PIXEL_BYTES, RENDERED, SHOWN, VIDEO, layers, readable_names
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
@@ -60,6 +60,10 @@ def test_a_layer_says_what_it_is(name):
     assert layer.coding in (VIDEO, DEPTH, PACKED)
     assert layer.drawn_by in ("", *parts.names())
     assert set(layer.formats) <= set(PIXEL_BYTES)
+    sizes = EyeSizes((7, 5), (4, 3), (FOV,))
+    expected = {RENDERED: sizes.rendered, SHOWN: sizes.shown, OWN: layer.size(sizes)}
+    assert layer.size(sizes) == expected[layer.size_class]
+    assert (layer.size_class == OWN) == ("size" in vars(layer))
 
 
 def test_every_layer_is_read_by_some_pass():

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from reference.mirrors import fresnel, image_behind_ball
 from reference.reflection import image_by_two_rays
 
-from hmdwarp.geometry import Fov, Mirror, Pose, View, fresnel, image_behind_ball
+from hmdwarp.geometry import Fov, Mirror, Pose, View
 from hmdwarp.geometry.mirror import MOST_MIRRORS, mirrors_in_eye, tangents_of_pixels
 
 

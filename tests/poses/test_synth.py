@@ -21,11 +21,11 @@ from hmdwarp.poses import (
     analyse,
     load_trace,
     minimum_jerk,
-    peak_speed,
     shift_seconds,
     synthesise,
     write_synthetic,
 )
+from hmdwarp.poses.options import MOTIONS
 
 from .traces import same_motion
 
@@ -48,6 +48,7 @@ def test_every_kind_is_shipped_and_described():
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
         turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
         assert f"| {turning} |" in text
+    assert set(MOTIONS.replace(" or ", ", ").split(", ")) == set(KINDS)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -97,6 +98,11 @@ def test_walking_heads_bob_at_the_step_and_face_where_they_go():
     going = np.diff(track.position_m[walking], axis=0)[:, ::2]
     cosine = (ahead * going).sum(axis=1) / np.linalg.norm(ahead, axis=1) / np.linalg.norm(going, axis=1)
     assert np.median(cosine) > 0.85
+
+
+def peak_speed(amplitude_deg: float) -> float:
+    """In deg/s: 1.875 of the mean speed, as minimum jerk has it."""
+    return 1.875 * amplitude_deg / shift_seconds(amplitude_deg)
 
 
 @given(st.floats(1, 150), st.floats(0.1, 20))

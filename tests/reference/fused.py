@@ -11,6 +11,7 @@ import numpy as np
 from hmdwarp.geometry import View
 from hmdwarp.headsets import COLOURS, Headset
 from reference._rays import FLOAT32_UNIT, Array, Places
+from reference.lens_curve import tangent_from_lens
 from reference.picture import ReferencePicture, TwinInputs, near_edge
 from reference.scanout import Twin, scanned_out
 
@@ -58,7 +59,7 @@ def looked_at(
     panel = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in panel_size)), axis=-1)
     on_lens = panel * scale + offset
     radius, angle = np.hypot(on_lens[..., 0], on_lens[..., 1]), np.arctan2(on_lens[..., 1], on_lens[..., 0])
-    along = lens.tangent_from_lens(np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
+    along = tangent_from_lens(lens, np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
     tangent = np.stack([along * np.cos(angle), along * np.sin(angle)], axis=-1)
     left, right, down, up = inputs.shown.fov.tangents
     low, per_tangent = np.array([left, down]), np.array(inputs.shown_size) / np.array([right - left, up - down])

@@ -8,6 +8,7 @@ from scipy import ndimage
 from hmdwarp.geometry import Fov
 from hmdwarp.headsets import Headset
 from reference._rays import Array
+from reference.lens_curve import tangent_from_lens
 
 
 def radial(shown: Array, fov: Fov, headset: Headset, eye: int, panel_size: tuple[int, int]) -> Array:
@@ -23,7 +24,7 @@ def radial(shown: Array, fov: Fov, headset: Headset, eye: int, panel_size: tuple
     left, right, down, up = fov.tangents
     out = np.zeros((panel_size[1], panel_size[0], 4))
     for channel, colour in enumerate(("red", "green", "blue")):
-        along = headset.lens.tangent_from_lens(np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
+        along = tangent_from_lens(headset.lens, np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
         u = (along * np.cos(angle) - left) / (right - left)
         v = (along * np.sin(angle) - down) / (up - down)
         seen = (u >= 0) & (u <= 1) & (v >= 0) & (v <= 1)

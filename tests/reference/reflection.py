@@ -11,8 +11,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp.geometry import Mirror, View, fresnel
+from hmdwarp.geometry import Mirror, View
 from reference._rays import world_directions
+from reference.mirrors import fresnel
 from reference.picture import HALF_SMALLEST, HALF_UNIT, ReferencePicture, sample_covered
 from reference.raycast import Hits, cast_quads, cast_spheres, nearest
 

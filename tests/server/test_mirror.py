@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from mirrored import BACK, BALLS, CHROME, FLOOR, PLAIN_SHAPES, VIEW, WALL, mirrored_scene, moved
 from reference._rays import world_directions
+from reference.mirrors import image_behind_ball
 from reference.raycast import Hits, cast_quads, cast_spheres
 from reference.reflection import MirrorPictures, with_reflection
 from worlds import read
 
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.frames import Mirrored, Needs
-from hmdwarp.geometry import image_behind_ball
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.parts import parts

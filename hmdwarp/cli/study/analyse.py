@@ -11,7 +11,7 @@ import typer
 from ...errors import InputError
 from ...options import Declared, Number, option
 from .._options import QUIET, Said, command_line, takes
-from ._options import store_field
+from ._options import pilot_field, simulated_field, store_field
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -42,8 +42,8 @@ class AnalyseOptions(Declared):
         metavar="BASELINE:BETTER;..",
     )
     claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.", kind=Path)
-    pilot: bool = option(False, "Pilot sessions instead of those of participants.")
-    simulated: bool = option(False, "Simulated sessions instead of those of participants.")
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
     seed: int = option(0, "Random seed, where resamples are drawn: not for ratings in steps.", valid=Number())
     resamples: int = option(
         20_000, "Number of resamples, where they are drawn.", valid=Number(least=100, most=10_000_000)

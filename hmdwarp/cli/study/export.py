@@ -10,7 +10,7 @@ import typer
 from ...errors import InputError
 from ...options import Declared, option
 from .._options import QUIET, Said, takes
-from ._options import store_field, study_field
+from ._options import pilot_field, simulated_field, store_field, study_field
 
 
 @attrs.frozen
@@ -20,8 +20,8 @@ class ExportCommand(Declared):
     study: str = study_field()
     out: Path = option(attrs.NOTHING, "A new folder for the tables and the BIDS data set.", kind=Path)
     store: Path | None = store_field()
-    pilot: bool = option(False, "Pilot sessions instead of those of participants.")
-    simulated: bool = option(False, "Simulated sessions instead of those of participants.")
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
     remarks: bool = option(False, "Also remarks, which may name people.")
     all_revisions: bool = option(False, "Also every answer that was corrected later.")
     parquet: bool | None = option(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
+import attrs
 import typer
 
-from ._options import StudyArgument
+from ...options import Declared, option
+from .._options import Said, takes
+from ._options import study_field
 
 if TYPE_CHECKING:
     from ...study.design import Condition, Design, Family, Order, Part, Sickness
@@ -15,23 +18,30 @@ if TYPE_CHECKING:
 _MOST_ORDERS = 40  # printed; --json has them all
 
 
-def plan(
-    study: StudyArgument,
-    json: Annotated[bool, typer.Option("--json", help="Print the plan as one JSON object.")] = False,
-    orders: Annotated[bool, typer.Option("--orders", help="Print every order as well.")] = False,
-) -> None:
+@attrs.frozen
+class PlanOptions(Declared):
+    """What to print of a plan."""
+
+    study: str = study_field()
+    json: bool = option(False, "Print the plan as one JSON object.")
+    orders: bool = option(False, "Print every order as well.")
+
+
+@takes(PlanOptions)
+def plan(said: Said) -> None:
     """Check a study's file and print conditions, steps, time, orders, scales and comparisons."""
     from ...study.design import design_as_json, load_design
 
-    design = load_design(study)
-    if json:
-        import json as json_
+    options = PlanOptions.of(said)
+    design = load_design(options.study)
+    if options.json:
+        import json
 
-        typer.echo(json_.dumps(design_as_json(design), indent=2, ensure_ascii=False))
+        typer.echo(json.dumps(design_as_json(design), indent=2, ensure_ascii=False))
         return
     _print_head(design)
     for part in design.parts:
-        _print_part(design, part, orders)
+        _print_part(design, part, options.orders)
     _print_scales(design)
     _print_families(design)
     _print_notes(design)

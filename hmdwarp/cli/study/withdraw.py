@@ -4,29 +4,39 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
 
+import attrs
 import typer
 
-from ._options import PilotOption, StoreOption, StudyArgument
+from ...options import Declared, option
+from .._options import Said, takes
+from ._options import pilot_field, store_field, study_field
 
 
-def withdraw(
-    study: StudyArgument,
-    code: Annotated[str, typer.Argument(metavar="CODE", help="The participant's code.")],
-    store: StoreOption = None,
-    pilot: PilotOption = False,
-    yes: Annotated[bool, typer.Option("--yes", help="Erase without confirmation.")] = False,
-) -> None:
+@attrs.frozen
+class WithdrawOptions(Declared):
+    """Who withdraws from which study."""
+
+    study: str = study_field()
+    code: str = option(attrs.NOTHING, "The participant's code.", positional=True, metavar="CODE")
+    store: Path | None = store_field()
+    pilot: bool = pilot_field()
+    yes: bool = option(False, "Erase without confirmation.")
+
+
+@takes(WithdrawOptions)
+def withdraw(said: Said) -> None:
     """Erase all ratings, events and head traces of a participant; the code stays reserved."""
     from ...errors import InputError
     from ...study.store import Store
     from ...study.withdraw import BEYOND, finish_interrupted, holdings
     from ...study.withdraw import withdraw as go
 
-    folder, name = _where(study, store, pilot)
+    options = WithdrawOptions.of(said)
+    code = options.code
+    folder, name = _where(options.study, options.store, options.pilot)
     with Store(folder, study=name, say=typer.echo) as opened:
-        if not yes and not finish_interrupted(opened, code):
+        if not options.yes and not finish_interrupted(opened, code):
             if not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
             found = holdings(opened, code)

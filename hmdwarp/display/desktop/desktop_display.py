@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from ...gpu.context import Gpu
-from ...headsets import Headset, load_headset
+from ...headsets import load_headset
 from ...poses import PoseSource
 from ...poses.desktop import Walker
 from ...poses.looped import LoopedSource
@@ -20,28 +20,26 @@ from ..status import Status
 from .control_panel import column_width
 from .opening import start
 from .pacing import Pacer
-from .views import ViewChoice
+from .views import OfViews
 from .window import Window
 
 if TYPE_CHECKING:
-    from ...geometry import Eyes
     from .. import Picture
 
 TITLE = "hmdwarp"
 MINIMISED_S = 0.1
 
 
-class DesktopDisplay:
+class DesktopDisplay(OfViews):
     """display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
 
     Errors: MachineError that says why there is no window; InputError for an unknown headset.
     """
 
     name = "desktop"
-    distorts = takes_depth = ""
 
     def __init__(self, options: DisplayOptions) -> None:
-        self._views = ViewChoice(load_headset(options.headset), options.size, options.view)
+        super().__init__(load_headset(options.headset), options.size, options.view)
         with ExitStack() as closers:
             self._open(options, closers)
             self._closers = closers.pop_all()
@@ -59,7 +57,7 @@ class DesktopDisplay:
         self._window = Window(
             glfw,
             TITLE,
-            self._views.current.total_size,
+            self._view.total_size,
             column_width() if has_panel else 0,
             full_screen=options.full_screen,
             vsync=options.vsync,
@@ -97,21 +95,6 @@ class DesktopDisplay:
         return WalkerSource(walker, self._commands.read)
 
     @property
-    def eyes(self) -> Eyes:
-        """Eyes of the present view."""
-        return self._views.current.eyes
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) of one eye's picture in the present view."""
-        return self._views.current.size
-
-    @property
-    def headset(self) -> Headset | None:
-        """The headset whose lens the plan corrects; None for the flat view."""
-        return self._views.current.headset
-
-    @property
     def rate_hz(self) -> float:
         """Rate of the screen the window is on; 60 where it does not say."""
         return self._pacer.rate_hz
@@ -119,10 +102,6 @@ class DesktopDisplay:
     def now_ns(self) -> int:
         """Return time.monotonic_ns."""
         return time.monotonic_ns()
-
-    def look(self, view: str) -> None:
-        """Switch to another view."""
-        self._views.look(view)
 
     def restart(self) -> None:
         """Begin a recorded head anew, or let the mouse turn the head without a click."""
@@ -153,7 +132,7 @@ class DesktopDisplay:
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw the eyes' pictures, the text over them and the control panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
-        self._painter.draw(canvases, self._views.current, self._window.framebuffer_size, self._status.column, label)
+        self._painter.draw(canvases, self._view, self._window.framebuffer_size, self._status.column, label)
         self._commands.input.takes_text = not isinstance(label, str) and label.takes_text
         self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
         self._commands.pending += self._status.draw_panel()

@@ -8,6 +8,7 @@ Size = tuple[int, int]
 Rectangle = tuple[int, int, int, int]
 
 FLAT_AREA_PX = 800 * 600
+_LEAST_HEIGHT, _SHARE = 480, 0.9  # of a new window: readable pixels, and how much of the room it takes
 WHOLE = 8  # pictures of whole work groups, and what video encoders like
 
 
@@ -40,15 +41,15 @@ def beside(framebuffer: Size, column: int) -> Size:
     return (width - column, height) if 2 * column <= width else framebuffer
 
 
-def window_size(wanted: Size, room: Size, column: int = 0, least_height: int = 480, share: float = 0.9) -> Size:
+def window_size(wanted: Size, room: Size, column: int = 0) -> Size:
     """Return the size of a new window for pictures of `wanted` pixels and a panel beside them.
 
-    It is no smaller than is readable, and within `share` of the room on the screen; the pictures'
+    It is no smaller than is readable, and within most of the room on the screen; the pictures'
     aspect is kept.
     """
     width, height = wanted
-    most = share * room[0], share * room[1]
+    most = _SHARE * room[0], _SHARE * room[1]
     column = column if 2 * column <= most[0] else 0
-    scale = max(1.0, least_height / height)
+    scale = max(1.0, _LEAST_HEIGHT / height)
     scale = min(scale, (most[0] - column) / width, most[1] / height)
     return max(1, round(width * scale)) + column, max(1, round(height * scale))

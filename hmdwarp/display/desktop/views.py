@@ -58,16 +58,33 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     return WindowView(eye, 1, size or flat_size(aspect), aspect, None)
 
 
-class ViewChoice:
-    """The view of a window, which may be switched.
+class OfViews:
+    """The members of a Display that follow from a view which may be switched.
 
-    size: (w, h) of one eye's picture; None for what suits the view.
+    hmdwarp corrects the lens. size: (w, h) of one eye's picture; None for what suits the view.
     """
 
+    distorts = takes_depth = ""
+
     def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
-        self._headset, self._size = headset, size
+        self._emulated, self._wanted_size = headset, size
         self.look(view)
 
     def look(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another word."""
-        self.current = window_view(view, self._headset, self._size)
+        self._view = window_view(view, self._emulated, self._wanted_size)
+
+    @property
+    def eyes(self) -> Eyes:
+        """Eyes of the present view."""
+        return self._view.eyes
+
+    @property
+    def size(self) -> Size:
+        """(w, h) of one eye's picture in the present view."""
+        return self._view.size
+
+    @property
+    def headset(self) -> Headset | None:
+        """The headset whose lens the plan corrects; None for the flat view."""
+        return self._view.headset

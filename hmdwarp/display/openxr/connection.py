@@ -110,6 +110,17 @@ class Connection:
         self._cleanup.close()
 
 
+class Connected:
+    """What has a connection while the runtime's service is there."""
+
+    _connection: Connection | None = None
+
+    def _disconnect(self) -> None:
+        made, self._connection = self._connection, None
+        if made is not None:
+            made.close()
+
+
 def _unready(name: str, running: bool) -> str:
     if running:
         return f"{name} does not say what the eyes see: restart it"

@@ -15,7 +15,7 @@ from ...errors import MachineError
 from ...poses import PoseSample
 from .. import Closed
 from .calls import Calls
-from .connection import IDLE_S, READY_S, Connection, connect
+from .connection import IDLE_S, READY_S, Connected, connect
 from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
 from .instance import HEADLESS_EXTENSION, RATE_EXTENSION, WITHOUT_PICTURES, Instance, offered_extensions, open_instance
@@ -25,7 +25,7 @@ from .tracking import HeadTracker, Spaces
 DEFAULT_HZ = 90.0  # what most headsets have
 
 
-class OpenXrHead:
+class OpenXrHead(Connected):
     """A PoseSource on CLOCK_MONOTONIC, for the headset of the active OpenXR runtime.
 
     Call poll() at least every tenth of a second. Use as a context manager, or call close(). about:
@@ -40,7 +40,6 @@ class OpenXrHead:
     def __init__(self, watching: Callable[[str], AbstractContextManager[object]] = nullcontext) -> None:
         self._calls, self._tracker = Calls(watching), HeadTracker()
         self._graphics: Graphics | None = None
-        self._connection: Connection | None = None
         self._cleanup = ExitStack()
         try:
             self._open()
@@ -143,9 +142,7 @@ class OpenXrHead:
         return True
 
     def _disconnect(self) -> None:
-        made, self._connection = self._connection, None
-        if made is not None:
-            made.close()
+        super()._disconnect()
         self._cleanup.close()
 
     def close(self) -> None:

@@ -18,7 +18,7 @@ from .. import Command, DisplayOptions, Label, Status, Tick
 from ..notice import Notice
 from ..present import Presenter
 from .calls import Calls
-from .connection import IDLE_S, Connection, connect
+from .connection import IDLE_S, Connected, Connection, connect
 from .diagnosis import RUNTIME_LABEL
 from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
@@ -47,7 +47,7 @@ class Drawing:
         self.graphics.close()
 
 
-class OpenXrDisplay:
+class OpenXrDisplay(Connected):
     """display.Display for the headset of the active OpenXR runtime.
 
     Times are CLOCK_MONOTONIC's, which outlives the runtime's service; the runtime's own instants
@@ -66,7 +66,6 @@ class OpenXrDisplay:
         self._options, self._calls = options, Calls(options.watching)
         self.eyes, self.source = RuntimeEyes(), HeadTracker()
         self._drawing: Drawing | None = None  # None before the first connection and after close()
-        self._connection: Connection | None = None  # None while the runtime is away, too
         try:
             self._open()
         except BaseException:
@@ -216,11 +215,6 @@ class OpenXrDisplay:
             self._disconnect()
             return False
         return True
-
-    def _disconnect(self) -> None:
-        made, self._connection = self._connection, None
-        if made is not None:
-            made.close()
 
     def close(self) -> None:
         """Release everything, as Display.close."""

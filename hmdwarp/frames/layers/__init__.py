@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...registry import Registry
-from ._base import DEPTH, PACKED, PIXEL_BYTES, VIDEO, Layer
+from ._base import DEPTH, OWN, PACKED, PIXEL_BYTES, RENDERED, SHOWN, VIDEO, Layer, readable
 from ._sizes import EyeSizes
 from ._surface import Surface
 
@@ -12,7 +12,20 @@ layers: Registry[type[Layer]] = Registry("layer", __name__)
 
 def readable_names() -> tuple[str, ...]:
     """Return what passes may read of a frame, one name for each layer; imports no layer."""
-    return tuple(f"rendered.{name}" for name in layers.names())
+    return tuple(readable(name) for name in layers.names())
 
 
-__all__ = ["DEPTH", "PACKED", "PIXEL_BYTES", "VIDEO", "EyeSizes", "Layer", "Surface", "layers", "readable_names"]
+__all__ = [
+    "DEPTH",
+    "OWN",
+    "PACKED",
+    "PIXEL_BYTES",
+    "RENDERED",
+    "SHOWN",
+    "VIDEO",
+    "EyeSizes",
+    "Layer",
+    "Surface",
+    "layers",
+    "readable_names",
+]

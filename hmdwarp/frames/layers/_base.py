@@ -17,6 +17,14 @@ PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
 # without loss. What is packed is only counted: the client gets what the server drew.
 VIDEO, DEPTH, PACKED = "video", "inverse depth", "packed"
 
+# Whose size a layer has: the rendered picture's, the shown one's, or its own.
+RENDERED, SHOWN, OWN = "rendered", "shown", "own"
+
+
+def readable(name: str) -> str:
+    """Return the name by which passes read a layer."""
+    return f"rendered.{name}"
+
 
 class Layer:
     """One kind of content of a frame; a file of its own with a subclass is its declaration.
@@ -32,6 +40,8 @@ class Layer:
     summary: ClassVar[str]
     # The texture formats of one unit of the layer, keys of PIXEL_BYTES.
     formats: ClassVar[tuple[str, ...]] = ()
+    # RENDERED, SHOWN, or OWN where the layer overrides `size`.
+    size_class: ClassVar[str] = RENDERED
     # The server's part that draws it, "" for what the server draws anyway or not at all.
     drawn_by: ClassVar[str] = ""
     # VIDEO, DEPTH or PACKED.
@@ -48,12 +58,12 @@ class Layer:
     @classmethod
     def readable(cls) -> str:
         """Return the name by which passes read it."""
-        return f"rendered.{cls.name}"
+        return readable(cls.name)
 
     @classmethod
     def size(cls, sizes: EyeSizes) -> Size:
         """Return its (w, h) in pixels."""
-        return sizes.rendered
+        return sizes.shown if cls.size_class == SHOWN else sizes.rendered
 
     @classmethod
     def bytes(cls, amount: Any, sizes: EyeSizes) -> int:

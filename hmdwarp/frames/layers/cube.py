@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...geometry.cube import cube_size
-from . import EyeSizes, Layer, layers
+from . import OWN, EyeSizes, Layer, layers
 
 
 @layers.register
@@ -13,6 +13,7 @@ class Cube(Layer):
     name = "cube"
     summary = "colour of everything around the eye, six faces in one texture"
     formats = ("rgba16f",)
+    size_class = OWN
     drawn_by = "cube"
 
     @classmethod

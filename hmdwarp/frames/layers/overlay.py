@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import EyeSizes, Layer, layers
+from . import SHOWN, Layer, layers
 
 
 @layers.register
@@ -12,8 +12,5 @@ class Overlay(Layer):
     name = "overlay"
     summary = "what is fixed to the head, as a picture of its own that is never warped"
     formats = ("rgba16f",)
+    size_class = SHOWN
     drawn_by = "overlay"
-
-    @classmethod
-    def size(cls, sizes: EyeSizes) -> tuple[int, int]:
-        return sizes.shown

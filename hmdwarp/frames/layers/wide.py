@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...geometry.wide import wide_size
-from . import EyeSizes, Layer, layers
+from . import OWN, EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,6 +22,7 @@ class Wide(Layer):
     name = "wide"
     summary = "a second picture of the same eye, wide and coarse"
     formats = ("rgba16f", "r32f")
+    size_class = OWN
     drawn_by = "wide"
 
     @classmethod

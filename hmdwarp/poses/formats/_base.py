@@ -91,6 +91,23 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
     return Layout(**(facts | known))
 
 
+def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
+    """Return the layout of time, position and quaternion in this order, without a header.
+
+    Asked for by name, the file is what the format says, with w in that order; found by its shape
+    alone, the order has to be told.
+    Errors: TraceError for fewer columns, or an unknown order.
+    """
+    from ..reading.rows import Layout
+
+    if head.width < 8:
+        raise TraceError(
+            f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: time, position and quaternion"
+        )
+    known = options.quat_order or (order if options.format == name else None)
+    return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), known), unit=unit)
+
+
 def _order_ignored(order: str) -> Defect:
     return Defect(
         "quat-order-named",

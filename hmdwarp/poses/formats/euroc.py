@@ -12,9 +12,8 @@ from ..reading.head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats
-from ._base import TraceFormat, named_layout, ordered
+from ._base import TraceFormat, named_layout, unnamed_layout
 from ._writing import write_rows
-from .tum import need_columns
 
 HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 
@@ -39,14 +38,7 @@ class Euroc(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="ns")
-        order = options.quat_order or ("wxyz" if options.format == self.name else None)
-        need_columns(head, 8)
-        return Layout(
-            time=0,
-            position=(1, 2, 3),
-            orientation=ordered(head, (4, 5, 6, 7), order),
-            unit="ns" if options.format else None,
-        )
+        return unnamed_layout(head, options, self.name, "wxyz", "ns" if options.format else None)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write(HEADER + "\n")

@@ -9,8 +9,7 @@ from ..options import TraceOptions
 from ..reading.head import Head
 from ..reading.rows import Layout
 from . import formats
-from ._base import TraceFormat, has, named_layout, ordered, whole_number
-from .tum import need_columns
+from ._base import TraceFormat, has, named_layout, unnamed_layout, whole_number
 
 COLUMNS = ("timestamp", "x", "y", "z", "qx", "qy", "qz", "qw")
 
@@ -31,9 +30,7 @@ class Ticks(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="100ns")
-        need_columns(head, 8)
-        order = options.quat_order or ("xyzw" if options.format == self.name else None)
-        return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), order), unit="100ns")
+        return unnamed_layout(head, options, self.name, "xyzw", "100ns")
 
 
 formats.register(Ticks())

@@ -12,7 +12,7 @@ from ..reading.head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats
-from ._base import TraceFormat, has, named_layout, ordered
+from ._base import TraceFormat, has, named_layout, unnamed_layout
 from ._writing import write_rows
 
 COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
@@ -45,31 +45,11 @@ class Tum(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
             return named_layout(head, options, unit="s")
-        # Asked for by name, the file is what the format says; found by its shape alone, the order
-        # has to be told.
-        order = options.quat_order or ("xyzw" if options.format == self.name else None)
-        need_columns(head, 8)
-        return Layout(
-            time=0,
-            position=(1, 2, 3),
-            orientation=ordered(head, (4, 5, 6, 7), order),
-            unit="s" if options.format else None,
-        )
+        return unnamed_layout(head, options, self.name, "xyzw", "s" if options.format else None)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write("# " + " ".join(COLUMNS) + "\n")
         write_rows(track, stream, " ", stamp=_seconds, order="xyzw")
-
-
-def need_columns(head: Head, count: int) -> None:
-    """Raise TraceError if the rows have fewer columns."""
-    from ...errors import TraceError
-
-    if head.width < count:
-        raise TraceError(
-            f"{head.path}: line {head.first_line}: {head.width} columns, expected {count}: "
-            "time, position and quaternion"
-        )
 
 
 def _seconds(time_ns: int) -> str:

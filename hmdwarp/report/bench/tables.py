@@ -24,12 +24,11 @@ _LEAST_TEXT = 10  # width of the column of warps, however narrow the terminal is
 MARK = "*"
 
 
-def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY) -> Table:
+def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
     """Return all rows, case by case, the least error first; `*` marks the Pareto front.
 
     width: of the terminal. Names of warps with settings are folded between their parts. Then
     columns are left out, the least important first, until the rest fits; numbers are never cut.
-    measure: the metric that decides.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -41,7 +40,7 @@ def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY
     names, warp_width = _that_fit(groups, width)
     table = Table(
         title=Text(", ".join([heading, *common(rows)])), title_justify="left",
-        caption=Text(_caption(rows, names, measure)), caption_justify="left",
+        caption=Text(_caption(rows, names)), caption_justify="left",
         box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
     )  # fmt: skip
     table.add_column(" ", no_wrap=True, width=len(MARK))
@@ -52,8 +51,8 @@ def bench_table(rows: Iterable[Row], *, width: int = 100, measure: str = PRIMARY
         if len(groups) > 1:
             table.add_section()
             table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
-        best = _identities(group.front(measure))
-        for row in group.ordered(measure):
+        best = _identities(group.front(PRIMARY))
+        for row in group.ordered(PRIMARY):
             marked = id(row) in best
             cells = [
                 _folded(column(name).text(row), warp_width) if name == "warp" else column(name).text(row)
@@ -114,9 +113,9 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     return names, max(min(room(), max(map(_cells, texts))), _LEAST_TEXT)
 
 
-def _caption(rows: Sequence[Row], names: Sequence[str], measure: str) -> str:
+def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock", ""), "?") for row in rows})
-    order = f"ordered by {measure_label(measure)}; {MARK}: no other is both quicker and better"
+    order = f"ordered by {measure_label(PRIMARY)}; {MARK}: no other is both quicker and better"
     lines = [order, f"ms: median per eye, {', '.join(clocks)}"]
     if "mismatch" in names:
         lines[1] += "; mis%: hole for one eye only"

@@ -8,8 +8,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 from ...errors import InputError, MachineError
+from ...report import sync
 from .faults import RECOVER, transaction, translated
-from .folders import DATABASE, sync
+from .folders import DATABASE
 
 SCHEMA = 1
 APPLICATION_ID = 0x686D6477  # "hmdw": recognises databases of other programs

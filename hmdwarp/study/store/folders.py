@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from ...errors import InputError, MachineError
+from ...report import sync
 from ..design import Design
 from .lock import NAME as LOCK
 from .records import ORIGINS, PERSON
@@ -114,12 +115,3 @@ def sync_trace(path: Path) -> bool:
             f"{path}: cannot be written to the disk ({error.strerror or error}): resume with a copy on another disk"
         ) from error
     return True
-
-
-def sync(path: Path) -> None:
-    """Sync a file's content, or a folder's list of files. Errors: OSError."""
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

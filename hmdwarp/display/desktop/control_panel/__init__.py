@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -23,7 +22,6 @@ def make_control_panel(
     gl: moderngl.Context,
     *,
     into: moderngl.Framebuffer | None = None,
-    clock: Callable[[], float] | None = None,
     scale: float = 1.0,
     controls: tuple[Control, ...] = CONTROLS,
 ) -> ControlPanel | None:
@@ -32,8 +30,9 @@ def make_control_panel(
     None where its package is missing: PANEL_REMEDY says how to get it. Make it after the window has
     set its callbacks: they are chained, and all of them are still called.
     window: None for a panel without input, at that content scale. into: framebuffer, by default the
-    window's. clock: running seconds; by default glfw's, or without a window a sixtieth more at each
-    call. controls: those it shows.
+    window's. controls: those it shows.
+
+    Its clock is glfw's, or without a window a sixtieth of a second more at each call.
     """
     if not installed():
         return None
@@ -44,7 +43,7 @@ def make_control_panel(
 
     panel_input = ImGuiInput(window) if window is not None else NoInput(scale)
     ticking = glfw.get_time if window is not None else count(1, 1 / 60).__next__
-    return ControlPanel(gl, panel_input, into or gl.detect_framebuffer(0), clock or ticking, controls)
+    return ControlPanel(gl, panel_input, into or gl.detect_framebuffer(0), ticking, controls)
 
 
 def installed() -> bool:

@@ -1,0 +1,21 @@
+"""Options of measuring a study."""
+
+from __future__ import annotations
+
+import attrs
+
+from ..options import Declared, option, same_as
+from ..run.options import RunOptions
+
+_RUN = attrs.fields(RunOptions)
+
+
+@attrs.frozen(kw_only=True)
+class MeasureOptions(Declared):
+    """Which trials to measure, and how finely."""
+
+    every: int = same_as(_RUN.metrics_every, name="every")
+    size: tuple[int, int] | None = same_as(_RUN.size, help="Pixels of one eye; by default as shown. Fewer are faster.")
+    workers: int | None = same_as(_RUN.workers)
+    again: bool = option(False, "Re-measure trials already measured with these options.")
+    pilot: bool = option(False, "Pilot sessions instead of those of participants.")
