@@ -44,9 +44,9 @@ from .read import design_from_text as design_from_text
 from .read import load_design as load_design
 from .read import study_names as study_names
 from .steps import Ask as Ask
+from .steps import PageStep as PageStep
 from .steps import Pause as Pause
 from .steps import Read as Read
 from .steps import Show as Show
 from .steps import Step as Step
-from .steps import Tell as Tell
 from .steps import steps_of as steps_of

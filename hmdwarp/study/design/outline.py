@@ -12,7 +12,7 @@ from ...report import counted
 from ..scales import QUESTIONNAIRE, Scale
 from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
 from .orders import Order
-from .steps import Ask, Pause, Read, Show, Step, Tell, steps_of
+from .steps import Ask, PageStep, Pause, Read, Show, Step, steps_of
 
 # Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to
 # read.
@@ -82,7 +82,7 @@ def _phase(step: Step) -> str:
     match step:
         case Read():
             return "consent"
-        case Tell():
+        case PageStep():
             return "instructions"
         case Pause():
             return "breaks"
@@ -99,7 +99,7 @@ def expected_s(step: Step) -> float:
     match step:
         case Read(text=text):
             return reading_s(text)
-        case Tell(page=page):
+        case PageStep(page=page):
             return reading_s(page.text)
         case Show(seconds=seconds) | Pause(seconds=seconds):
             return seconds

@@ -21,7 +21,7 @@ class Read:
 
 
 @attrs.frozen
-class Tell:
+class PageStep:
     """Page that the participant reads or looks at."""
 
     key: str
@@ -60,7 +60,7 @@ class Pause:
     seconds: float  # at least
 
 
-Step = Read | Tell | Show | Ask | Pause
+Step = Read | PageStep | Show | Ask | Pause
 
 
 def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> tuple[Step, ...]:
@@ -74,7 +74,7 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
         steps.append(Read("consent", design.consent.text))
     steps += [ask for scale in design.before for ask in _asks(scale, "before", "before")]
     if design.instructions is not None:
-        steps.append(Tell("instructions", design.instructions))
+        steps.append(PageStep("instructions", design.instructions))
     if design.practice is not None:
         steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0))
         steps += _sickness(design, "practice", 0)

@@ -11,7 +11,7 @@ import attrs
 
 from ...display import Closed
 from ...run import Driver, Ending
-from ..design import Ask, Page, Pause, Read, Show, Step, Tell, reading_s
+from ..design import Ask, Page, PageStep, Pause, Read, Show, Step, reading_s
 from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Showing
 from .session_context import PAUSE, SessionContext
@@ -102,7 +102,7 @@ class SessionRunner:
         """Wait until the participant is ready, unless the first step does so."""
         undone = self._undone()
         shows_first = undone and (isinstance(undone[0], Show) or (isinstance(undone[0], Ask) and undone[0].about))
-        if undone and not isinstance(undone[0], Read | Tell) and not shows_first:
+        if undone and not isinstance(undone[0], Read | PageStep) and not shows_first:
             self._wait_until_ready(undone[0], None)
 
     def _wait_until_ready(self, next_step: Step, own: Page | None) -> None:
@@ -129,7 +129,7 @@ class SessionRunner:
         match step:
             case Read():
                 self._read(step)
-            case Tell():
+            case PageStep():
                 self._pursue(lambda: PageHandler(self.context, step))
                 self._finish(step)
             case Show():

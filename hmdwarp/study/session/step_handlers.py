@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ...display import Command, Label
 from ...run import FrameHandler
-from ..design import Ask, Pause, Read, Step, Tell
+from ..design import Ask, PageStep, Pause, Read, Step
 from ..dialogs import (
     BreakDialog,
     ConsentDialog,
@@ -183,7 +183,7 @@ class PageHandler(DialogHandler[PageDialog]):
 
     phase = "waiting"
 
-    def __init__(self, context: SessionContext, step: Tell) -> None:
+    def __init__(self, context: SessionContext, step: PageStep) -> None:
         page, hints = step.page, hints_for(context.display.name)
         super().__init__(context, step, PageDialog(page.title, page.text, hints, page.picture))
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import attrs
 
-from ..design import Ask, Page, Pause, Read, Show, Step, Tell
+from ..design import Ask, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, SICK, STOPPED
 from .head_range import HeadRange
@@ -25,7 +25,7 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     """Return "trial 3 of 12", and the like."""
     if isinstance(step, Pause):
         return "break"
-    if isinstance(step, Tell):
+    if isinstance(step, PageStep):
         return "instructions"
     if isinstance(step, Read):
         return {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}.get(
