@@ -75,7 +75,7 @@ class TimedDisplay(OffscreenDisplay):
         self._begin()
         return tick
 
-    def tell(self, status: object) -> None:
+    def show_status(self, status: object) -> None:
         """Nobody looks, and what one test keeps would be garbage here."""
 
 

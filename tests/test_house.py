@@ -170,32 +170,19 @@ ENTRIES = (
 COMMANDS = "cli"  # a command's file carries the name of the command
 # Names of modules or packages that stand in several places, with the reason.
 SAME_NAME = {
-    "analysis": "of a trace; of a study's ratings",
     "bench": "the package, and its pages in the report",
     "charts": "of each kind of page",
-    "cube": "its geometry; its drawing; the layer that carries it",
-    "depth": "conversions between depths; its code on the network",
-    "desktop": "the display; the head that its mouse moves",
-    "errors": "all of the project; the one of the codecs that is no error of the user",
     "formats": "of traces; of an export",
-    "geometry": "the package; the geometry that the client draws",
-    "head": "of the runtime; of a trace file",
-    "layers": "of a frame; their bytes on the network",
     "library": "the entries of a registry: metrics, scenes",
     "link": "the package and its class",
-    "mirror": "its geometry; its drawing; the window that mirrors a headset",
-    "motion": "of a trace; of heads in an export",
     "options": "those of each package; the package that declares them",
     "page": "each kind of page",
     "parts": "of a server; of a page",
-    "pictures": "what metrics need of them; of a report",
     "power": "of a study, and its page in the report",
     "prediction": "of a head; of ratings, and its page in the report",
     "rows": "of a trace file; of an export",
-    "session": "with the OpenXR runtime; with a participant",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
-    "style": "of the plots; of the control panel",
     "tables": "TOML tables; tables of a report",
     "textures": "on the GPU; of the scenes",
 }
@@ -203,14 +190,8 @@ SAME_NAME = {
 APART_BY_S = {
     "codec": "the package of coding, with the registry of codecs in it",
     "frame": "the class, in its package",
-    "input": "of a window; the inputs of a pass are another matter",
-    "layer": "of an OpenXR frame; the layers of a frame are a registry",
     "metric": "the class, in its package",
-    "motion": "of a trace; motions of made-up scenes",
-    "picture": "a picture in the client; what metrics and reports do with many",
     "pose": "the class; the package of poses over time",
-    "source": "of poses; sources of ratings",
-    "view": "the class; the two views of a window",
 }
 
 

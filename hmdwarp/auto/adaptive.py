@@ -1,4 +1,4 @@
-"""A compensator that changes what it runs, so that it stays within its time."""
+"""A compensator that switches between quality levels to stay within its time budget."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 
 class AdaptiveCompensator:
-    """A compensator for each quality level, of which the governor's runs.
+    """One compensator for each quality level; the governor chooses which one runs.
 
-    Stands where a Compensator stands.
+    Drop-in for a Compensator.
 
-    Frames carry what any of the levels needs. All are compiled and allocated at the start, so that
-    a change costs nothing at the refresh it happens. Both eyes change together. `changes` lists
-    what happened.
+    Frames carry what any of the levels needs. All levels are compiled and allocated at the start,
+    so that a switch costs nothing at the refresh where it happens. Both eyes switch together.
+    `changes` lists the switches.
     """
 
     def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
@@ -35,17 +35,17 @@ class AdaptiveCompensator:
 
     @property
     def plan(self) -> Plan:
-        """What runs at the next refresh."""
+        """The plan of the next refresh."""
         return self._running.plan
 
     @property
     def levels(self) -> tuple[QualityLevel, ...]:
-        """What it chooses from, from cheapest to most accurate."""
+        """All levels, from cheapest to most accurate."""
         return self._governor.levels
 
     @property
     def budget_ms(self) -> float:
-        """Time of a refresh for one eye."""
+        """Time budget of one eye at a refresh."""
         return self._governor.budget_ms
 
     @property
@@ -53,14 +53,11 @@ class AdaptiveCompensator:
         return self._compensators[self._governor.level]
 
     def run(self, inputs: PassInputs) -> EyeResult:
-        """Run the present level; see Compensator.run."""
+        """Run the current level; see Compensator.run."""
         return self._running.run(inputs)
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
-        """Hand the times of each eye's passes at the last refresh to the governor.
-
-        The slower eye counts.
-        """
+        """Pass the stage times of the last refresh to the governor; the slower eye counts."""
         change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
         if change is not None:
             self.changes.append(change)

@@ -1,6 +1,6 @@
-"""Governor: keeps a run within its time by moving between quality levels as measured times say.
+"""Governor: keep a run within its budget by moving between quality levels on measured times.
 
-Pure: it reads no clock and no GPU. Time counts in refreshes.
+Pure: it reads neither clock nor GPU. Time counts in refreshes.
 """
 
 from __future__ import annotations
@@ -15,67 +15,68 @@ from ..errors import HmdwarpError
 from .levels import QualityLevel, best_within
 
 # Evidence against a level is the share by which its time exceeds the budget, summed while the sum
-# is above 0 (CUSUM). One refresh counts for a quarter at most, so that a spike alone is no
-# evidence: 4 refreshes far over the budget are, or 10 that are 10 % over.
+# is above 0 (CUSUM). One refresh adds a quarter at most, so that a spike alone is no evidence: 4
+# refreshes far over the budget are, or 10 that are 10 % over.
 CLIP = 0.25
 ENOUGH = 1.0
-# Up only into 95 % of the budget: from there, evenly spread noise of 10 % gathers enough evidence
-# once in exp(30) times: exp(-2 m h / s^2) with m = 0.05 below, h = 1, s^2 = 0.1^2 / 3 (Siegmund
-# 1985, the random walk's chance to ever get there).
+# Move up only into 95 % of the budget. From there, uniform noise of 10 % reaches the threshold with
+# probability exp(-2 m h / s^2) = exp(-30), with m = 0.05, h = 1, s^2 = 0.1^2 / 3 (Siegmund 1985,
+# random walk with drift).
 MARGIN = 0.95
 WINDOW = 31  # refreshes of the running median
-PATIENCE = 60  # refreshes the room must last before going up
-TRIAL = 240  # a way up was a failure if it led down again within so many refreshes
-# Both grow by this factor with each failure: tries at 60, 240, 960, 3840 refreshes, six in an hour
-# at 60 Hz.
+PATIENCE = 60  # refreshes of headroom before a move up
+TRIAL = 240  # a move up has failed if the level drops again within so many refreshes
+# Both grow by this factor with each failure: attempts at 60, 240, 960, 3840 refreshes, six in an
+# hour at 60 Hz.
 BACK_OFF = 4
-# What this run has seen of a level counts against the benchmark if it is this much better: two
+# A level's time measured in this run overrides the benchmark if it is below it by this factor: two
 # medians of noise differ by less.
 DOUBT = 0.85
-SETTLING = 2  # refreshes after a change that show the change itself
+SETTLING = 2  # refreshes to ignore after a switch, which disturbs their times
 
 
 @attrs.frozen
 class Change:
-    """A change from one level to another."""
+    """A switch from one level to another."""
 
-    # After which refresh it was decided, counted from 0.
+    # The refresh after which it was decided, counted from 0.
     refresh: int
     before: QualityLevel
     after: QualityLevel
-    # Why, in words with figures.
+    # The reason, in words with figures.
     reason: str
 
 
 @attrs.define(eq=False)
 class _Stay:
-    """What counts since the last change of level."""
+    """Evidence since the last switch."""
 
-    # For how many refreshes each level has had room.
+    # For how many refreshes each level has had headroom.
     room: list[int]
-    # From which level the run came, and its time when it left; None once that is learnt.
+    # The previous level and its time when it was left; None once that is recorded.
     came: tuple[int, float] | None = None
     # First refresh at the level.
     arrived: int = 0
     climbed: bool = False
     window: deque[float] = attrs.field(factory=lambda: deque(maxlen=WINDOW))
     evidence: float = 0.0
-    # Refreshes that the evidence comes from.
+    # Times of the refreshes that the evidence comes from.
     against: deque[float] = attrs.field(factory=lambda: deque(maxlen=WINDOW // 2))
 
 
 class Governor:
-    """Choice of the level to run, from the levels, the budget and the time of each refresh.
+    """Choose the level to run from the levels, the budget and the time of each refresh.
 
-    It starts at the most accurate level within the budget. `level` is the one to run now;
-    measured() takes its time, the worse eye of each refresh.
+    It starts at the most accurate level within the budget. `level` is the one to run now; pass
+    measured() its time, the worse eye of each refresh.
 
     Down: as soon as there is enough evidence that the time exceeds the budget, to the most accurate
     level that is expected to fit. Up: when a better level has been expected within 95 % of the
-    budget for a while; four times as long after each try that failed. The time expected of a level
-    is that of the present one, times the ratio of the two by the benchmark, or by what this run has
-    measured of both. Going down believes the worse of the two, so that it suffices; going up the
-    benchmark, unless what was measured is clearly better: one bad moment is not for ever.
+    budget for a while; each failed attempt makes that wait four times as long. The time expected of
+    a level is that of the current one, times the ratio of the two by the benchmark, or by what this
+    run has measured of both. A move down uses the worse of the two, to be safe; a move up uses the
+    benchmark unless the measurement is clearly better, so that one bad moment does not count for
+    ever.
     Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes,
     Biometrika 41, eq. 1.
     Errors: InputError for a budget in which no level fits; HmdwarpError for empty or unsorted
@@ -91,7 +92,7 @@ class Governor:
         self.levels, self.budget_ms = tuple(levels), float(budget_ms)
         self._at = best_within(self.levels, budget_ms)
         self._refresh = -1
-        # The levels this run has seen, up to one common factor.
+        # Times seen in this run, up to one common factor.
         self._own = {self._at: self.level.total_ms}
         self._failures = [0] * len(self.levels)
         self._stay = _Stay([0] * len(self.levels))
@@ -104,7 +105,7 @@ class Governor:
     def measured(self, total_ms: float) -> Change | None:
         """Count the time of the refresh just shown.
 
-        Return the change for the next one, if there is one.
+        Return the switch to make at the next refresh, if any.
         """
         if not (math.isfinite(total_ms) and total_ms >= 0):
             raise HmdwarpError(f"a refresh took {total_ms} ms: expected a finite time from 0")
@@ -141,9 +142,9 @@ class Governor:
         )
 
     def _judge_climb(self) -> None:
-        """Count a climb that soon led down as a failure, of dearer levels too.
+        """Count a move up that soon led down as a failure, also of dearer levels.
 
-        One that lasted makes up for one.
+        One that lasted cancels one failure.
         """
         if self._stay.climbed:
             failures = self._failures[self._at]
@@ -172,7 +173,7 @@ class Governor:
         return self._change(to, time_ms, reason)
 
     def _expected(self, k: int, time_ms: float) -> tuple[float, float]:
-        """Return the time of level k now: by the benchmark, and by what this run has seen."""
+        """Return the expected time of level k now: by the benchmark, and by this run's times."""
         by_bench = time_ms * self.levels[k].total_ms / self.levels[self._at].total_ms
         if not {k, self._at} <= self._own.keys():
             return by_bench, by_bench
@@ -183,9 +184,9 @@ class Governor:
         return by_run if by_run < DOUBT * by_bench else by_bench
 
     def _learn(self, time_ms: float) -> None:
-        """Compare this level with the one before, once for each stay.
+        """Measure the ratio to the previous level, once for each stay.
 
-        The machine was the same a moment ago.
+        The machine's state was the same a moment ago.
         """
         if self._stay.came is not None:
             before, its_ms = self._stay.came

@@ -1,7 +1,4 @@
-"""Quality levels.
-
-The combinations of warp and fill that are worth their time, from the rows of a benchmark.
-"""
+"""Quality levels: the Pareto-optimal combinations of warp and fill in a benchmark."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ import attrs
 
 from ..errors import InputError
 
-# What makes two rows the same case, so that their figures may be compared.
+# The keys that two rows must share for their figures to be comparable.
 _CASE = ("trace", "scene", "latency_ms", "lens", "headset", "size", "rate_hz", "guard", "predict", "frames")
 Row = Mapping[str, Any]
 Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR in dB
@@ -21,7 +18,7 @@ Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR 
 
 @attrs.frozen
 class QualityLevel:
-    """One combination that is worth its time: nothing that is as cheap is more accurate."""
+    """One Pareto-optimal combination: nothing as cheap is more accurate."""
 
     # A registered name with its settings, as --warp takes it.
     warp: str
@@ -45,7 +42,7 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
 
     Each is slower and better than the last. rows: as in bench.json. Figures are means over the
     cases (trace, scene, latency, ..) that every combination was measured in; of several sizes the
-    largest counts, where time is scarcest. A row without a time or a FLIP is no measurement.
+    largest counts, where time is scarcest. Rows without a time or a FLIP are ignored.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
     combined, shared = _compared(rows)
@@ -55,7 +52,7 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
 def _compared(
     rows: Iterable[Row],
 ) -> tuple[dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]], set[tuple[Any, ...]]]:
-    """Return figures of each warp and fill by case, and the cases that all were measured in.
+    """Return figures of each warp and fill by case, and the cases that all have in common.
 
     Errors: as levels_from.
     """
@@ -74,14 +71,11 @@ def _compared(
 
 
 def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
-    """Return the `choice` entry of bench.json.
+    """Return the `choice` entry of bench.json: the most accurate combination within the budget.
 
-    The most accurate combination within the budget, and the next level.
-
-    budget_ms: per eye. sizes, cases: at which size (several only if they have as many pixels), and
-    over how many cases, its figures are means.
-    Errors: as levels_from; InputError for a budget that is no positive time, or in which nothing
-    fits.
+    Includes the next level up. budget_ms: per eye. sizes, cases: the size (several only if they
+    have as many pixels) and the number of cases that the means are taken over.
+    Errors: as levels_from; InputError for a budget that is not positive, or in which nothing fits.
     """
     rows = list(rows)
     levels, (_, shared) = levels_from(rows), _compared(rows)
@@ -98,9 +92,9 @@ def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
 
 
 def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None) -> int:
-    """Return the number of the most accurate level within the budget.
+    """Return the index of the most accurate level within the budget.
 
-    Errors: InputError with the cheapest time if none is.
+    Errors: InputError with the cheapest time if none fits.
     """
     if budget_ms is None or not (math.isfinite(budget_ms) and budget_ms > 0):
         raise InputError(f"budget {budget_ms or 0:g} ms: expected a time above 0 ms for one eye")
@@ -116,7 +110,7 @@ def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None) -> in
 
 
 def settings_of(warp: str) -> dict[str, str]:
-    """Return the settings in a warp's spec.
+    """Return the settings of a warp's spec.
 
     'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}.
     """

@@ -27,7 +27,7 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, formats, layers, recordings,
+    kind: warps, fills, effects, lenses, scenes, headsets, axes, formats, layers, recordings,
     scales, studies, options.
     """
     return _MAKERS[kind]()
@@ -96,6 +96,15 @@ def _headsets() -> list[dict[str, str]]:
     from ..headsets import headset_names, load_headset
 
     return [_headset_row(load_headset(name)) for name in headset_names()]
+
+
+def _axes() -> list[dict[str, str]]:
+    from ..poses.reading.axes import load_preset, preset_names
+
+    return [
+        {"name": p.name, "summary": p.summary, "axes": p.axes.words(), "source": p.source}
+        for p in map(load_preset, preset_names())
+    ]
 
 
 def _headset_row(headset: Headset) -> dict[str, str]:
@@ -238,6 +247,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "lenses": _lenses,
     "scenes": _scenes,
     "headsets": _headsets,
+    "axes": _axes,
     "formats": _formats,
     "layers": _layers,
     "recordings": _recordings,

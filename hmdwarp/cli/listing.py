@@ -16,6 +16,7 @@ KINDS = (
     "lenses",
     "scenes",
     "headsets",
+    "axes",
     "formats",
     "layers",
     "recordings",

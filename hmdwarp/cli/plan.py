@@ -15,6 +15,7 @@ from ._options import Said, takes
 if TYPE_CHECKING:
     from ..client.plan import Plan, Step
     from ..headsets import Headset
+    from ..scenes import Scene
 
 REPLAY = "replay"
 _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
@@ -22,10 +23,13 @@ _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or des
 
 @takes(PipelineOptions, _SOURCE)
 def plan(said: Said) -> None:
-    """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing."""
+    """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing.
+
+    Tells what makes the scene slow to draw, and what to do about it.
+    """
     from ..headsets import load_headset
     from ..pipeline.planning import build_plan_for
-    from ..scenes import load_scene
+    from ..scenes import load_scene, slow_in
     from ._show import in_columns
 
     source, headset = said["source"], load_headset(said["headset"])
@@ -33,16 +37,19 @@ def plan(said: Said) -> None:
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
+    scene = load_scene(options.scene)
+    slow = [("Slow", line) for line in slow_in(scene)]
     if options.chooses_warp:
-        _auto(options, told)
+        _auto(options, scene, told)
+        in_columns(slow)
         return
-    built = build_plan_for(options, headset, load_scene(options.scene), **told)
+    built = build_plan_for(options, headset, scene, **told)
     weights = _weights(options, headset, [built])
     typer.echo("Passes, in order:")
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
-    in_columns([*weights, *_assumed(source, options.headset)])
+    in_columns([*weights, *_assumed(source, options.headset), *slow])
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
@@ -71,14 +78,13 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
+def _auto(options: PipelineOptions, scene: Scene, told: dict[str, str]) -> None:
     """Print what warp auto would choose from, as far as that is known without running anything."""
     from ..auto.levels import best_within
     from ..headsets import load_headset
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
     from ..run.short_bench import INSTANTS, candidates
-    from ..scenes import load_scene
     from ._show import in_columns, paragraph
 
     if options.bench is None:
@@ -105,7 +111,7 @@ def _auto(options: PipelineOptions, told: dict[str, str]) -> None:
     for note in found.notes:
         paragraph(f"note: {note}")
     headset = load_headset(options.headset)
-    in_columns(_weights(options, headset, plans_for(options, headset, load_scene(options.scene), found.levels, **told)))
+    in_columns(_weights(options, headset, plans_for(options, headset, scene, found.levels, **told)))
 
 
 def _weights(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> list[tuple[str, str]]:

@@ -16,8 +16,8 @@ from ._options import Said, takes
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..poses.analysis import Analysis
     from ..poses.load import LoadedTrace
+    from ..poses.track_statistics import Analysis
 
 app = typer.Typer(help="Look at head traces, convert them, make them up.", no_args_is_help=True)
 
@@ -35,8 +35,8 @@ def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
-    from ..poses.analysis import analyse
     from ..poses.load import load_trace
+    from ..poses.track_statistics import analyse
 
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
@@ -73,6 +73,7 @@ def convert(said: Said) -> None:
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
     console = Console(stderr=True)
     _print_defects(console, loaded)
+    console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
     console.print(
         f"{out}: {len(loaded.track)} samples, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
@@ -123,6 +124,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
         "trace": str(loaded.path),
         "format": loaded.format,
         "origin": loaded.track.origin or "not told by the file",
+        "axes": loaded.axes,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
         "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",
@@ -138,7 +140,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
 def _speed_table(figures: Analysis) -> Table:
     from rich.table import Table
 
-    from ..poses.analysis import SPEED_PERCENTILES
+    from ..poses.track_statistics import SPEED_PERCENTILES
 
     table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
     table.add_column("")

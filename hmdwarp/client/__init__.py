@@ -1,4 +1,4 @@
-"""The client: makes the picture that the eye should see now from the newest rendered frame.
+"""The client: warp the newest rendered frame to what the eye should see now.
 
 Warps, fills, effects and lenses are registries in packages of their own. Names are in __init__.pyi;
 each loads its module at first use.

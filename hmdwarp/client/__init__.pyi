@@ -2,14 +2,13 @@ from .carry import Carry as Carry
 from .carry import ShownDepth as ShownDepth
 from .carry import images_read as images_read
 from .carry import pictures_read as pictures_read
+from .client_geometry import ClientGeometry as ClientGeometry
+from .client_geometry import ClientModel as ClientModel
 from .compensator import Compensator as Compensator
 from .compensator import EyeResult as EyeResult
 from .compensator import Stages as Stages
-from .geometry import ClientGeometry as ClientGeometry
-from .geometry import ClientModel as ClientModel
 from .history import History as History
 from .inputs import PassInputs as PassInputs
-from .picture import ShownPicture as ShownPicture
 from .plan import CLIENT_DEPTH as CLIENT_DEPTH
 from .plan import CLIENT_MODEL as CLIENT_MODEL
 from .plan import PANEL as PANEL
@@ -22,6 +21,7 @@ from .plan import Step as Step
 from .plan import build_plan as build_plan
 from .plan import needs_of as needs_of
 from .settings import NoSettings as NoSettings
+from .shown_picture import ShownPicture as ShownPicture
 from .variants import Choice as Choice
 from .variants import every_fill as every_fill
 from .variants import every_warp as every_warp

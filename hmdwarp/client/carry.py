@@ -1,4 +1,4 @@
-"""Takes other rendered pictures where the colour goes: the same warp once more, on them.
+"""Carry other rendered pictures along with the colour, by running the same warp on them.
 
 So any warp carries anything: the inverse depth that fills read, the reflectivity of each surface. A
 shown pixel gets it from the same rendered pixels as its colour, with the same coverage.
@@ -25,11 +25,11 @@ PictureOf = Callable[[EyeImage], moderngl.Texture]
 
 
 class Carry:
-    """The planned warp, for other pictures than the colour."""
+    """Runs the planned warp on pictures other than the colour."""
 
     def __init__(self, warp: Warp) -> None:
         self._warp = warp
-        # Whether the warp can; one that looks into a cube cannot.
+        # Whether the warp can carry; one that samples a cube map cannot.
         self.works = warp.carries
 
     def along(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
@@ -61,12 +61,15 @@ def as_image(image: EyeImage, surface: Surface) -> EyeImage:
 
 
 def images_read(needs: Needs) -> int:
-    """Return the most rendered images that passes with these needs read, the newest included."""
+    """Return the largest number of rendered images that passes with these needs read.
+
+    Includes the newest.
+    """
     return 1 + needs.others.count
 
 
 def pictures_read(needs: Needs) -> int:
-    """Return how many pictures with depth a warp with these needs reads at most for one eye."""
+    """Return how many pictures with depth a warp with these needs reads for one eye, at most."""
     return (1 + needs.get("peeled", 0)) * images_read(needs)
 
 

@@ -1,4 +1,4 @@
-"""Runs a plan on the GPU: one eye's rendered picture in, what the eye should see now out."""
+"""Run a plan on the GPU: one eye's rendered picture in, what the eye should see now out."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, ShownDepth, images_read, pictures_read
+from .client_geometry import ClientGeometry
 from .effects import RenderedPass, ShownPass, Tools
-from .geometry import ClientGeometry
 from .inputs import PassInputs
-from .picture import ShownPicture
 from .plan import SHOWN_DEPTH, Plan
+from .shown_picture import ShownPicture
 from .warps import Output
 
 Stages = Sequence[tuple[str, float]]
@@ -24,19 +24,19 @@ Stages = Sequence[tuple[str, float]]
 
 @attrs.frozen(eq=False)
 class EyeResult:
-    """One eye after the plan.
+    """The results of a plan for one eye.
 
     A warp that is fused with the lens makes the panel alone; the others are None then. The textures
-    belong to the compensator, which writes them again at the next frame of that eye.
+    belong to the compensator, which overwrites them at the next frame of that eye.
     """
 
-    # The shown view, half way through the scan-out if the display has one.
+    # The shown view, at the middle of the scan-out if the display has one.
     view: View
     # After the warp, with the coverage before the fill.
     warped: Canvas | None
     # Before the lens.
     shown: Canvas | None
-    # What goes to the display.
+    # The picture for the display.
     panel: Canvas
     # After each fill of the chain, by its name.
     filled: tuple[tuple[str, Canvas], ...] = ()
@@ -63,7 +63,7 @@ class _Canvases:
 
 
 class _Stage:
-    """Times a pass, and makes its writes visible to the next pass, to copies and to read-backs."""
+    """Time a pass, and make its writes visible to the next pass, to copies and to read-backs."""
 
     __slots__ = ("_gl", "_timed")
 
@@ -82,9 +82,9 @@ class _Stage:
 class Compensator:
     """The passes of one plan for one pair of sizes.
 
-    All is compiled and allocated at the start; run() only sets and dispatches. headset: whose lens
-    is applied; None if the plan has no lens. geometry: what the client can draw by itself; required
-    only if a pass of the plan does.
+    Everything is compiled and allocated at the start; run() only sets uniforms and dispatches.
+    headset: whose lens is applied; None if the plan has no lens. geometry: what the client can draw
+    by itself; required only if a pass reads it.
     """
 
     def __init__(
@@ -177,7 +177,7 @@ class Compensator:
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
-        """Ignore what the passes of each eye took: a single plan has nothing to decide."""
+        """Ignore the stage times: a single plan has nothing to decide."""
 
     def _stage(self, name: str) -> _Stage:
         return _Stage(self.gpu, name)

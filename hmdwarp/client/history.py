@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 class History:
-    """Keeps up to `keep` frames that are no longer the newest, at least `spacing_ns` apart.
+    """Keep up to `keep` older frames, at least `spacing_ns` apart.
 
-    All others go to `discard` at once; more than `keep` are never held.
+    All others go to `discard` at once.
     """
 
     def __init__(self, keep: int, spacing_ns: int, discard: Callable[[Frame], None]) -> None:
@@ -22,7 +22,7 @@ class History:
 
     @property
     def frames(self) -> tuple[Frame, ...]:
-        """The frames held, newest first."""
+        """The frames kept, newest first."""
         return tuple(self._held)
 
     def offer(self, frame: Frame) -> None:
@@ -35,6 +35,6 @@ class History:
             self._discard(self._held.pop())
 
     def close(self) -> None:
-        """Hand all that are held to `discard`."""
+        """Pass all kept frames to `discard`."""
         while self._held:
             self._discard(self._held.pop())

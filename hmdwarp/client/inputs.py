@@ -26,11 +26,11 @@ class PassInputs:
     others: tuple[EyeImage, ...] = ()
     # The view when the last row lights up, None for a display that lights up at once.
     shown_last: View | None = None
-    # r32f of the shown size: the client's own depth in the shown view, -1 where it has none.
+    # r32f of the shown size: the client's own depth in the shown view, -1 where nothing is.
     client_inverse_depth: moderngl.Texture | None = None
     # When the first row is seen.
     shown_ns: int = 0
-    # The rendered picture as it came, None where no pass has changed `rendered` since.
+    # The rendered picture as it arrived, None where no pass has changed `rendered` since.
     drawn: EyeImage | None = None
 
     @property
@@ -40,16 +40,16 @@ class PassInputs:
 
     @property
     def as_drawn(self) -> EyeImage:
-        """The rendered picture as it came: nothing in it has moved on."""
+        """The rendered picture as it arrived, before any motion was applied."""
         return self.rendered if self.drawn is None else self.drawn
 
     @property
     def middle(self) -> View:
-        """The view half way through the scan-out, for passes that show all rows at once."""
+        """The view at the middle of the scan-out, for passes that show all rows at once."""
         if self.shown_last is None:
             return self.shown
         return attrs.evolve(self.shown, pose=self.shown.pose.towards(self.shown_last.pose, 0.5))
 
     def at_once(self) -> PassInputs:
-        """Return the same for passes that cannot follow the scan-out: all rows as in its middle."""
+        """Return the inputs for passes that cannot follow the scan-out: all rows at its middle."""
         return self if self.shown_last is None else attrs.evolve(self, shown=self.middle, shown_last=None)

@@ -20,7 +20,7 @@ from .lens import LensPass, lenses
 from .variants import Choice, fill_text, parse_fills, parse_warp
 from .warps import Warp
 
-# What every frame has, what the client can make by itself, and what the passes hand on.
+# Layers of every frame, layers that the client makes itself, and pictures that passes hand on.
 PICTURE = ("rendered.colour", "rendered.inverse_depth")
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
@@ -32,10 +32,10 @@ STEP_SHOWN_DEPTH = "shown depth"
 class Step:
     """One pass of the plan."""
 
-    # The stage of gpu.timer that it counts to.
+    # The stage of gpu.timer that its time counts to.
     stage: str
     name: str
-    # Why it is there.
+    # The reason for it.
     reason: str
     reads: tuple[str, ...]
     writes: tuple[str, ...]
@@ -50,12 +50,12 @@ class PlannedEffect:
 
     @property
     def needs(self) -> Needs:
-        """What frames carry for the effects."""
+        """Layers that frames carry for the effects."""
         return reduce(or_, (effect.needs for effect in self.effects))
 
     @property
     def reads(self) -> tuple[str, ...]:
-        """What the pass reads for the effects."""
+        """Layers that the pass reads for the effects."""
         return self.made_by.reads_for(frozenset(effect.name for effect in self.effects))
 
 
@@ -63,13 +63,13 @@ class PlannedEffect:
 class Plan:
     """The ordered passes, and those left out with their reasons."""
 
-    # What is compensated, by effect_passes.
+    # Names of the compensated effects, in the order of effect_passes.
     effects: tuple[str, ...]
     # The warp with its settings, and the chain of fills with theirs.
     choice: Choice[Warp]
     fills: tuple[Choice[Fill], ...]
     lens: type[LensPass]
-    # Whether the warp looks through the lens itself.
+    # Whether the warp applies the lens itself.
     fused: bool
     # Whether the warp gives every row a view of its own: of the panel if it is fused, else of the
     # shown view, as if the lens kept rows where they are (on the DK1 that is off by 2 % of the
@@ -93,12 +93,12 @@ class Plan:
 
     @property
     def warp_needs(self) -> Needs:
-        """What the warp alone needs of a frame."""
+        """Layers that the warp alone needs of a frame."""
         return self.warp.needs(self.choice.settings)
 
     @property
     def needs(self) -> Needs:
-        """What frames must carry for this plan besides colour and inverse depth."""
+        """Layers that frames must carry for this plan besides colour and inverse depth."""
         of_fills = (fill.entry.needs(fill.settings) for fill in self.fills)
         return reduce(or_, (*of_fills, *(effect.needs for effect in self.effect_passes)), self.warp_needs)
 
@@ -113,11 +113,11 @@ class Plan:
         return any(step.name == STEP_SHOWN_DEPTH for step in self.steps)
 
     def writes(self, name: str) -> bool:
-        """Return whether a pass of the plan makes that."""
+        """Return whether a pass of the plan writes the named layer."""
         return any(name in step.writes for step in self.steps)
 
     def reads(self, name: str) -> bool:
-        """Return whether a pass of the plan reads that."""
+        """Return whether a pass of the plan reads the named layer."""
         return any(name in step.reads for step in self.steps)
 
     @property
@@ -128,9 +128,10 @@ class Plan:
 
 
 def needs_of(plans: Iterable[Plan]) -> Needs:
-    """Return what frames must carry so that each of the plans can run.
+    """Return the layers that frames must carry so that each of the plans can run.
 
-    Errors: InputError for plans whose older frames are unequally far apart: one run keeps one kind.
+    Errors: InputError for plans that need different spacings of older frames: one run has one
+    spacing.
     """
     every = [plan.needs for plan in plans]
     spacings = {needs.others.spacing_ns for needs in every if needs.others.past}
@@ -161,17 +162,17 @@ def build_plan(
 
     warp and fill may carry settings (`mesh:cut=slope`), fill may be a chain (`memory+pyramid`).
     declared: the effects to compensate. client_geometry: whether the client has the scene's
-    triangles to draw from. brings: the layers that frames have, by readable name; None for every
+    triangles to draw from. brings: the layers that frames carry, by readable name; None for every
     layer. fused: warp and lens in one resample; then nothing can be composited between them.
-    scanout: the display shows its rows one after the other; a warp that cannot follow shows all as
-    in the middle of it. forced, forbidden: names of effects that are declared though the scene
-    lacks them, and not declared though it has them; they serve the reasons alone. distorts,
-    takes_depth: who corrects the lens after this plan, and who reads the shown picture's depth; ""
-    for none.
+    scanout: the display shows its rows one after the other; a warp that cannot follow shows all
+    rows as in the middle of the scan-out. forced, forbidden: names of effects that are declared
+    though the scene lacks them, and not declared though it has them; used only in the stated
+    reasons. distorts, takes_depth: names of the display parts that correct the lens after this
+    plan, and that read the shown picture's depth; "" for none.
 
-    Errors: UnknownNameError for a name in no registry; PlanError for a pass that reads what none
-    before it writes, and for what cannot be fused; InputError for a setting that the warp or fill
-    lacks.
+    Errors: UnknownNameError for an unregistered name; PlanError for a pass that reads a layer which
+    no pass before it writes, and for passes that cannot be fused; InputError for a setting that the
+    warp or fill lacks.
     """
     choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
     if distorts and chosen_lens.is_pass:
@@ -223,7 +224,7 @@ def build_plan(
 
 @attrs.define
 class _Draft:
-    """A plan in the making."""
+    """A plan under construction."""
 
     steps: list[Step] = attrs.field(factory=list)
     left_out: list[tuple[str, str]] = attrs.field(factory=list)

@@ -1,4 +1,4 @@
-"""Settings of warps and fills that have none."""
+"""Settings of warps and fills without any."""
 
 from __future__ import annotations
 
@@ -7,4 +7,4 @@ import attrs
 
 @attrs.frozen
 class NoSettings:
-    """Nothing to set."""
+    """No settings."""

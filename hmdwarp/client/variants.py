@@ -23,7 +23,7 @@ Entry = TypeVar("Entry", bound=Warp | Fill)
 class Choice(Generic[Entry]):
     """A warp or fill and its settings.
 
-    str() is the shortest text that means it: settings at their defaults are left out.
+    str() is the shortest equivalent text: settings at their defaults are left out.
     """
 
     entry: type[Entry]
@@ -48,7 +48,7 @@ def parse_warp(text: str) -> Choice[Warp]:
 
 
 def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
-    """Parse 'memory+pyramid': the fills one after the other, each like a warp; () for 'none'.
+    """Parse 'memory+pyramid': a chain of fills, each written like a warp; () for 'none'.
 
     Errors: as parse_warp; InputError for 'none' in a chain, and for the same fill twice.
     """
@@ -62,7 +62,7 @@ def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
 
 
 def fill_text(chain: tuple[Choice[Fill], ...]) -> str:
-    """Return the shortest text that means the chain."""
+    """Return the shortest text equivalent to the chain."""
     return "+".join(map(str, chain)) or "none"
 
 

@@ -1,7 +1,7 @@
 """Displays for live pictures: OpenXR, a desktop window, or offscreen.
 
-The loop knows none of them; hmdwarp.run knows only the protocol. Names are in __init__.pyi; each
-loads its module at first use.
+The loop does not depend on them; hmdwarp.run depends only on the protocol. Names are in
+__init__.pyi; each loads its module at first use.
 """
 
 import lazy_loader

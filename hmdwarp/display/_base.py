@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 
 class Closed(Exception):
-    """The user is done: the window was closed, or the runtime ended the session.
+    """The user has finished: the window was closed, or the runtime ended the session.
 
-    args: why, in words.
+    args: the reason, in words.
     """
 
 
@@ -39,11 +39,11 @@ class Lost(MachineError):
 
 
 class TextPanel(Hashable, Protocol):
-    """Text and figures over the picture, where a line of text is not enough: a question's scale.
+    """A panel of text and figures over the picture, such as a question with its scale.
 
-    Equal text panels look the same. On one that takes the pointer, a window's mouse is free and
-    does not turn the head, and walking stops. Mouse events on it become commands whose value is
-    (u, v) of the text panel, origin bottom left: "point" for motion, "press" for a click; "up" and
+    Equal text panels look the same. On one that takes the pointer, a window's mouse is released and
+    does not turn the head, and walking stops. Mouse events on it become commands whose value is (u,
+    v) of the text panel, origin bottom left: "point" for motion, "press" for a click; "up" and
     "down" for the wheel have no value.
     """
 
@@ -58,11 +58,11 @@ class TextPanel(Hashable, Protocol):
     def ink(self) -> NDArray[np.uint8]:
         """Return (h, w), top row first: 255 where ink is; (h, w, 3) with linear light of a picture.
 
-        Called once for each text panel, not at each refresh.
+        Called once for each text panel, not once a refresh.
         """
 
 
-Label = str | TextPanel  # what lies over a picture; "" for nothing
+Label = str | TextPanel  # shown over a picture; "" for nothing
 
 
 class EyePicture(Protocol):
@@ -70,7 +70,7 @@ class EyePicture(Protocol):
 
     @property
     def view(self) -> View:
-        """The view it was made for."""
+        """The view it was rendered to."""
 
     @property
     def panel(self) -> Canvas:
@@ -86,7 +86,7 @@ class Picture(Protocol):
 
     @property
     def eyes(self) -> Sequence[EyePicture]:
-        """One for each view of Display.eyes, the left one first."""
+        """One for each view of Display.eyes, from the left."""
 
 
 @attrs.frozen
@@ -95,7 +95,7 @@ class Tick:
 
     shown_ns: int  # when it will be seen
     period_ns: int  # between refreshes
-    # False where the picture would be invisible; the refresh is then handed over empty
+    # False where the picture would be invisible; then show() gets no picture
     render: bool = True
     notice: str = ""  # for the user ("tracking lost"), "" for none
     missed: int = 0  # refreshes without a picture since the last tick
@@ -112,27 +112,27 @@ class Command:
 
 @attrs.frozen
 class DisplayOptions:
-    """What a display must know before it is opened."""
+    """Options that a display needs before it is opened."""
 
     headset: str = "rift-dk1"  # name of the one a window emulates
     view: str = "both"  # "both" eyes or one "flat" one
-    size: tuple[int, int] | None = None  # (w, h) of one eye; None for what the display prefers
+    size: tuple[int, int] | None = None  # (w, h) of one eye; None for the display's preference
     full_screen: bool = False  # of a window
     vsync: bool = True
     control_panel: bool = True  # over a window, where its package is installed
-    depth_layer: bool = True  # whether a runtime that takes the picture's depth gets it
-    # put around every call into a runtime that may hang; it gets the call's name
+    depth_layer: bool = True  # whether to submit the picture's depth to a runtime that accepts it
+    # entered around every call into a runtime that may hang; it gets the call's name
     watching: Callable[[str], AbstractContextManager[object]] = lambda what: nullcontext()  # noqa: E731
-    # a recording that a window or an offscreen display follows instead of a live head
+    # a recording that a window or an offscreen display follows instead of live input
     trace: PoseTrack | None = None
-    rate_hz: float | None = None  # refreshes a second, where no screen says so
+    rate_hz: float | None = None  # refresh rate, where no screen defines it
     controls: tuple[Control, ...] = CONTROLS  # what keys, mouse and controllers request
 
 
 class Display(Protocol):
-    """What every display does.
+    """The protocol of displays.
 
-    All times are on its own clock, `now_ns`, which is its pose source's too.
+    All times are on the display's own clock, `now_ns`, which its pose source shares.
     """
 
     @property
@@ -141,19 +141,19 @@ class Display(Protocol):
 
     @property
     def about(self) -> dict[str, str]:
-        """What it is, by name, for headers and summaries (runtime, headset, ..)."""
+        """Its description by name, for headers and summaries (runtime, headset, ..)."""
 
     @property
     def gpu(self) -> Gpu:
-        """The context whose pictures it shows; it belongs to the display."""
+        """The context that it presents from; the display owns it."""
 
     @property
     def eyes(self) -> Eyes:
-        """Where the eyes sit and what each sees."""
+        """The poses of the eyes in the head, and their fields of view."""
 
     @property
     def source(self) -> PoseSource:
-        """The head."""
+        """The source of head poses."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -169,34 +169,34 @@ class Display(Protocol):
 
     @property
     def distorts(self) -> str:
-        """What corrects the lens instead of the plan, as build_plan has it; "" for nothing."""
+        """What corrects the lens instead of the plan, by name as in build_plan; "" for nothing."""
 
     @property
     def takes_depth(self) -> str:
-        """What takes the picture's depth, as build_plan has it; "" for nothing."""
+        """What reads the picture's depth, by name as in build_plan; "" for nothing."""
 
     def now_ns(self) -> int:
-        """Return this instant."""
+        """Return the current time."""
 
     def wait(self) -> Tick | None:
         """Wait until it is time to make the next picture.
 
-        None: nothing to do just now (not running, minimised); call again. Every tick must be
-        answered by one show().
+        None: nothing to do now (not running, minimised); call again. Answer every tick by one
+        show().
         Errors: Closed; Lost.
         """
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
-        """Hand over the picture of the tick that wait() returned; None for an empty one.
+        """Submit the picture of the tick that wait() returned; None for an empty one.
 
-        label: text or a text panel over it. Return the instant at which it was handed over.
+        label: text or a text panel over it. Return the time of submission.
         Errors: Closed; Lost.
         """
 
-    def look(self, view: str) -> None:
-        """Switch to another view, as DisplayOptions.view.
+    def set_view(self, view: str) -> None:
+        """Switch to another view, see DisplayOptions.view.
 
-        Eyes, size and headset may differ afterwards. A headset has only one view.
+        Eyes, size and headset may change. A headset has only one view.
         """
 
     def restart(self) -> None:
@@ -208,8 +208,8 @@ class Display(Protocol):
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""
 
-    def tell(self, status: Status) -> None:
-        """Show the status in the title line and the control panel."""
+    def show_status(self, status: Status) -> None:
+        """Show the status in the window's title and the control panel."""
 
     def reopen(self) -> bool:
         """Reconnect after Lost; return whether the display is back. The gpu stays the same.
@@ -218,4 +218,4 @@ class Display(Protocol):
         """
 
     def close(self) -> None:
-        """Release everything, the gpu last, in whatever state. May be called twice."""
+        """Release everything, the gpu last, in any state. Safe to call twice."""

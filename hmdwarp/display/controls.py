@@ -1,4 +1,4 @@
-"""What can be changed during a run.
+"""Controls: everything that the user can change during a run.
 
 Every control has a key, and the control panel shows the same ones.
 """
@@ -14,17 +14,17 @@ class Control:
 
     name: str  # as Command.control names it
     key: str  # as glfw names keys ("T", "[", "F11", "KP 1", "Left"); with shift it steps back
-    what: str  # a few words for the help; "" leaves it out there
+    what: str  # a short description for the help; "" omits it there
     # "choice", "number", "switch", "action", or "step", which repeats while its key is held, as a
     # number does
     kind: str
-    back: str = ""  # a key of its own for a step back, "" for shift
-    of_display: bool = False  # whether the display handles it by itself; the others change the run
-    span: tuple[float, float] = (0.0, 0.0)  # least and most of a number
-    also: tuple[str, ...] = ()  # further keys for the same
-    value: object = None  # what the command carries, where several keys are one control
+    back: str = ""  # a separate key for a step back, "" for shift
+    of_display: bool = False  # whether the display handles it itself; all others change the run
+    span: tuple[float, float] = (0.0, 0.0)  # smallest and largest value of a number
+    also: tuple[str, ...] = ()  # further keys
+    value: object = None  # value of the command, where several keys are one control
     buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/profiles.py
-    written: str = ""  # how the help names its keys, "" for as they are
+    written: str = ""  # how the help writes its keys, "" for their names
     # available only while a text panel lies over the picture: other pictures must stay free of text
     needs_text_panel: bool = False
 
@@ -45,8 +45,8 @@ CONTROLS: tuple[Control, ...] = (
     Control("help", "H", "this help", "switch", of_display=True),
     Control("quit", "Escape", "close this help; let go of the mouse; end", "action", of_display=True),
 )
-# Moving is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down and
-# up, shift is faster.
+# Movement is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down
+# and up, shift is faster.
 MOVING = (("mouse", "look around (click first)"), ("W A S D", "walk"), ("Q E", "down, up"), ("shift", "faster"))
 
 
@@ -58,6 +58,6 @@ def control(name: str) -> Control:
 def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
     """Return whether an open help must be closed now.
 
-    has_text_panel: whether a text panel lies over the picture.
+    has_text_panel: whether a text panel is shown.
     """
     return not has_text_panel and any(one.name == "help" and one.needs_text_panel for one in controls)

@@ -23,19 +23,18 @@ FONT_PX, LINE_PX, PAD_PX, COLUMN_PX = 28, 38, 18, 28
 LETTERS_A_LINE = 44
 KEPT = 16  # textures; notices are few, and a help text is the same each time
 
-# Head-locked, at 1 m: so large that 300 pixels a metre (640x800 an eye, 100 degrees) still show
-# 13-pixel letters, and so small and so near to the middle that both eyes of every headset here see
-# all of it.
+# Head-locked, at 1 m. At 300 pixels a metre (640x800 an eye, 100 degrees) letters still have 13
+# pixels, and the text is so small and central that both eyes of every headset here see all of it.
 AT_M = 1.0
 LINE_M = 0.056
 MAX_WIDTH_M, MAX_HEIGHT_M = 1.1, 1.2
 MIDDLE_M, LOWEST_M = -0.35, -0.62
-# People look straight at a text panel, and no turn of the head brings it nearer: little below
-# straight ahead.
+# A text panel is read straight ahead, and no turn of the head brings it nearer: it lies only a
+# little below.
 TEXT_PANEL_MIDDLE_M = -0.1
 
-# In a window without an eye to see it by: as many pixels as it has, but no more than this share of
-# the viewport, above this margin.
+# In a window without an eye: full size, but no more than this share of the viewport, above this
+# margin.
 MAX_SHARE, MARGIN = 0.94, 0.03
 
 
@@ -51,9 +50,9 @@ class Notice:
     def uv_from_pixel(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
         """Return 3x3: (x, y, 1) in pixels of a (w, h) viewport, origin bottom left, to uv.
 
-        The third row is positive in front of the eye. eye: sees it 1 m in front of the head, text
-        below the middle; None for a viewport without an eye, text at its bottom. A text panel lies
-        in the middle of either.
+        The third row is positive in front of the eye. eye: the eye that sees it 1 m in front of the
+        head, text below the middle; None for a viewport without an eye, text at its bottom. A text
+        panel is centred in either case.
         """
         pixel_from_uv = self._in_viewport(size) if eye is None else _seen(self._in_head(), eye, size)
         return np.asarray(np.linalg.inv(pixel_from_uv), np.float64)
@@ -66,7 +65,7 @@ class Notice:
         """Return pixels of the viewport from uv."""
         w, h = self.ink.size
         scale = min(1.0, MAX_SHARE * size[0] / w, MAX_SHARE * size[1] / h)
-        # At whole pixels letters of full size keep their edges.
+        # At whole pixels, letters of full size stay sharp.
         middle = (size[1] - scale * h) / 2
         left, bottom = (
             round((size[0] - scale * w) / 2),
@@ -94,7 +93,7 @@ def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDA
 class Notices:
     """Textures of texts, each drawn once.
 
-    The least recently used one goes when there are too many.
+    The least recently used one is dropped when there are too many.
     """
 
     def __init__(self, gl: moderngl.Context) -> None:
@@ -122,7 +121,7 @@ class Notices:
         if is_grey:
             texture.swizzle = "RRR1"
         upload(texture, ink)
-        texture.build_mipmaps()  # a head-locked text panel shows letters at half their size
+        texture.build_mipmaps()  # a head-locked text panel shows letters at half size
         return Notice(label, texture)
 
     def close(self) -> None:
@@ -133,7 +132,7 @@ class Notices:
 
 
 def text_ink(text: str) -> NDArray[np.uint8]:
-    """Return (h, w), top row first: 255 where a letter of the text is, with a margin."""
+    """Return (h, w), top row first: 255 inside letters of the text, with a margin."""
     from PIL import Image, ImageDraw, ImageFont
 
     font = ImageFont.load_default(FONT_PX)

@@ -1,9 +1,7 @@
-"""A display without a screen.
+"""A display without a screen: framebuffers, a recording as head, and a simulated clock.
 
-Framebuffers instead of pictures, a recording as head, a clock of its own.
-
-Time advances by one refresh for each picture. The same code does everything a run does, and nothing
-is visible. Two runs are equal, whatever else the machine does.
+The clock advances by one refresh for each picture. The code is that of any run, but nothing is
+visible, and two runs are identical whatever the load of the machine.
 """
 
 from __future__ import annotations
@@ -18,21 +16,21 @@ from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.looped import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
-from .desktop.views import OfViews
+from .desktop.window_views import SwitchableView
 from .present import Presenter
 
 if TYPE_CHECKING:
     from . import Picture
 
-AHEAD = 2  # refreshes from a tick to when its picture is seen, as in a headset
+AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 
 
-class OffscreenDisplay(OfViews):
-    """display.Display like a window's: hmdwarp corrects the lens.
+class OffscreenDisplay(SwitchableView):
+    """A display.Display like a window's: hmdwarp corrects the lens.
 
     Its clock stands still between pictures.
 
-    gpu: None for one of its own.
+    gpu: None to create one.
     Errors: InputError without a trace, or for an unknown headset; MachineError without OpenGL.
     """
 
@@ -54,11 +52,11 @@ class OffscreenDisplay(OfViews):
         self.about = {"display": "offscreen", "trace": options.trace.name, "renderer": self.gpu.renderer}
 
     def now_ns(self) -> int:
-        """Return the number of ticks, in nanoseconds."""
+        """Return the simulated time in nanoseconds."""
         return self._at_ns
 
     def restart(self) -> None:
-        """Begin the recording anew."""
+        """Restart the recording."""
         self.source.restart()
 
     def wait(self) -> Tick | None:
@@ -67,7 +65,7 @@ class OffscreenDisplay(OfViews):
         return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
-        """Draw what a window would, invisibly."""
+        """Draw the contents of a window into a framebuffer."""
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
         count = self._view.count
         into, notice = self._framebuffer((w * count, h)), self._presenter.notice(label)
@@ -94,7 +92,7 @@ class OffscreenDisplay(OfViews):
         """Return nothing: it has no user."""
         return ()
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Do nothing: it has no user."""
 
     def reopen(self) -> bool:

@@ -1,4 +1,4 @@
-"""Finished pictures in the colours and depths of a window or runtime."""
+"""Present finished pictures in the colour and depth formats of a window or runtime."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Viewport = tuple[int, int, int, int]  # x, y, width, height in pixels, origin bo
 
 
 class Presenter:
-    """Draws finished pictures into framebuffers, one for each Gpu.
+    """Draw finished pictures into framebuffers, one presenter for each Gpu.
 
     Leaves all GL flags off, as passes expect.
     """
@@ -33,14 +33,14 @@ class Presenter:
         self._depth = _Whole(gl, gpu.shaders.draw("display/whole.vert", "display/depth.frag"))
 
     def prepare(self, *, hardware_srgb: bool) -> None:
-        """Compile what show() uses; otherwise its first picture does."""
+        """Compile what show() uses; otherwise its first call does."""
         for scaled, noticed in product((False, True), repeat=2):
             defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
             draw = self._shaders.draw("display/whole.vert", "display/picture.frag", **defines)
             self._pictures[hardware_srgb, scaled, noticed] = _Whole(self._gl, draw)
 
     def notice(self, label: Label) -> Notice | None:
-        """Return what show() lays over the picture; None for "". Drawn at first use, then kept."""
+        """Return the notice that show() can lay over the picture; None for "". Cached."""
         return self._notices.of(label)
 
     def show(
@@ -71,7 +71,7 @@ class Presenter:
         if notice is not None:
             notice.ink.use(1)
             whole.uniforms.set(ink=1, uv_from_pixel=notice.uv_from_pixel(size, eye))
-        # Off for a window too: one may be sRGB without a request for it.
+        # Off for a window too, which may be sRGB without a request for it.
         (self._gl.enable_direct if hardware_srgb else self._gl.disable_direct)(FRAMEBUFFER_SRGB)
         self._draw(whole, into, viewport, moderngl.NOTHING)
         self._gl.disable_direct(FRAMEBUFFER_SRGB)
@@ -122,9 +122,9 @@ class _Whole:
 
 
 def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
-    """Return the largest part of `place`, in its middle, with the shape of a (w, h) picture.
+    """Return the largest part of `place`, centred, with the shape of a (w, h) picture.
 
-    What is left beside it is for bars.
+    The rest is for bars.
     """
     x, y, w, h = place
     scale = min(w / picture[0], h / picture[1])

@@ -22,9 +22,9 @@ class Status:
     Deques hold the last refreshes, oldest first.
     """
 
-    # what each control is set to, by its name
+    # the current value of each control, by its name
     values: dict[str, object] = attrs.field(factory=dict)
-    # what controls of kind "choice" may be set to, with the present value
+    # values of controls of kind "choice", including the current one
     choices: Mapping[str, tuple[object, ...]] = attrs.field(factory=dict)
     budget_ms: float = 0.0  # a refresh of the display
     stage_ms: dict[str, float] = attrs.field(factory=dict)  # of the last refresh, both eyes
@@ -32,13 +32,13 @@ class Status:
     age_ms: deque[float] = attrs.field(factory=_plot)  # from drawing the shown frame to showing it
     # from reading the head to handing the picture over
     pose_age_ms: deque[float] = attrs.field(factory=_plot)
-    # share of pixels without coverage after the warp; NaN where it was not counted
+    # share of pixels without coverage after the warp; NaN where not counted
     holes: deque[float] = attrs.field(factory=_plot)
     period_ms: deque[float] = attrs.field(factory=_plot)  # between two pictures
     missed: int = 0  # refreshes without a new picture, since the start
     notice: str = ""  # as Tick.notice
     recording: bool = False
-    # title in place of settings and numbers, which would reveal the condition; "" for those
+    # title instead of settings and numbers, which would reveal the condition; "" for those
     heading: str = ""
 
     @property

@@ -74,7 +74,7 @@ def replay_can_run(findings: list[Finding]) -> bool:
     return all(finding.state is not State.MISSING for finding in findings)
 
 
-def ask(question: str, seconds: float = PROBE_SECONDS) -> Answer:
+def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Answer:
     """Return the last words of the probe `question` (gl, openxr, window).
 
     `error` is set where it crashed, hung or printed nothing.
@@ -146,7 +146,7 @@ def packages() -> Finding:
 
 def opengl() -> list[Finding]:
     """Check that a context with compute shaders starts; report driver, limits and stage clock."""
-    known = ask("gl")
+    known = run_probe("gl")
     if "error" in known:
         reason = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
         return [Finding("OpenGL", State.MISSING, reason, HOW_TO_GET_GL.split(";")[0], known)]
@@ -171,7 +171,7 @@ def opengl() -> list[Finding]:
 
 def openxr() -> list[Finding]:
     """Check loader and runtime, up to the headset; optional, replay needs none of them."""
-    known = ask("openxr")
+    known = run_probe("openxr")
     if known["stage"] in ("start", "binding"):
         reason = _one_line(known.get("message", known.get("error")))
         return [Finding("OpenXR loader", State.OPTIONAL, reason, f"{INSTALL} libgl1, and pip install pyopenxr", known)]
@@ -205,7 +205,7 @@ def window() -> Finding:
         return Finding(
             "desktop window", State.OPTIONAL, "no display: neither DISPLAY nor WAYLAND_DISPLAY is set", remedy
         )
-    known = ask("window")
+    known = run_probe("window")
     if "error" in known:
         return Finding("desktop window", State.OPTIONAL, _one_line(known.get("message", known["error"])), remedy, known)
     size = "{}x{} at {} Hz".format(*known["size"], known["refresh_hz"] or "?") if known["size"] else "no monitor"

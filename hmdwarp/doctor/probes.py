@@ -25,7 +25,7 @@ GL_LIMITS = {
 INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
 
 
-def tell(known: dict[str, object]) -> None:
+def report(known: dict[str, object]) -> None:
     print(json.dumps(known), flush=True)
 
 
@@ -39,7 +39,7 @@ def gl() -> None:
 
     try:
         with Gpu() as gpu:
-            tell(
+            report(
                 {
                     "stage": "done",
                     "renderer": gpu.renderer,
@@ -51,24 +51,24 @@ def gl() -> None:
                 }
             )
     except MachineError as error:
-        tell({"stage": "context", "error": str(error)})
+        report({"stage": "context", "error": str(error)})
 
 
 def openxr() -> None:
     """Report each step on the way to a headset: binding, runtime, service, headset."""
     known: dict[str, object] = {"stage": "binding"}
-    tell(known)
+    report(known)
     try:
         # Without libGL this is an AttributeError, with a foreign loader an OSError.
         import xr
     except Exception as error:
-        tell({**known, "error": f"{type(error).__name__}: {error}"})
+        report({**known, "error": f"{type(error).__name__}: {error}"})
         return
     known |= {"binding": str(xr.PYOPENXR_VERSION), "loader": str(xr.version.XR_CURRENT_API_VERSION)}
 
     def advance(stage: str) -> None:
         known["stage"] = stage
-        tell(known)
+        report(known)
 
     try:
         advance("runtime")
@@ -90,7 +90,7 @@ def openxr() -> None:
         finally:
             xr.destroy_instance(instance)
     except Exception as error:
-        tell({**known, "error": type(error).__name__, "message": str(error)})
+        report({**known, "error": type(error).__name__, "message": str(error)})
 
 
 def window() -> None:
@@ -104,7 +104,7 @@ def window() -> None:
 
     warnings.simplefilter("ignore", glfw.GLFWError)
     if not glfw.init():
-        tell({"stage": "display", "error": _text(glfw.get_error()[1] or "no display")})
+        report({"stage": "display", "error": _text(glfw.get_error()[1] or "no display")})
         return
     try:
         hints = {
@@ -117,11 +117,11 @@ def window() -> None:
             glfw.window_hint(hint, value)
         made = glfw.create_window(64, 64, "hmdwarp doctor", None, None)
         if not made:
-            tell({"stage": "window", "error": _text(glfw.get_error()[1] or "no window")})
+            report({"stage": "window", "error": _text(glfw.get_error()[1] or "no window")})
             return
         monitor = glfw.get_primary_monitor()
         mode = glfw.get_video_mode(monitor) if monitor else None
-        tell(
+        report(
             {
                 "stage": "done",
                 "size": list(mode.size) if mode else None,

@@ -1,6 +1,6 @@
 """Float64 geometry without a GPU: poses, views, the warp map between two views, depth conventions.
 
-This package knows nothing of the rest of the program. Conventions: docs/conventions.md.
+This package does not depend on the rest of the program. Conventions: docs/conventions.md.
 """
 
 from .cube import cube_size, face_views

@@ -1,4 +1,4 @@
-"""Convert foreign depth to inverse depth and back, once, at the border.
+"""Convert depth in other conventions to inverse depth and back, once, at the interface.
 
 Inside, depth is `inverse_depth` in 1/m along -z: 0 is infinitely far, and it is linear across a
 plane in image space.
@@ -25,8 +25,8 @@ def inverse_depth_from_metres(depth_m: ArrayLike) -> NDArray[np.float64]:
     depth = np.asarray(depth_m, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         inverse = 1.0 / depth
-    # A depth below 1/float32 max would become an infinite inverse depth on the GPU: it is no depth
-    # either.
+    # A depth below 1/float32 max would become an infinite inverse depth on the GPU: it counts as no
+    # depth.
     return np.where((depth > 0) & (inverse <= np.finfo(np.float32).max), inverse, np.nan)
 
 

@@ -1,4 +1,4 @@
-"""Rigid poses: where something is and how it is turned, in float64."""
+"""Rigid poses: position and orientation, in float64."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _frozen(value: ArrayLike, length: int) -> Vector:
         array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:  # text, ragged lists
         raise InputError(f"expected {length} finite numbers, found {value!r}") from error
-    # The sum is quick, and finite unless a number is not; sums beyond 1e308 need a second look.
+    # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
     if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
         raise InputError(f"expected {length} finite numbers, found {value!r}")
     array.setflags(write=False)
@@ -48,9 +48,9 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     return array
 
 
-# One rotation in plain floats, by SciPy's own formulas in its order of operations, so with its very
-# bits: a SciPy object costs 15 us, most of it to inspect its array argument, and a
-# refresh would make twenty.
+# One rotation in plain floats, by SciPy's own formulas in its order of operations, so bit for bit
+# the same. A SciPy object costs 15 us, most of it to inspect its array argument, and a refresh
+# would make twenty.
 
 
 def _product(a: Quaternion, b: Quaternion) -> Quaternion:
@@ -129,21 +129,21 @@ class Pose:
         return matrix
 
     def transform(self, points: ArrayLike) -> Vector:
-        """Points (..., 3) in b, in metres, to the same points in a."""
+        """Transform points (..., 3) in b, in metres, to the same points in a."""
         points = np.asarray(points, dtype=np.float64)
         return points @ self.rotation_matrix.T + self.position_m
 
     def __matmul__(self, other: Pose) -> Pose:
-        """a_from_b @ b_from_c = a_from_c."""
+        """Return a_from_b @ b_from_c = a_from_c."""
         return _made(self.transform(other.position_m), _product(self._unit, other._unit))
 
     def inverse(self) -> Pose:
-        """b_from_a for a_from_b."""
+        """Return b_from_a for a_from_b."""
         back = _back(self._unit)
         return Pose(-_matrix(back) @ self.position_m, back)
 
     def relative_to(self, other: Pose) -> Pose:
-        """Return other_from_self for two poses in the same frame, never passing through its origin.
+        """Return other_from_self for two poses in the same frame, without passing its origin.
 
         The positions are subtracted before anything is rotated, so two eyes 1 mm apart keep all
         their digits even 1e6 m from the origin (the difference of neighbouring floats is exact,
@@ -170,7 +170,7 @@ class Pose:
         return out
 
     def isclose(self, other: Pose, atol: float = 1e-9) -> bool:
-        """Tell whether both poses agree within atol (metres, and radians of the angle between).
+        """Return whether both poses agree within atol (metres, and radians of the angle between).
 
         q and -q are the same rotation.
         """
@@ -182,9 +182,9 @@ _set = object.__setattr__
 
 
 def _made(position: Vector, turn: Quaternion) -> Pose:
-    """Return Pose(position, turn) of a new array and a quaternion that was just normalised.
+    """Return Pose(position, turn) of a new array and an already normalised quaternion.
 
-    Takes half the time of Pose(): little is left to check.
+    Takes half the time of Pose(), because little is left to check.
     """
     x, y, z, w = turn
     is_unit = max(turn) <= 1 and min(turn) >= -1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from .pose import Pose
 
-_MAX_ANGLE = math.radians(89.5)  # tan = 114.6: past this a plane at z = -1 is no longer a picture
+_MAX_ANGLE = math.radians(89.5)  # tan = 114.6: beyond this a plane at z = -1 is no longer a picture
 
 
 @attrs.frozen
@@ -89,7 +89,7 @@ class Fov:
             raise InputError(f"guard {factor} is no enlargement: expected a factor of 1 or more")
         left, right, down, up = self.tangents
         per_x, per_y = size[0] / (right - left), size[1] / (up - down)
-        # 1e-9: a guard that means a whole number of pixels must not gain one by rounding.
+        # 1e-9: a guard of exactly whole pixels must not gain one by rounding.
         pad = [
             math.ceil(abs(t) * per * (factor - 1) - 1e-9)
             for t, per in ((left, per_x), (right, per_x), (down, per_y), (up, per_y))
@@ -108,7 +108,7 @@ class View:
 
     pose: Pose  # world_from_eye
     fov: Fov
-    # head-locked content is seen by this; the head's origin is half way between the eyes
+    # head-locked content is seen with this; the head's origin is half way between the eyes
     head_from_eye: Pose = attrs.field(factory=Pose)
 
     def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
@@ -124,7 +124,7 @@ class View:
 
 
 class Eyes(Protocol):
-    """Where the eyes sit in the head and what each sees.
+    """The places of the eyes in the head, and their fields of view.
 
     A headset's, or a runtime's, which may change.
     """
@@ -138,7 +138,7 @@ def guarded_eyes(
 ) -> tuple[tuple[Fov, ...], tuple[int, int]]:
     """Return the fields of view of all eyes with a guard band, and the one size they share.
 
-    Mirrored eyes have the same size anyway; otherwise the smaller one is padded on the right and at
+    Symmetric pairs have one size anyway; otherwise the smaller one is padded on the right and at
     the top.
     Errors: as Fov.guarded.
     """

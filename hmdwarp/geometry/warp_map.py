@@ -57,7 +57,7 @@ class WarpMap:
         return homogeneous[..., :2] / safe[..., None], inverse_depth / safe, w
 
     def moves_whole_pixels(self) -> bool:
-        """Tell whether every pixel centre lands on a pixel centre at any depth.
+        """Return whether every pixel centre lands on a pixel centre at any depth.
 
         That is, nothing moved, or only a guard band was cut off.
         """

@@ -1,4 +1,4 @@
-"""A second view of an eye, much wider and coarser, for what a turning head brings into sight."""
+"""A second view of an eye, much wider and coarser, for what comes into view when the head turns."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .view import Fov, View
 # Full angles. A plane's pixels grow with the square of the tangent: 160 degrees would double them,
 # for ten degrees.
 ACROSS, UPRIGHT = math.radians(150), math.radians(140)
-# Times fewer pixels per tangent than the shown picture. A plane is sampled 1 / cos^2 times as
-# densely aside as ahead, four times at 60 degrees, so where the usual picture of 90 to 110 degrees
-# ends, a quarter is a half of what that picture has in its middle.
+# Times fewer pixels per tangent than the shown picture. Away from the axis a plane is sampled 1 /
+# cos^2 times as densely as on it, four times at 60 degrees. So where the usual picture of 90 to 110
+# degrees ends, a quarter of the density is half of what that picture has in its middle.
 COARSER = 4
 
 

@@ -1,4 +1,4 @@
-"""OpenGL without any knowledge of headsets: context, shader loader, textures, timers.
+"""OpenGL basics, independent of headsets: context, shader loader, textures, timers.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

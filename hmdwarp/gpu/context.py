@@ -35,7 +35,7 @@ def _first_context(backends: list[str]) -> tuple[moderngl.Context | None, list[s
 def create_context() -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
-    Errors: MachineError that says what was tried and what to install.
+    Errors: MachineError naming what was tried and what to install.
     """
     backends = ["egl"] if os.name == "posix" else []
     if os.name != "posix" or os.environ.get("DISPLAY"):
@@ -55,7 +55,7 @@ class Gpu:
 
     Use as a context manager, or call close(). The newest Gpu of a thread is current there; close()
     makes the previous one current again. Use an older one inside `with gpu.current():`, or its GL
-    calls go to another context, which answers with black pictures.
+    calls go to another context and give black pictures.
     """
 
     def __init__(self, gl: moderngl.Context | None = None) -> None:
@@ -71,7 +71,7 @@ class Gpu:
 
     @property
     def is_software(self) -> bool:
-        """Whether the CPU draws the pictures (llvmpipe, softpipe, SwiftShader)."""
+        """Whether the CPU renders (llvmpipe, softpipe, SwiftShader)."""
         return is_software(self.gl)
 
     def barrier(self) -> None:
@@ -80,7 +80,7 @@ class Gpu:
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:
-        """Direct GL calls of this thread here inside the block, and back after it."""
+        """Direct GL calls of this thread to this context inside the block, and back after it."""
         before = getattr(_thread, "gpu", None)
         _make_current(self)
         try:
@@ -96,7 +96,7 @@ class Gpu:
         _make_current(self._before)
 
     def close(self) -> None:
-        """Free what the context holds; further calls do nothing."""
+        """Free all resources of the context; further calls do nothing."""
         if self._closed:
             return
         before = getattr(_thread, "gpu", None)
@@ -106,8 +106,8 @@ class Gpu:
         _make_current(self._before if before is self else before)
 
     def _release(self) -> None:
-        # What was released by hand is queued once more when it dies, as a husk without release(),
-        # and gc() trips over it.
+        # An object released by hand is queued again when it dies, as a husk without release(), and
+        # gc() fails on it.
         living = [thing for thing in self.gl.objects if hasattr(thing, "release")]
         self.gl.objects.clear()
         self.gl.objects.extend(living)

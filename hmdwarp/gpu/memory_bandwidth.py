@@ -1,6 +1,6 @@
-"""Memory bandwidth of this device, and whether its clocks agree.
+"""Memory bandwidth of this device, and a check of its clocks.
 
-The yardstick of every pass's time.
+The bandwidth gives the lower bound of every pass's time.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _MIB = 1 << 20
 LEAST_BYTES = 64 * _MIB  # of one buffer; two are in use
 GPU_BYTES = 256 * _MIB  # the largest cache of a GPU is 50 to 96 MB
 MOST_BYTES = 512 * _MIB
-TIMES_THE_CACHE = 4  # so that at most a quarter of a copy can come out of it
+TIMES_THE_CACHE = 4  # so that at most a quarter of a copy can come from it
 ROUNDS = 5
 _BLOCK = 16  # bytes of a uvec4
 _WIDTH = 8192  # blocks in a row of the dispatch
@@ -27,10 +27,10 @@ _WIDTH = 8192  # blocks in a row of the dispatch
 
 @attrs.frozen
 class Bandwidth:
-    """Result of the fastest copy."""
+    """The fastest copy."""
 
     bytes_per_s: float  # read plus written
-    copied: str  # which way was fastest, "shader" or "driver"
+    copied: str  # the faster way, "shader" or "driver"
     buffer_bytes: int  # of each buffer
 
 
@@ -83,7 +83,7 @@ class Copier:
 
 
 def copy_bandwidth(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = None) -> Bandwidth:
-    """Return the best of `rounds` copies by each way, after a warm-up, by the stage timer's clock.
+    """Return the best of `rounds` copies in each way, after a warm-up, by the stage timer's clock.
 
     The best, because other load can only make a copy slower.
     """
@@ -120,7 +120,7 @@ def check_clocks(gpu: Gpu, *, rounds: int = ROUNDS, size_bytes: int | None = Non
 
 
 def suitable_bytes(gpu: Gpu) -> int:
-    """Return a buffer size so large that a copy measures the memory, not the caches."""
+    """Return a buffer size large enough to measure the memory, not the caches."""
     if not gpu.is_software:
         return GPU_BYTES
     return min(MOST_BYTES, max(LEAST_BYTES, TIMES_THE_CACHE * last_cache_bytes()))

@@ -1,4 +1,4 @@
-"""Scopes: where to draw, and with which moderngl switches on; each is made once."""
+"""Scopes that bind a framebuffer and moderngl flags; each is created once."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import moderngl
 
 
 def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) -> moderngl.Scope:
-    """Return a scope that draws into `framebuffer` with only these switches on.
+    """Return a scope that draws into `framebuffer` with only these flags on.
 
     flags: moderngl's; None leaves them unchanged. The same framebuffer and flags give the same
-    scope: a context with gc_mode "context_gc" keeps a piece of each scope ever made, which in a
-    loop is a leak.
+    scope: a context with gc_mode "context_gc" keeps a part of each scope ever made, which in a loop
+    is a leak.
     """
     if framebuffer.extra is None:
         framebuffer.extra = {}

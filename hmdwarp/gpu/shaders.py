@@ -1,6 +1,4 @@
-"""Shader files to programs.
-
-Flatten includes, add defines, translate compiler messages to file and line.
+"""Compile shader files: flatten includes, add defines, map compiler messages to file and line.
 
 moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on
 Mesa. So the text is flattened here, every file at most once, and the line map is kept beside it.
@@ -30,7 +28,7 @@ _DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's lett
 
 @dataclass
 class Flattened:
-    """A shader's whole text and where each of its lines came from."""
+    """A shader's whole text and the origin of each line."""
 
     lines: list[str] = field(default_factory=list)
     origins: list[tuple[str, int]] = field(default_factory=list)
@@ -52,8 +50,8 @@ class Flattened:
 def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
     """Return the text of shader `path` with its includes, each file once, and `defines` on top.
 
-    path: relative to shaders/, or absolute for a shader of another package. `#include NAME` takes
-    the file that the define NAME holds; such a define is not put into the text.
+    path: relative to shaders/, or absolute for a shader of another package. `#include NAME`
+    includes the file that the define NAME holds; such a define does not appear in the text.
     Errors: ShaderError for a missing file or include, naming the including line.
     """
     defines = dict(defines or {})
@@ -130,7 +128,7 @@ class Uniforms:
         self._settled: dict[str, object] | None = None
 
     def declares(self, name: str) -> bool:
-        """Tell whether the shader's text has a uniform of that name."""
+        """Return whether the shader's text declares a uniform of that name."""
         return name in self._members
 
     def set(self, **values: object) -> None:
@@ -143,7 +141,7 @@ class Uniforms:
         self._set(values, strict=True)
 
     def set_declared(self, **values: object) -> None:
-        """Set what the shader's text declares and ignore the rest.
+        """Set the uniforms that the shader's text declares and ignore the rest.
 
         For shaders that share one set of values.
         """
@@ -152,7 +150,7 @@ class Uniforms:
     def settle(self, values: dict[str, object]) -> None:
         """Set constant values like `set_declared`.
 
-        Skip the same dict as the last time, unchanged by then.
+        The same, unchanged dict as the last time is skipped.
         """
         if self._settled is not values:
             self._set(values, strict=False)
@@ -239,7 +237,7 @@ class Compute:
     def groups(self, width: int, height: int = 1) -> tuple[int, int]:
         """Return the work groups that cover width x height pixels; fewer for a shader with ROWS.
 
-        Errors: InputError beyond the GL limit, where a dispatch would be dropped without a message.
+        Errors: InputError beyond the GL limit, where a dispatch would be dropped silently.
         """
         groups = -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:

@@ -9,14 +9,14 @@ import moderngl
 
 
 def is_software(gl: moderngl.Context) -> bool:
-    """Tell whether the context draws on the CPU."""
+    """Return whether the context renders on the CPU."""
     return any(name in gl.info["GL_RENDERER"].lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
 
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Tell whether GL_TIME_ELAPSED measures anything.
+    """Return whether GL_TIME_ELAPSED measures anything.
 
-    llvmpipe answers about 1 ns for any work, or leaves compute out.
+    llvmpipe answers about 1 ns for any work, or leaves out compute shaders.
     """
     if is_software(gl):
         return False
@@ -34,7 +34,7 @@ def has_real_gpu_timer(gl: moderngl.Context) -> bool:
     elapsed_ns = query.elapsed
     framebuffer.release()
     texture.release()
-    # A real timer sees at least a thousandth of what the wall clock saw, and no more than it saw.
+    # A real timer reports at least a thousandth of the wall-clock time, and no more than all of it.
     return wall_ns * 1e-3 < elapsed_ns <= wall_ns * 1.5
 
 
@@ -62,7 +62,7 @@ class Lap:
 
 
 class StageTimer:
-    """Timer of the stages of one frame.
+    """Time the stages of one frame.
 
     Only Lap.read() reads GPU queries, so a stage never waits for the one before it.
     """
@@ -75,9 +75,9 @@ class StageTimer:
         self._done: list[tuple[str, float]] = []
 
     def stage(self, name: str) -> GpuStage | WallStage:
-        """Time what is issued inside `with timer.stage(name):`, in milliseconds.
+        """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
 
-        Failures do not count.
+        Blocks that raise do not count.
         """
         return GpuStage(self, name) if self.clock == "gpu" else WallStage(self, name)
 

@@ -1,6 +1,6 @@
 """Headsets: one .toml file each, with the source of its numbers.
 
-All code about two eyes and a panel is here.
+All code that assumes two eyes and a panel is here.
 """
 
 from ._load import headset_names, load_headset

@@ -1,4 +1,4 @@
-"""One RGB-D frame of the caller's own: no scene, no headset, one call.
+"""Warp one RGB-D frame of the caller's own in one call, without scene or headset.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

@@ -20,15 +20,15 @@ _KEYS = ("colour", "depth_m", *_VIEW)
 
 
 def read_frame(path: Path) -> tuple[NDArray[Any], NDArray[Any], View]:
-    """colour, depth_m and the view of a FRAME.npz.
+    """Return colour, depth_m and the view of a FRAME.npz.
 
-    Errors: InputError naming the file and what is wrong with it.
+    Errors: InputError naming the file and its fault.
     """
     content = _content(path)
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
             arrays = {key: data[key] for key in _KEYS if key in data}
-    # Zip, zlib and NumPy raise whatever a damaged file makes them trip over.
+    # Zip, zlib and NumPy raise many kinds of exceptions for a damaged file.
     except Exception as error:
         why = f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: not a frame in NumPy's .npz form ({why}); write it with numpy.savez") from error
@@ -47,7 +47,7 @@ def read_view(path: Path) -> View:
         raise InputError(f"{path}: not a text file ({error})") from error
     except json.JSONDecodeError as error:
         raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    # A number of thousands of digits, brackets without end.
+    # A number of thousands of digits, or brackets nested without end.
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not JSON that can be read ({error})") from error
     if not isinstance(data, dict):

@@ -30,13 +30,13 @@ NO_DEPTH = -1.0
 
 @attrs.frozen(eq=False)
 class WarpedImage:
-    """A warped picture; row 0 is the top row."""
+    """A warped picture; row 0 is at the top."""
 
-    # (h, w, 3) in linear light; black where nothing is known.
+    # (h, w, 3) in linear light; black in holes.
     colour: NDArray[np.float32]
-    # (h, w), 0 where nothing is known.
+    # (h, w), 0 in holes.
     coverage: NDArray[np.float32]
-    # Milliseconds by the name of the stage.
+    # Milliseconds by stage name.
     time_ms: dict[str, float]
     # Share of pixels without coverage after the warp and before the fill.
     hole_share: float
@@ -52,13 +52,13 @@ def warp_image(
     size: tuple[int, int] | None = None,
     gpu: Gpu | None = None,
 ) -> WarpedImage:
-    """Return the picture that `shown` should see, from a late picture drawn for `rendered`.
+    """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
     colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres
-    along -z; inf is infinitely far; 0, negative or NaN is no depth: a hole, counted and never
-    spread. size: (w, h) of the result, by default the late picture's. gpu: a context of one's own,
-    made in the calling thread; by default one is made at the first call and kept, which threads use
-    one after the other.
+    along -z; inf is infinitely far; 0, negative or NaN marks a hole, which is counted and never
+    spread. size: (w, h) of the result, by default the size of `colour`. gpu: a context made in the
+    calling thread; by default one is made at the first call and shared by all threads, one at a
+    time.
     Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a
     picture with depth; UnknownNameError; MachineError without OpenGL 4.3.
     """
@@ -123,7 +123,7 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
 
 
 def checked(colour: ArrayLike, depth_m: ArrayLike) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """(h, w, 4) linear colour with coverage and (h, w) inverse depth, top row first.
+    """Return linear colour with coverage (h, w, 4) and inverse depth (h, w), top row first.
 
     Errors: InputError.
     """
@@ -155,9 +155,9 @@ def _array(name: str, value: ArrayLike) -> NDArray[Any]:
 
 
 def checked_size(size: object) -> tuple[int, int]:
-    """(w, h) as plain integers.
+    """Return (w, h) as plain integers.
 
-    Errors: InputError for anything else; whether the GPU can do it is asked later.
+    Errors: InputError for anything else; the GPU's limit is checked later.
     """
     try:
         width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
@@ -172,7 +172,7 @@ _turn = threading.Lock()
 
 @contextmanager
 def _shared_gpu() -> Iterator[Gpu]:
-    """Lend the one context of all callers to this thread while the block lasts."""
+    """Lend the shared context to this thread for the duration of the block."""
     global _shared  # noqa: PLW0603 (made late, because importing must not start a GL driver)
     with _turn:
         if _shared is None:

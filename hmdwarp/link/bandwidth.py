@@ -8,7 +8,7 @@ import attrs
 
 from ..errors import InputError
 
-# What routers commonly hold; a queue without a limit would delay, and keep in memory, ever more.
+# A common buffer size of routers; without a limit, delay and memory would grow for ever.
 QUEUE_MS = 250.0
 
 
@@ -16,7 +16,7 @@ QUEUE_MS = 250.0
 class Bandwidth:
     """The limits of the bottleneck. Errors: InputError for a number out of range.
 
-    A frame that meets a free bottleneck is never dropped, however large it is.
+    A frame that meets a free bottleneck is never dropped, whatever its size.
     """
 
     # Rate in Mbit/s (1e6 bits).
@@ -50,9 +50,9 @@ class Bottleneck:
         self._free_ns: int | None = None
 
     def enter(self, now_ns: int, size_bytes: int) -> tuple[int, int, bool]:
-        """Return (queue_ns, transfer_ns, taken) of a frame that comes now.
+        """Return (queue_ns, transfer_ns, taken) of a frame that arrives now.
 
-        Frames come in order of time; a refused one changes nothing.
+        Frames arrive in order of time; a refused one changes nothing.
         """
         wait = 0 if self._free_ns is None else max(0, self._free_ns - now_ns)
         if wait > self.bandwidth.queue_ns:

@@ -15,26 +15,26 @@ Payload = TypeVar("Payload")
 
 
 class Link(Generic[Payload]):
-    """Hands out the newest frame, in order of sending, that has arrived by now.
+    """Delay and drop frames; return the newest that has arrived, in order of sending.
 
-    Never early, never passes over a due frame, never goes back, and holds no more than the frames
-    under way and the one that is shown. On the network a later frame may overtake; on the screen
-    none does. When nothing arrives, the last one stays.
+    A frame is never early, and a newer one that is due is never passed over. The link holds only
+    the frames in transit and the shown one. Frames may overtake each other on the network but not
+    on the screen. When nothing arrives, the last one stays.
 
     delays: of each frame in ns, 0 or more. losses: whether each is lost; None for none. Both
-    advance once a frame, whatever becomes of it, so that the same seed makes the same network for
-    frames of any size. bandwidth: None for no limit.
+    advance once a frame, whatever its fate, so that the same seed makes the same network for frames
+    of any size. bandwidth: None for no limit.
 
-    receive: the decoder, called with each frame that arrives, in order of sending, since a decoder
-    needs those before it. A frame then waits for them, and a lost one counts as missing at the
-    instant it would have come. False means undecodable.
+    receive: the decoder, called with each frame that arrives, in order of sending, because a
+    decoder needs the earlier ones. A frame then waits for them, and a lost one counts as missing
+    from the instant it would have arrived. False means undecodable.
 
-    discard: called with each frame that the client had and that can no longer be shown. wasted:
-    called with those it never had: dropped and lost ones at once, undecodable ones, those under way
-    at the end; None for `discard`. Each frame goes to one of them, once.
+    discard: called with each frame that the client received and that can no longer be shown.
+    wasted: called with those it never received: dropped and lost ones at once, undecodable ones,
+    those in transit at the end; None for `discard`. Each frame goes to one of them, once.
 
-    Errors: ValueError for times that run backwards and for a negative delay or size: mistakes of
-    the caller.
+    Errors: ValueError for times that run backwards and for a negative delay or size, which are
+    mistakes of the caller.
     """
 
     def __init__(
@@ -50,9 +50,9 @@ class Link(Generic[Payload]):
         self._delays, self._losses = delays, losses
         self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
-        # When the sender first hears of a loss that no key frame has repaired.
+        # When the sender first learns of a loss that no key frame has repaired.
         self._heard_ns: int | None = None
-        # A heap: ready_ns, then number, which differs.
+        # A heap: ready_ns, then number, which is unique.
         self._under_way: list[tuple[int, int, TransitStats, Payload]] = []
         self._shown: tuple[TransitStats, Payload] | None = None
         self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
@@ -62,21 +62,21 @@ class Link(Generic[Payload]):
         self._last_asked_ns: int | None = None
 
     def __len__(self) -> int:
-        """Return how many frames are held, under way or shown."""
+        """Return how many frames are held, in transit or shown."""
         return len(self._under_way) + (self._shown is not None)
 
     def delay_by(self, delays: Iterator[int]) -> None:
-        """Delay frames sent from now on by these."""
+        """Use these delays for frames sent from now on."""
         self._delays = delays
 
     @property
     def tally(self) -> Tally:
-        """The fate of all frames so far; it stays after `close`."""
+        """The fates of all frames so far; readable after `close`."""
         return Tally(**self._counts)
 
     @property
     def transit(self) -> TransitStats | None:
-        """The way of the shown frame; None before the first."""
+        """Transit statistics of the shown frame; None before the first."""
         return self._shown[0] if self._shown is not None else None
 
     def send(self, frame: Payload, now_ns: int, size_bytes: int = 0, key: bool = True) -> None:
@@ -118,12 +118,15 @@ class Link(Generic[Payload]):
     def needs_key(self, now_ns: int) -> bool:
         """Return whether the sender knows of a missing frame and has sent no key frame since.
 
-        It hears of it as long after the frame went missing as that frame would have travelled.
+        The news takes as long to return as the missing frame would have travelled.
         """
         return self._heard_ns is not None and self._heard_ns <= now_ns
 
     def close(self) -> None:
-        """Hand every frame still held to `wasted` or `discard`; the tally keeps those under way."""
+        """Pass every frame still held to `wasted` or `discard`.
+
+        The tally still counts those in transit.
+        """
         under_way, self._under_way = [frame for *_, frame in sorted(self._under_way, key=lambda one: one[:2])], []
         shown, self._shown = self._shown, None
         for frame in under_way:
@@ -141,7 +144,7 @@ class Link(Generic[Payload]):
         return transit
 
     def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
-        """Return what has come since the last call and can be decoded, in order of sending."""
+        """Return the decodable frames that have arrived since the last call, in sending order."""
         arrived = []
         while self._under_way and self._under_way[0][0] <= now_ns:
             _, _, transit, frame = heapq.heappop(self._under_way)
@@ -153,7 +156,7 @@ class Link(Generic[Payload]):
         return sorted(arrived, key=lambda one: one[0].number)
 
     def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
-        """Show the newest, which may be the one shown already; discard the others, oldest first."""
+        """Show the newest, which may already be shown; discard the others, oldest first."""
         shown = self._shown
         newer = shown is None or arrived[-1][0].number > shown[0].number
         if newer:

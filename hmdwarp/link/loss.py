@@ -19,7 +19,7 @@ class GilbertElliott:
 
     Each frame is lost with the probability of the state; then the state may change. It starts in
     the good one. In the long run (r good + p bad) / (p + r) of all frames are lost. r = 1 - p with
-    bad = 1 loses each frame with probability p, whatever became of the last. Errors: InputError.
+    bad = 1 loses each frame independently with probability p. Errors: InputError.
     Source: Gilbert 1960, Capacity of a burst-noise channel; Elliott 1963, Estimates of error rates
     for codes on burst-noise channels.
     """
@@ -43,7 +43,7 @@ class GilbertElliott:
         return (self.r * self.good + self.p * self.bad) / (self.p + self.r) if self.p else self.good
 
     def samples(self, rng: np.random.Generator) -> Iterator[bool]:
-        """Yield whether each frame is lost, without end."""
+        """Yield whether each frame is lost, endlessly."""
         is_bad = False
         while True:
             yield bool(rng.random() < (self.bad if is_bad else self.good))

@@ -75,12 +75,12 @@ _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, nam
 
 @attrs.frozen
 class LinkOptions(Declared):
-    """A network: how long frames take, which are lost, how much fits through.
+    """Delays, losses and bandwidth of the network.
 
     By default the latency alone.
     """
 
-    # How long each frame takes.
+    # Of each frame.
     delay: DelayModel = option(
         ConstantDelay(),
         "Delays around the latency: uniform:MS or normal:MS (standard deviation); by default none.",
@@ -90,7 +90,7 @@ class LinkOptions(Declared):
         beside=(_DELAY_TRACE,),
         parse=parse_jitter,
     )
-    # Which frames never arrive.
+    # Loss of frames, in bursts.
     loss: GilbertElliott | None = option(
         None,
         "Lost frames: a share, or bursts like p=0.02,r=0.3 (Gilbert-Elliott); by default none.",
@@ -98,7 +98,7 @@ class LinkOptions(Declared):
         numeric=True,
         parse=parse_loss,
     )
-    # How much fits through.
+    # Rate and queue of the bottleneck.
     bandwidth: Bandwidth | None = option(
         None,
         "Bandwidth of the link; with ,queue=MS the longest wait before it; by default unlimited.",
@@ -108,7 +108,7 @@ class LinkOptions(Declared):
         numeric=True,
         parse=parse_bandwidth,
     )
-    # The same seed makes the same network, whatever is sent through it.
+    # The same seed gives the same network, whatever is sent through it.
     seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
 
     def __attrs_post_init__(self) -> None:
@@ -117,12 +117,12 @@ class LinkOptions(Declared):
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields that something was said about.
+        """Return the fields whose options were set.
 
         said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15.
         delay_trace: a file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
         `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
-        Mbit/s, and the longest wait in the queue where it matters: 50,queue=100.
+        Mbit/s, and optionally the longest wait in the queue: 50,queue=100.
         Errors: InputError.
         """
         path = said.get("delay_trace")
@@ -148,10 +148,10 @@ class LinkOptions(Declared):
         return self.delay.typical_ns(latency_ns)
 
     def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
-        """Return a bound on the frames under way, of any size, if one is sent each refresh.
+        """Return a bound on the frames in transit, of any size, if one is sent each refresh.
 
-        Those that wait came within the last queue_ms, one more is being transferred, and the delay
-        of the others began within the longest delay; one is about to enter.
+        Queued frames were sent within the last queue_ms, one more is being transferred, and the
+        delay of the others began within the longest delay; one is about to enter.
         """
         waiting = math.ceil(self.bandwidth.queue_ns * 1e-9 * rate_hz) + 2 if self.bandwidth is not None else 0
         return waiting + math.ceil(self.delay.longest_ns(latency_ns) * 1e-9 * rate_hz) + 2

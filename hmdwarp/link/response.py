@@ -14,13 +14,13 @@ from .tally import TransitStats
 class ResponseTime:
     """The time that a shown frame took, in ms; the response time is the sum of the parts.
 
-    What the display adds (waiting for its refresh) is none of these.
+    The display's share (waiting for its refresh) is not included.
     """
 
-    # Measured work for both eyes, as encode, decode and warp.
+    # Measured work for both eyes, like encode, decode and warp.
     render_ms: float = 0.0
     encode_ms: float = 0.0
-    # Waiting for frames before it, at the bottleneck or for the decoder.
+    # Waiting for earlier frames, at the bottleneck or for the decoder.
     queue_ms: float = 0.0
     # Size over bandwidth.
     transfer_ms: float = 0.0
@@ -39,7 +39,7 @@ class ResponseTime:
         decode_ms: float = 0.0,
         warp_ms: float = 0.0,
     ) -> Self:
-        """Return the parts from the frame's transit and what was measured at both ends."""
+        """Return the parts from the frame's transit and the times measured at both ends."""
         queue_ms = (transit.queue_ns + transit.hold_ns) / 1e6
         return cls(
             render_ms, encode_ms, queue_ms, transit.transfer_ns / 1e6, transit.delay_ns / 1e6, decode_ms, warp_ms
@@ -56,7 +56,7 @@ class ResponseTime:
 
 
 def medians(times: Sequence[ResponseTime]) -> dict[str, float] | None:
-    """Return the median of each part and of the totals, None where no frame was shown.
+    """Return the median of each part and of the totals, None if no frame was shown.
 
     The median total is not the sum of the parts' medians.
     """

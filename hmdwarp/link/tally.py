@@ -1,4 +1,4 @@
-"""The fate of each frame, so that none is lost unnoticed."""
+"""The fates of frames."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ class Tally:
     dropped: int = 0
     # On the network.
     lost: int = 0
-    # Arrived, but a frame that its coding builds on did not.
+    # Arrived, but a frame that it refers to did not.
     undecodable: int = 0
-    # A newer one had been on the screen before it came.
+    # Arrived after a newer one was on the screen.
     late: int = 0
-    # A newer one had arrived too by the first refresh that could have shown it.
+    # By the first refresh that could have shown it, a newer one had arrived too.
     superseded: int = 0
     # Each once, however many refreshes it stayed.
     shown: int = 0
-    # Not arrived at the last refresh.
+    # Still in transit at the last refresh.
     under_way: int = 0
 
     @property
@@ -34,7 +34,7 @@ class Tally:
 
     @property
     def drawn(self) -> int:
-        """Frames handed to the link."""
+        """Frames passed to the link."""
         return self.dropped + self.sent
 
     def as_dict(self) -> dict[str, int]:
@@ -44,9 +44,9 @@ class Tally:
 
 @attrs.frozen
 class TransitStats:
-    """The way of one frame through the link."""
+    """How one frame passed through the link."""
 
-    # 0 for the first frame handed to the link.
+    # 0 for the first frame sent.
     number: int
     sent_ns: int
     # As the sender declared it.
@@ -57,7 +57,7 @@ class TransitStats:
     transfer_ns: int = 0
     # On the network.
     delay_ns: int = 0
-    # Until the frames before it had come too, where a decoder needs them.
+    # Until the frames before it arrived, where a decoder needs them.
     hold_ns: int = 0
 
     @property

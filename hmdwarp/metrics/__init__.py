@@ -1,4 +1,4 @@
-"""How far the shown picture is from the truth: error, holes, flicker; measured in other processes.
+"""Errors of the shown picture against the truth: quality, holes, flicker; in worker processes.
 
 A metric is one file in metrics/library. Pictures are sRGB-encoded, (h, w, 3), top row first; holes
 are black pixels and count.

@@ -20,8 +20,8 @@ from .metric import metrics_in_order as metrics_in_order
 from .metric_inputs import Input as Input
 from .mismatch import Mismatch as Mismatch
 from .mismatch import SharedSurface as SharedSurface
-from .pictures import PSNR_CAP_DB as PSNR_CAP_DB
-from .pictures import error_image as error_image
+from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
+from .picture_pairs import error_image as error_image
 from .pool import QualityPool as QualityPool
 from .pool import worker_count as worker_count
 from .regions import REGIONS as REGIONS

@@ -6,20 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .pictures import check_pair
+from .picture_pairs import check_pair
 
 
 def sharpness(shown: NDArray, truth: NDArray, where: NDArray | None = None) -> float | None:
     """Return 1 for a picture as sharp as the truth, less where it is blurred, more where sharpened.
 
     It is the slope of the regression of the picture's fine detail on the truth's, over all pixels
-    and channels. Detail is what a 3x3 binomial blur takes away. Noise, jagged edges and other
-    detail that the truth lacks does not correlate with it and adds nothing (it would, to a ratio of
+    and channels. Detail is what a 3x3 binomial blur removes. Noise, jagged edges and other detail
+    that the truth lacks does not correlate with it and adds nothing (it would, to a ratio of
     energies). Detail in the wrong place is lost detail.
 
-    shown, truth: (h, w, 3), as metrics.pictures. where: (h, w), pixels that count (other than 0);
-    their neighbours must count too, so that the rim of a hole is not taken for detail.
-    None where the truth has no detail. Errors: InputError for sizes that differ.
+    shown, truth: (h, w, 3), as metrics.picture_pairs. where: (h, w), pixels that count (other than
+    0); their neighbours must count too, so that the rim of a hole is not taken for detail. None
+    where the truth has no detail. Errors: InputError for sizes that differ.
     """
     check_pair(shown, truth)
     if where is not None and where.shape != shown.shape[:2]:

@@ -1,4 +1,4 @@
-"""How a number is written for people."""
+"""Formatting of numbers for display."""
 
 from __future__ import annotations
 

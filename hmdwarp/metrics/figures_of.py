@@ -10,7 +10,7 @@ from .regions import region_sums
 
 
 def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
-    """Return all figures of one job; the same job gives the same bits wherever it runs."""
+    """Return all figures of one job; the same job gives the same bits in any process."""
     now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
     values = {
         metric.name: metric.compute(measurement) if metric.needs in there else None for metric in metrics_in_order()

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .pictures import check_pair
+from .picture_pairs import check_pair
 
 
 def flip(shown: NDArray, truth: NDArray, pixels_per_degree: float) -> tuple[float, NDArray[np.float32]]:
     """Return the mean LDR-FLIP error, 0..1, and its (h, w) map.
 
-    shown, truth: (h, w, 3), as metrics.pictures. pixels_per_degree: of the display that shows the
-    picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would
+    shown, truth: (h, w, 3), as metrics.picture_pairs. pixels_per_degree: of the display that shows
+    the picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would
     blur fine error away.
     Errors: InputError if it is not positive, and for pictures that cannot be compared.
     Source: Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images;

@@ -30,8 +30,8 @@ def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_ti
 
     A row beats another if it is at most as large in both costs and smaller in one. Rows equal in
     both do not beat each other: all of them stay, or none. A row with a cost of None was not
-    measured; it neither stays nor beats. Each other row that is left out is beaten by one that
-    stays. O(n log n).
+    measured and takes no part. Each other row that is left out is beaten by one that stays. O(n log
+    n).
     Errors: HmdwarpError for a cost of NaN, which cannot be ordered.
     """
     rows = list(rows)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # 32 rows keep float64 temporaries of a 2064x2208 eye under 10 MB, and every matrix product below
-# OpenBLAS's threading threshold: with threads its last bits could differ with the load of the
+# OpenBLAS's threading threshold: with threads its last bits could depend on the load of the
 # machine.
 _ROWS = 32
 

@@ -1,4 +1,4 @@
-"""One picture to measure, with everything its metrics need."""
+"""One picture to measure, with all inputs of its metrics."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..errors import HmdwarpError, InputError
 from ..geometry import View
 from .flip_map import flip
 from .metric_inputs import Input
-from .pictures import check_pair, error_image
+from .picture_pairs import check_pair, error_image
 
 T = TypeVar("T")
 
@@ -42,7 +42,7 @@ def _covered(coverage: NDArray | None) -> NDArray[np.bool_] | None:
 
 @attrs.frozen(eq=False)
 class QualityJob:
-    """One eye of one frame to measure. What is None leaves out the metrics that need it.
+    """One eye of one frame to measure. Inputs that are None leave out the metrics that need them.
 
     Errors: InputError for sizes that do not belong together.
     """
@@ -58,7 +58,7 @@ class QualityJob:
     # View and (w, h) of the late frame.
     rendered: View | None = None
     rendered_size: tuple[int, int] | None = None
-    # The late frame's picture, only carried along for reports.
+    # The late frame's picture, for reports only.
     rendered_picture: NDArray | None = None
     # Whether the result has the FLIP map.
     error_map: bool = False
@@ -75,7 +75,7 @@ class QualityJob:
 
     @property
     def inputs(self) -> Input:
-        """What metrics can be computed from."""
+        """The inputs of metrics that the job has."""
         there = Input.TRUTH
         for flag, value in (
             (Input.COVERAGE, self.covered),
@@ -92,16 +92,16 @@ class QualityJob:
 class QualityResult:
     """The figures of one job."""
 
-    # By metric; None where there was nothing to measure.
+    # By metric; None where nothing could be measured.
     values: dict[str, float | None]
-    # (h, w) bytes, FLIP 0..1 as 0..255, where the job asks for it.
+    # (h, w) bytes, FLIP 0..1 as 0..255, if the job requests it.
     error_map: NDArray[np.uint8] | None = None
-    # As metrics.regions.region_sums, where the job asks for it.
+    # As metrics.regions.region_sums, if the job requests it.
     regions: dict[str, dict[str, float]] | None = None
 
 
 class Measurement:
-    """A job under measurement: what metrics compute from, and what several of them share.
+    """A job under measurement: the inputs of metrics, and intermediate results that several share.
 
     Errors: HmdwarpError for an input that the job lacks, because the metric does not declare it.
     """

@@ -1,4 +1,4 @@
-"""What a metric declares, and the registry of metrics: one file each in metrics/library."""
+"""The declaration of a metric, and the registry of metrics: one file each in metrics/library."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @attrs.frozen(kw_only=True)
 class Metric:
-    """A figure of one eye's picture, and all that files, tables, charts and pages must know of it.
+    """A figure of one eye's picture, with everything that files, tables, charts and pages need.
 
     This is the only declaration of a metric: everything else reads it from here.
     """
@@ -28,10 +28,10 @@ class Metric:
     # Place among the metrics in every file, table and page.
     order: int
     compute: Callable[[Measurement], float | None]
-    # Without one of these there is no figure (None). A live run has no truth.
+    # Without one of these there is no figure (None). A live run has no TRUTH.
     needs: Input = Input.TRUTH
     higher_is_better: bool = False
-    # Whether the better of two runs is marked. No for holes: a warp that does nothing leaves none.
+    # Whether the better of two runs is marked. False for holes: a run without a warp has none.
     is_contest: bool = True
 
     # --- how the number is written ---
@@ -39,12 +39,12 @@ class Metric:
     unit: str = ""  # of the stored number
     percent_of: str = ""  # for a share, stored as 0..1 and written in percent: of what
     digits: int = 4
-    # In the tables of a bench, which are narrow.
+    # For the tables of a bench, which are narrow.
     short_label: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
     short_digits: int = 3
 
-    # --- where it is shown --- Columns of a low rank leave a bench's table first where the terminal
-    # is narrow; None: never in it.
+    # --- where it is shown --- Columns of a low rank are dropped first from a bench's table on a
+    # narrow terminal; None: never shown.
     bench_rank: float | None = 0
     tile_note: str = ""  # note under its tile at the top of a report; "": no tile
     chart: str = ""  # heading of its chart over time; "": no chart
@@ -63,12 +63,12 @@ class Metric:
 
     @property
     def figure(self) -> Figure:
-        """How reports write it."""
+        """Its format in reports."""
         return Figure(self.name, self.label, "%" if self.percent_of else self.unit, self.digits, self.scale)
 
     @property
     def short_figure(self) -> Figure:
-        """How the tables of a bench write it."""
+        """Its format in the tables of a bench."""
         return attrs.evolve(self.figure, label=self.short_label, digits=self.short_digits)
 
     @property
@@ -78,7 +78,7 @@ class Metric:
 
 
 metrics: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library", "metrics")
-# Decides which pictures are the worst and, unless another one is chosen, which method is the best.
+# Decides which pictures are the worst and, by default, which method is the best.
 PRIMARY = "flip"
 
 

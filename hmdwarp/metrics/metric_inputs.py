@@ -1,4 +1,4 @@
-"""What metrics may be computed from."""
+"""Inputs that metrics may be computed from."""
 
 import enum
 

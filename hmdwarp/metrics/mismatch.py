@@ -1,4 +1,4 @@
-"""Mismatch: holes that only one eye sees. The two pictures rival, worse than a hole in both."""
+"""Mismatch: holes that only one eye sees. The rivalry is worse than a hole in both eyes."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from .grid import pixel_centres, row_blocks
 
 # The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a
 # surface slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth.
-# Things that hide each other differ by more.
+# Surfaces that occlude each other differ by more.
 DEPTH_TOLERANCE = 0.02
-DEPTH_FLOOR = 0.002  # 1/m: nearer to each other than that, things are equally far
+DEPTH_FLOOR = 0.002  # 1/m: differences below this count as equal
 
 
 @attrs.frozen
@@ -32,7 +32,7 @@ class Mismatch:
 
     @property
     def share(self) -> float | None:
-        """Part of what both eyes see that is a hole for exactly one, 0..1; None without any."""
+        """Holes for exactly one eye as a share, 0..1, of what both eyes see; None without any."""
         return self.one_eyed / self.seen_by_both if self.seen_by_both else None
 
 
@@ -40,7 +40,7 @@ class SharedSurface:
     """Pixels of the two eyes that show the same surface point, from the truth alone.
 
     Made once per refresh; comparing the holes of each warp is then quick. Each left pixel goes
-    through the warp map to the right eye. It is seen there if the right eye's own depth at the
+    through the warp map to the right eye. It is visible there if the right eye's own depth at the
     nearest pixel is the same.
 
     left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of

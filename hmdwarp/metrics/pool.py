@@ -1,8 +1,8 @@
 """Measurement of pictures in other processes: SSIM and FLIP take a second a frame.
 
-multiprocessing and loky were tried instead. Spawned children of multiprocessing import the user's
-main script again. Those of loky (3.7) stay for good, 200 MB each, when this process is killed.
-Neither is faster, and neither does the work of a killed child again.
+Alternatives tried: multiprocessing and loky. Spawned children of multiprocessing import the user's
+main script again. Those of loky (3.7) survive, at 200 MB each, when this process is killed. Neither
+is faster, and neither repeats the work of a killed child.
 """
 
 from __future__ import annotations
@@ -41,16 +41,16 @@ def worker_count(workers: int | None) -> int:
 class QualityPool:
     """A pool of processes that measure QualityJobs; with 0 of them submit() does, to the same bits.
 
-        with QualityPool(2, pixels_per_degree, worst=6) as pool:
-            pool.submit((frame, eye), job)            # waits while all workers are behind
-        pool.results[frame, eye]["flip"]              # complete, in the order of the keys
+    with QualityPool(2, pixels_per_degree, worst=6) as pool:
+    pool.submit((frame, eye), job)            # waits while all workers are behind
+    pool.results[frame, eye]["flip"]              # complete, in the order of the keys
 
-    Leaving the block normally waits for all submitted jobs. Leaving it by an exception (Ctrl-C too)
-    drops the rest at once. No process outlives the block.
+    Leaving the block normally waits for all submitted jobs. Leaving it by an exception (including
+    Ctrl-C) drops the rest at once. No process outlives the block.
 
     keep=True in submit keeps that job's pictures in `kept`. `worst` is how many of the worst
-    pictures (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. Anything else is
-    dropped as soon as it is measured, so memory does not grow with the length of the run. A kept
+    pictures (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. All others are
+    dropped as soon as they are measured, so memory does not grow with the length of the run. A kept
     picture comes with its FLIP map, without previous frame, coverage and depth.
 
     Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a
@@ -206,8 +206,7 @@ class QualityPool:
             self._results[key] = result.values
             if result.regions is not None:
                 self._regions[key] = result.regions
-            # Only what reports show is worth keeping: a job of a 2064x2208 eye is 100 MB, its
-            # pictures are 40.
+            # Keep only what reports show: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
             shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, regions=False)
             kept = Kept(key, shown, result)
             if keep:
@@ -248,7 +247,7 @@ class _Worker:
                 stdout=subprocess.PIPE,
                 stderr=self._complaints,
                 env={**os.environ, **_ONE_THREAD},
-                process_group=0,  # so that the terminal's Ctrl-C reaches the loop alone, which then ends the workers
+                process_group=0,  # so that the terminal's Ctrl-C reaches only the loop, which then ends the workers
             )
         except OSError as error:
             self._complaints.close()
@@ -279,16 +278,16 @@ class _Worker:
         self._process.kill()
 
     def close(self) -> None:
-        """Let the process end by itself and free its pipes; may be called again."""
+        """Let the process end by itself and free its pipes; safe to call again."""
         assert self._process.stdin is not None and self._process.stdout is not None
-        with contextlib.suppress(OSError):  # buffered bytes have nowhere to go any more
+        with contextlib.suppress(OSError):  # the buffered bytes have no reader any more
             self._process.stdin.close()
         self._process.wait()
         self._process.stdout.close()
         self._complaints.close()
 
     def _obituary(self) -> str:
-        # Its pipes closed before it did; one that only closed them would never end by itself.
+        # Its pipes were closed before it; one that only closed them would never end by itself.
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=5)
         self._process.kill()

@@ -1,4 +1,4 @@
-"""Error by region: the holes that the warp left, the edges of things, and elsewhere.
+"""Error by region: the holes of the warp, depth edges, and elsewhere.
 
 Errors are summed over pictures; dB are never averaged.
 """
@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .pictures import check_pair, db_of
+from .picture_pairs import check_pair, db_of
 
 REGIONS = ("holes", "edges", "elsewhere")
 SUMS = ("pixels", "squared_error", "flip")
 
-# Across a plane inverse depth changes by the same step from pixel to pixel, however slanted the
-# plane is. Where two planes meet the step changes by at most what each makes alone: tan(80 deg) x
-# 0.1 deg = 1 % of the inverse depth per pixel at 10 pixels per degree.
+# Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.
+# Where two planes meet, the step changes by at most the step of each alone: tan(80 deg) x 0.1 deg =
+# 1 % of the inverse depth per pixel at 10 pixels per degree.
 RELATIVE_STEP = 0.02
-# 1/m. A head that moves 0.3 m shifts so small a difference by 0.6 mrad, less than a pixel of any
-# headset: the eye sees no edge.
+# 1/m. A head motion of 0.3 m shifts so small a difference by 0.6 mrad, less than a pixel of any
+# headset: no visible edge.
 LEAST_STEP = 0.002
 EDGE_WIDTH_PX = 2
 
@@ -66,7 +66,7 @@ def _jumps(rows: NDArray[np.float32]) -> NDArray[np.bool_]:
     allowed = np.maximum(RELATIVE_STEP * np.maximum(np.abs(rows[:, :-1]), np.abs(rows[:, 1:])), LEAST_STEP)
     jump = np.abs(step) > allowed
     change = np.abs(np.diff(step, axis=1))
-    # An end of a row has one step to continue. Two pixels have none: there a large step is a jump.
+    # The end of a row has one step to continue. Two pixels have none: there a large step is a jump.
     jump[:, 1:] &= change > allowed[:, 1:]
     jump[:, :-1] &= change > allowed[:, :-1]
     return jump

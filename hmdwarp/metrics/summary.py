@@ -33,7 +33,7 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
 
 
 def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> dict[str, dict]:
-    """Aggregate whole columns that hold only measured values; a missing column was never measured.
+    """Aggregate whole columns that hold only measured values; a missing column was not measured.
 
     Errors: as aggregate.
     """

@@ -1,8 +1,8 @@
 """The measuring process: pickled jobs on standard input, pickled results on standard output.
 
-It is an ordinary program started by QualityPool, not a fork and not a multiprocessing child. It
-holds no GL context, does not import the user's main script again, is out of reach of the terminal's
-Ctrl-C, and ends by itself when its input does.
+It is an ordinary program started by QualityPool, neither a fork nor a multiprocessing child. It
+holds no GL context, does not import the user's main script again, does not receive the terminal's
+Ctrl-C, and ends when its input ends.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _NICENESS = 5  # measuring must not slow down the loop whose passes are being ti
 
 
 def main() -> None:
-    """Serve until the input ends: the pixels per degree come first, then QualityJobs."""
+    """Serve until the input ends: first the pixels per degree, then QualityJobs."""
     # Text printed to standard output (FLIP prints errors there) must not end up among the results.
     results = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())

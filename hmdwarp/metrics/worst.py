@@ -1,4 +1,4 @@
-"""The worst pictures of a long run, in bounded memory; timing does not matter."""
+"""The worst pictures of a long run, in bounded memory, independent of timing."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from .metric import PRIMARY
 
 @attrs.frozen(eq=False)
 class Kept:
-    """A picture that was kept, with its figures."""
+    """A picture to keep, with its figures."""
 
-    key: Any  # that it was submitted under
+    key: Any  # the key it was submitted under
     job: QualityJob
     result: QualityResult
 
     @property
     def rank(self) -> tuple[float, Any]:
-        """Sort key: larger is worse. Of two equals the one with the larger key is worse."""
+        """Sort key: larger is worse. Of two equals the one with the larger key counts as worse."""
         return self.result.values[PRIMARY] or 0.0, self.key
 
 
@@ -30,8 +30,8 @@ class WorstKeeper:
 
     A bucket is a second of the trace, say.
 
-    The order in which pictures are offered does not matter. A bucket's worst is dropped only for
-    `count` buckets that are worse still, and those can only get worse. A picture whose bucket is
+    The order in which pictures are offered does not matter. A bucket's worst is dropped only when
+    `count` other buckets are worse still, and those can only get worse. A picture whose bucket is
     None is never kept.
     """
 

@@ -1,7 +1,8 @@
-"""Options: each is declared once, where it is used, as a field of an attrs class.
+"""Options, each declared once, where it is used, as a field of an attrs class.
 
 The command line, the keys of a study's file, the help and the table of `hmdwarp list options` are
-made from the declarations. This package imports nothing heavy, nor does a module that declares.
+made from the declarations. Neither this package nor a module that declares options imports anything
+heavy.
 """
 
 from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as

@@ -1,4 +1,4 @@
-"""Declaration of an option, and objects made from the texts that people write."""
+"""Declaration of options, and construction of objects from the texts that users write."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .limits import Number
 
 _KEY, _GROUP = "options", "group"
 # Where a study's file may set an option: for the display of a whole session, for how the scene
-# looks, or for one condition; else a sentence says why not.
+# looks, or for one condition. Otherwise a sentence says why it may not.
 DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"
 
 
@@ -22,29 +22,29 @@ class Option:
     help: str
     # Type that the command line reads: str, float, int, bool, Path, or list for several texts.
     kind: type = str
-    # Value where nothing is said; None where the help says what happens then.
+    # Value of an option that is not set; None where the help says what happens then.
     default: Any = None
     required: bool = False
     # In Python and in a study's file; "" for the field's own name without its unit.
     name: str = ""
     unit: str = ""
-    # Values that make sense, in words; "" for any.
+    # Allowed values in words; "" for any.
     limits: str = ""
     metavar: str | None = None
     # Flag that turns a switch off; "" for none.
     off: str = ""
-    # Whether its place on the command line says which it is, without a flag.
+    # Whether it is a positional argument rather than a flag.
     positional: bool = False
     # Whether a study's file may give a number in place of a text.
     numeric: bool = False
     # DISPLAY, PICTURE, CONDITION, or why a study's file may not set it.
     study: str = CONDITION
-    # From what was written to the field's value.
+    # Converts the written text to the field's value.
     parse: Callable[[Any], Any] | None = None
 
     @property
     def flag(self) -> str:
-        """The option as the command line has it."""
+        """The option's name on the command line."""
         return f"--{self.name.replace('_', '-')}"
 
     @property
@@ -53,7 +53,7 @@ class Option:
         return self.study in (DISPLAY, PICTURE, CONDITION)
 
     def named(self, field: str) -> Option:
-        """Return the option with its name, which it may have from its field."""
+        """Return the option with a name: its own, or that of its field."""
         return self if self.name else attrs.evolve(self, name=field.removesuffix(f"_{self.unit.lower()}"))
 
 
@@ -63,8 +63,8 @@ def option(
     """Return an attrs field that is an option.
 
     value: default of the field. valid, convert: validator and converter of the field. beside:
-    options that have a say in the same matter, see Declared.values_of. about: attributes of Option;
-    kind and default are those of the field's default unless they say otherwise.
+    options that affect the same field, see Declared.values_of. about: attributes of Option; kind
+    and default are those of the field's default unless they say otherwise.
     """
     required = value is attrs.NOTHING
     kind = str if value is None or required else type(value)
@@ -116,21 +116,21 @@ def _all_of(kind: type) -> Iterator[Option]:
 class Declared:
     """Base of classes whose fields are options."""
 
-    # Options of a base class that this one has no use for.
+    # Options of a base class that do not apply to this one.
     not_offered: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def of(cls, said: Mapping[str, Any], **fields: Any) -> Self:
-        """Return the object for what was said; what was not said has its default.
+        """Return the object for the options that were set; the others keep their defaults.
 
         said: values by option name, as the command line or a study's file reads them. fields: by
-        field name, in place of what was said. Errors: InputError for a value that makes no sense.
+        field name, overriding `said`. Errors: InputError for a value out of range.
         """
         return cls(**{**cls.values_of(said), **fields})
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields that something was said about, by name."""
+        """Return the fields whose options were set, by name."""
         values: dict[str, Any] = {}
         for field in attrs.fields(cls):  # type: ignore[arg-type]
             if _GROUP in field.metadata:

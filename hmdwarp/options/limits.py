@@ -1,7 +1,4 @@
-"""Limits of an option's value.
-
-Validators for attrs fields, and the names that a registry offers.
-"""
+"""Limits of an option's value: validators for attrs fields, and the names that registries offer."""
 
 from __future__ import annotations
 
@@ -18,9 +15,9 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def names_in(folder: str, pattern: str = "*.py") -> str:
-    """Return the entries of a registry for a help text, from file names alone.
+    """Return the entries of a registry for a help text.
 
-    --help imports nothing.
+    Reads file names alone, so that --help imports nothing.
     """
     return ", ".join(sorted(p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_")))
 
@@ -42,11 +39,11 @@ class Number:
 
     least: float = 0.0
     most: float = math.inf
-    # Whether the least value is itself too small.
+    # Whether the lower limit is exclusive.
     above: bool = False
 
     def words(self, unit: str = "") -> str:
-        """Return the limits as an error or a table says them."""
+        """Return the limits in words, for errors and tables."""
         least = f"{'above' if self.above else 'of at least'} {self.least:g}{unit}"
         return f"{least} and at most {self.most:g}{unit}" if math.isfinite(self.most) else least
 
@@ -62,7 +59,7 @@ class Number:
 
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
-    """Return the name and unit (" ms") that the user knows a field by."""
+    """Return the name and unit (" ms") by which the user knows a field."""
     declared = field.metadata.get("options", ())
     if not declared:
         return field.name, ""
@@ -71,7 +68,7 @@ def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
 
 
 def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str], None]:
-    """Return a validator that raises InputError for any other text."""
+    """Return a validator that raises InputError for any text not in the list."""
 
     def check(_: object, field: attrs.Attribute[Any], value: str) -> None:
         if value not in known:

@@ -1,6 +1,4 @@
-"""The pipeline that every driver runs.
-
-Options, sizes, the parts put together, and the loop over refreshes.
+"""The pipeline that every driver runs: options, sizes, assembly, and the loop over refreshes.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

@@ -1,7 +1,4 @@
-"""A picture's whole way on one GPU.
-
-Server, channel, history, client and the loop that drives them.
-"""
+"""Assembly of a pipeline on one GPU: server, channel, history, client, and the loop around them."""
 
 from __future__ import annotations
 
@@ -30,28 +27,26 @@ from .loop import Loop, PoseRequest
 from .options import PipelineOptions
 from .sizes import check_room, eye_sizes
 
-# A latency this near to a whole number of refreshes means that number: 16.67 ms is one refresh at
-# 60 Hz, not a little more.
+# A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
+# refresh at 60 Hz, not a little more.
 _SAME_REFRESH = 1e-3
 
 
 def latency_ns(options: PipelineOptions) -> int:
-    """Return the latency of the options."""
+    """Return the motion-to-photon latency that the options set."""
     return round(options.latency_ms * 1e6)
 
 
 def refreshes_of(latency_ms: float, rate_hz: float) -> int:
-    """Return how many refreshes after it was drawn a frame is shown.
-
-    The next one after it has arrived.
-    """
+    """Return how many refreshes after drawing a frame is shown: the first one after it arrives."""
     return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
 
 
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """Return the most frames there are at a time.
+    """Return the largest number of frames alive at once.
 
-    Under way, shown, being drawn, and older ones kept.
+    Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
+    read.
     """
     if options.network.is_plain:
         return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
@@ -61,13 +56,13 @@ def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
 def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
     """Return the expected age of a frame when it is seen.
 
-    plain_ns: over a link that only delays.
+    plain_ns: the age over a link that only delays.
     """
     return plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
-    """Check the room for the most frames there are at a time. Errors: as check_room."""
+    """Check that the largest number of frames alive at once fits. Errors: as check_room."""
     check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
@@ -78,11 +73,11 @@ class Target:
     # Belongs to the caller.
     gpu: Gpu
     eyes: Eyes
-    # Of the display's refreshes.
+    # Refresh rate of the display.
     rate_hz: float
-    # Delay of the link.
+    # Delay of the link alone, without the wait for the next refresh.
     link_latency_ns: int
-    # Headset whose lens the plans correct, if they do.
+    # Headset whose lens the plans correct, or None.
     lens_of: Headset | None = None
 
 
@@ -93,7 +88,7 @@ class Pipeline:
     Use as a context manager; the GPU itself belongs to the caller.
     """
 
-    # The plan that runs at first.
+    # The plan that runs first.
     plan: Plan
     requested: PoseRequest
     sizes: EyeSizes
@@ -102,7 +97,7 @@ class Pipeline:
     geometry: ClientScene
     channel: Channel
     loop: Loop
-    # The part that chooses the warp; None where the options name one.
+    # Chooses the warp; None where the options name one.
     auto: AdaptiveCompensator | None
     lens_of: Headset | None
     _made: list[Compensator | AdaptiveCompensator]
@@ -115,7 +110,10 @@ class Pipeline:
         return made
 
     def exchange(self, plan: Plan) -> None:
-        """Run this plan from now on; frames must carry what it reads. What it replaces is freed."""
+        """Run this plan from now on, and free the one that it replaces.
+
+        Frames must carry its layers.
+        """
         made, before = self.compensator(plan), self.loop.compensator
         self.loop.exchange(made)
         self._made.remove(before)
@@ -144,10 +142,10 @@ def build_pipeline(
     requested: PoseRequest,
     levels: tuple[QualityLevel, ...] = (),
 ) -> Pipeline:
-    """Compile and allocate all of it.
+    """Compile and allocate the whole pipeline.
 
-    plans: one, or that of each quality level.
-    Errors: InputError for sizes the GPU cannot do, MachineError where there is no room.
+    plans: one, or one for each quality level.
+    Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)

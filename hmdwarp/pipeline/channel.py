@@ -1,4 +1,4 @@
-"""The way of frames from the server to the client: through the link and, if chosen, a codec."""
+"""Transport of frames from the server to the client: through the link and, if chosen, a codec."""
 
 from __future__ import annotations
 
@@ -24,32 +24,32 @@ if TYPE_CHECKING:
     from ..frames import Frame
     from ..link import Link, LinkOptions, TransitStats
 
-# Figures of so many frames are kept: half an hour at 60 Hz, and no more in a run of hours.
+# At most so many samples are kept: half an hour at 60 Hz.
 KEPT = 1 << 17
-# The loss by coding is measured at every tenth frame: that costs a comparison of two pictures.
+# Coding loss is measured on every tenth frame, because it costs a comparison of two pictures.
 LOOK_EVERY = 10
 
 
 @attrs.frozen(eq=False)
 class EncodedFrame:
-    """A frame on its way."""
+    """A frame in transit."""
 
     frame: Frame
-    # One for each eye, none where nothing is encoded.
+    # One for each eye; empty where nothing is encoded.
     packets: tuple[Packet, ...] = ()
-    # The colours before encoding, where the loss is measured.
+    # The colours before encoding; kept only where the loss is measured.
     before: tuple[NDArray[np.uint8], ...] = ()
 
 
 class Channel:
-    """Takes each frame the server draws; hands out the newest that has arrived, as it has arrived.
+    """Send each frame that the server draws; return the newest that has arrived, as it arrived.
 
     When an encoded frame arrives, its decoded colour and inverse depth are written over its own
     textures; its other layers are counted as packed without loss. The time of encoding and decoding
     is reported, never simulated, so that a replay is the same twice.
 
-    weight_bytes: of a frame, where nothing is encoded. offer: called with each frame the client had
-    and no longer needs; recycle: with those it never had.
+    weight_bytes: size of a frame where nothing is encoded. offer: called with each frame that the
+    client used and no longer needs. recycle: called with each frame that it never used.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Channel:
         )
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
-        """Give frames sent from now on another latency; those under way arrive as they would have.
+        """Set the latency of frames sent from now on; those in transit keep theirs.
 
         Errors: as LinkOptions.check.
         """
@@ -90,13 +90,13 @@ class Channel:
         self.link.send(encoded, now_ns, size, key)
 
     def newest(self, now_ns: int) -> Frame | None:
-        """Return the newest frame that has arrived by now, None before the first."""
+        """Return the newest frame that has arrived by now, or None before the first."""
         encoded = self.link.newest(now_ns)
         return encoded.frame if encoded is not None else None
 
     @property
     def transit(self) -> TransitStats | None:
-        """The way of the shown frame, None before the first."""
+        """Transit statistics of the shown frame, or None before the first."""
         return self.link.transit
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
@@ -110,15 +110,15 @@ class Channel:
         }
 
     def close(self) -> None:
-        """Give back every frame still held; the tally stays."""
+        """Recycle every frame still held; the statistics stay readable."""
         self.link.close()
 
 
 class Coder:
-    """The streams of both eyes.
+    """Codec streams of both eyes.
 
     size: (w, h) of a rendered picture. sends_depth: whether inverse depth counts as sent; some
-    warps need none.
+    warps do not need it.
     """
 
     def __init__(self, coding: Coding, size: tuple[int, int], rate_hz: float, *, sends_depth: bool = True) -> None:
@@ -148,14 +148,14 @@ class Coder:
         return EncodedFrame(frame, packets, before), size, all(packet.key for packet in packets)
 
     def receive(self, encoded: EncodedFrame) -> bool:
-        """Decode into the frame's own textures; return False if it is undecodable."""
+        """Decode into the frame's own textures; return False if the frame cannot be decoded."""
         started = time.perf_counter_ns()
         pictures, failed = [], False
         for decoder, packet in zip(self._decoders, encoded.packets, strict=True):
             try:
                 pictures.append(decoder.decode(packet))
             except Undecodable:
-                failed = True  # the other eye's stream must hear of this frame too
+                failed = True  # report it to the other eye's stream too
         if failed:
             return False
         encoded.frame.timings_ms["decode"] = _milliseconds_since(started)
@@ -168,7 +168,7 @@ class Coder:
         return True
 
     def summary(self) -> dict[str, Any]:
-        """Return its part of summary.json; None where nothing was coded."""
+        """Return the codec's part of summary.json, or None where nothing was coded."""
         figures = {"encode_ms": self._encode_ms, "decode_ms": self._decode_ms, "coded_psnr_db": self._lost_db}
         return {"codec": self._codec, **{name: median(values) if values else None for name, values in figures.items()}}
 

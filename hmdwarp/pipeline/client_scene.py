@@ -1,4 +1,4 @@
-"""The scene as the client has it: all of its depth, and a reduced model to draw in holes."""
+"""The scene on the client: exact depth of all triangles, and a reduced model to draw in holes."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ Size = tuple[int, int]
 
 
 class ClientScene:
-    """A client.ClientGeometry.
+    """The client.ClientGeometry of a scene.
 
-    server: of the same scene; it draws the exact depth. cache: the folder of reduced scenes, None
-    for the user's cache folder. A model is reduced and uploaded when it is first needed.
+    server: of the same scene; it draws the exact depth. cache: folder of reduced scenes, None for
+    the user's cache folder. A model is reduced and uploaded on first use.
     """
 
     def __init__(self, server: Server, cache: Path | None = None) -> None:
@@ -54,14 +54,14 @@ class ClientScene:
         return self._models[key]
 
     def close(self) -> None:
-        """Free the models; the server belongs to its maker."""
+        """Free the models; the caller closes the server."""
         for model in self._models.values():
             model.close()
         self._models.clear()
 
 
 class DrawnModel:
-    """A client.ClientModel of a scene that has nothing but surfaces."""
+    """A client.ClientModel that draws surfaces only."""
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lit: bool) -> None:
         self._gl = gpu.gl
@@ -76,7 +76,7 @@ class DrawnModel:
         self._no_depth = allocate(gpu.gl, (1, 1), SCALAR)
 
     def reserve(self, size: Size) -> None:
-        """Allocate what pictures of that size need, see ClientModel.reserve."""
+        """Allocate for pictures of that size, see ClientModel.reserve."""
         self._framebuffers.reserve(size)
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
@@ -86,7 +86,7 @@ class DrawnModel:
     def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
         """Draw into holes alone, see ClientModel.draw_holes.
 
-        Covered pixels go to the very front of the depth buffer, so that only holes are shaded.
+        Covered pixels get the nearest value in the depth buffer, so that only holes are shaded.
         """
         framebuffer, gl = self._over(into), self._gl
         clear_depth(gl, framebuffer)
@@ -104,7 +104,7 @@ class DrawnModel:
         return self._framebuffers.over(into.colour.texture, *depth)
 
     def close(self) -> None:
-        """Free what it holds; the shader library owns programs."""
+        """Free its buffers; the shader library owns the programs."""
         self._passes.close()
         self._empty.release()
         for one in self._moving:

@@ -33,38 +33,37 @@ class _Pictures(TypedDict):
 
 @attrs.frozen(eq=False)
 class PoseRequest:
-    """Head poses that server and display ask for, and the pictures that the server draws."""
+    """Head poses for the server and the display, and the format of the pictures to draw."""
 
     source: PoseSource
-    # The head when a frame drawn now will be seen; None for no prediction.
+    # Predicts the head for the instant when a frame drawn now is seen; None for no prediction.
     predicted: Callable[[int], PoseSample] | None
     # (w, h) of one eye.
     size: tuple[int, int]
-    # How much larger in tangents the server draws.
+    # Size of the rendered view relative to the shown one, in tangents.
     guard: float
-    # What frames carry.
+    # Layers that frames carry.
     needs: Needs
-    # From the first row of the display to its last.
+    # Time from the first row of the display to its last.
     scanout_ns: int = 0
 
     def for_server(self, now_ns: int) -> PoseSample:
-        """Return the pose for a frame drawn now: the present one, or one predicted."""
+        """Return the pose for a frame drawn now: the current or the predicted one."""
         return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns)
 
     def for_display(self, shown_ns: int) -> PoseSample:
-        """Return the head when the picture is seen."""
+        """Return the head pose at the instant when the picture is seen."""
         return self.source.head_at(shown_ns)
 
 
 @attrs.frozen(eq=False)
 class Refresh:
-    """One picture pair.
+    """Everything about one shown refresh: inputs, results and timings.
 
-    When and for which head it was made, from which frame, by which plan, what its passes were
-    given, what came out (overwritten at the next).
+    The result textures are overwritten by the next refresh.
 
-    What it took is known when the GPU has finished: `stage_ms` and `response` wait for that. On a
-    GPU that must not stand still, they are read a refresh later.
+    Reading `stage_ms` or `response` waits for the GPU. To avoid a stall, read them one refresh
+    later.
     """
 
     shown_ns: int
@@ -78,17 +77,17 @@ class Refresh:
 
     @property
     def age_ns(self) -> int:
-        """How long before it is seen the frame was drawn."""
+        """Time from drawing the frame to showing it."""
         return self.shown_ns - self.frame.drawn_ns
 
     @property
     def stage_ms(self) -> tuple[Stages, ...]:
-        """What each pass of each eye took."""
+        """Milliseconds of each stage, one entry for each eye."""
         return tuple(lap.read() for lap in self.laps)
 
     @property
     def response(self) -> ResponseTime:
-        """The response time by its parts."""
+        """The response time, split into its parts."""
         took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.timings_ms.items()}
         if self.frame.drawing is not None:
             took["render_ms"] = _total(self.frame.drawing.read())
@@ -96,11 +95,9 @@ class Refresh:
 
 
 class Loop:
-    """One refresh after the other.
+    """The loop over refreshes: `draw` sends a frame, `show` warps the newest that has arrived.
 
-    `draw` what the server sends now, `show` what has arrived by the display instant.
-
-    eyes: which views a head pose gives.
+    eyes: the views that belong to a head pose.
     """
 
     def __init__(
@@ -118,11 +115,11 @@ class Loop:
         self._last: Refresh | None = None
 
     def exchange(self, compensator: Compensator) -> None:
-        """Go on with another compensator, for the same frames."""
+        """Continue with another compensator on the same frames."""
         self.compensator, self._last = compensator, None
 
     def draw(self, now_ns: int) -> None:
-        """Draw all eyes on the server for the pose of this instant, and send the frame."""
+        """Draw all eyes on the server for the head pose at `now_ns`, and send the frame."""
         asked = self._requested
         head = asked.for_server(now_ns)
         timer = self._server.gpu.timer
@@ -131,12 +128,12 @@ class Loop:
         self._channel.send(Frame(frame.eyes, frame.drawn_ns, head, timer.lap()), now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
-        """Warp the newest frame that has arrived to the head at `shown_ns`.
+        """Warp the newest frame that has arrived to the head pose at `shown_ns`.
 
-        Return None before the first.
+        Return None before the first frame arrives.
 
-        The head is read after the frame was chosen and right before the first pass is dispatched:
-        it is as new as can be.
+        The head is read last, right before the first pass is dispatched, so that it is as recent as
+        possible.
         """
         self._record_timings()
         frame = self._channel.newest(shown_ns)
@@ -159,9 +156,9 @@ class Loop:
             self.compensator.record_timings(last.stage_ms)
 
     def inputs(self, refresh: Refresh, needs: Needs) -> tuple[PassInputs, ...]:
-        """Return the inputs of another plan with these needs at the refresh just shown.
+        """Return the inputs of another plan with these needs for the refresh just shown.
 
-        Frames must carry as much, see PoseRequest.needs; what they carry beyond is left out.
+        Frames must carry what it needs, see PoseRequest.needs; layers beyond that are left out.
         """
         return tuple(attrs.evolve(one, **self._pictures(refresh.frame, one.eye, needs)) for one in refresh.inputs)
 
@@ -180,7 +177,7 @@ class Loop:
     def _pictures(self, frame: Frame, eye: int, needs: Needs) -> _Pictures:
         """Return the eye's picture and the others that a plan reads, with the layers it needs.
 
-        Frames may carry more, for plans that run beside it.
+        Frames may carry more layers, for plans that run on the same refresh.
         """
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
         past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])

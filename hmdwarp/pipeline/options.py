@@ -14,7 +14,7 @@ from ..link import LinkOptions
 from ..link.codec import Coding
 from ..options import DISPLAY, PICTURE, Declared, Number, Option, group, names_in, option
 
-AUTO = "auto"  # the warp that chooses among the others, and the guard band that fits the trace
+AUTO = "auto"  # the automatic choice of warp and of guard band
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -36,9 +36,9 @@ def parse_guard(text: str) -> float | Literal["auto"]:
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
-    """Return the chosen fill, or the usual one: none for a warp fused with the lens.
+    """Return the chosen fill, or the default one: none for a warp fused with the lens.
 
-    wide: that fill before it. Errors: InputError for one beside warp auto, which chooses its own.
+    wide: run that fill first. Errors: InputError for a fill with warp auto, which chooses its own.
     """
     if warp == AUTO and (fill is not None or wide):
         asked = "--wide" if fill is None else f"--fill {fill}"
@@ -62,33 +62,34 @@ _WIDE = Option(
 
 @attrs.frozen
 class PipelineOptions(Declared):
-    """What a picture goes through from the server to the eye.
+    """Options of the path from the server to the eye.
 
-    Errors: InputError for a number that makes no sense.
+    Errors: InputError for a value out of range.
     """
 
     scene: str = option("room", f"Scene: {names_in('scenes/library')}, or a .glb, .obj or .ply file.", study=PICTURE)
     # From drawing a frame to showing it.
     latency_ms: float = option(200.0, "Milliseconds from drawing a frame to showing it.", unit="ms", valid=Number())
     warp: str = option("forward", f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
-    # Per eye, for warp "auto" alone, which takes the most accurate warp and fill within it.
+    # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
         None, "Milliseconds for one eye that --warp auto keeps to.", kind=float, unit="ms", valid=Number(above=True)
     )
-    # The bench.json that warp "auto" chooses from, None to try all on the run's own frames first.
+    # The bench.json that warp "auto" chooses from; None measures all warps on the run's own frames
+    # first.
     bench: Path | None = option(
         None,
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
         kind=Path,
         convert=attrs.converters.optional(Path),
     )
-    # Warp "auto" chooses its own, whatever this says.
+    # Ignored by warp "auto", which chooses its own.
     fill: str = option(
         "interpolate",
         f"Fill: {names_in('client/fills')}, or several with +. [default: interpolate; auto's own]",
         default=None,
     )
-    # As client.effects.EffectRegistry.selected reads it.
+    # In the syntax of client.effects.EffectRegistry.selected.
     effects: str = option(
         "auto",
         f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids.",
@@ -113,7 +114,7 @@ class PipelineOptions(Declared):
     size: tuple[int, int] | None = option(
         None, "Pixels of one eye; by default the display's.", metavar="WxH", parse=parse_size, study=DISPLAY
     )
-    # None for the display's.
+    # None for the display's own rate.
     rate_hz: float | None = option(
         None,
         "Refreshes per second; by default the display's.",
@@ -131,23 +132,22 @@ class PipelineOptions(Declared):
         numeric=True,
         parse=parse_guard,
         valid=_check_guard,
-        beside=(_WIDE,),  # the other way to see beyond the border
+        beside=(_WIDE,),  # the other way to fill beyond the border
     )
-    # Warp and lens in one resample.
     fused: bool = option(False, "Warp and apply the lens in one resample; for gather warps, without fill.")
-    # From the display's first row to its last, 0 for a display that lights up at once.
+    # From the display's first row to its last; 0 for a global display.
     scanout_ms: float = option(
         0.0, "Milliseconds that the display takes from its first row to its last.", unit="ms", valid=Number(most=100)
     )
-    # Other warps show all rows as in the middle of the scan-out.
+    # Warps that cannot follow show all rows as in the middle of the scan-out.
     follow_scanout: bool = option(
         True,
         "Warp each row for its own instant, where the warp can, or all for the middle one.",
         off="--no-follow-scanout",
     )
-    # Networks delay, lose and queue frames, beside the latency.
+    # Delay variation, loss and queueing, on top of the latency.
     network: LinkOptions = group(LinkOptions)
-    # Whether frames are encoded and decoded on the way.
+    # Encoding and decoding on the link.
     coding: Coding = group(Coding)
     predict: str = option("none", f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}.")
     horizon_ms: float = option(100.0, "Milliseconds to predict ahead at most.", unit="ms", valid=Number())
@@ -167,7 +167,7 @@ class PipelineOptions(Declared):
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields that something was said about. Errors: InputError."""
+        """Return the fields whose options were set. Errors: InputError."""
         values = super().values_of(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
         values["fill"] = _fill_for(said.get("warp", ""), said.get("fill"), fused=fused, wide=wide)
@@ -177,7 +177,7 @@ class PipelineOptions(Declared):
 
     @property
     def chooses_warp(self) -> bool:
-        """Whether the run chooses warp and fill itself, to keep to its budget."""
+        """Whether the run chooses warp and fill itself, to stay within its budget."""
         return self.warp == AUTO
 
     @property

@@ -1,4 +1,4 @@
-"""From the options to the plan of a run, for one scene and one display."""
+"""Plans of a run, from its options, its scene and its display."""
 
 from __future__ import annotations
 
@@ -18,9 +18,7 @@ def plans_for(
     levels: tuple[QualityLevel, ...] = (),
     **beyond: str,
 ) -> list[Plan]:
-    """Return the plan of a run in a list.
-
-    Of a run that chooses its warp, that of each quality level.
+    """Return the plans of a run: one, or one for each quality level if it chooses its warp.
 
     beyond, errors: as build_plan_for.
     """
@@ -31,10 +29,10 @@ def plans_for(
 def build_plan_for(
     options: PipelineOptions, headset: Headset | None, scene: Scene | None, *, distorts: str = "", takes_depth: str = ""
 ) -> Plan:
-    """Return the plan of a run. Without a scene yet, only the names are checked.
+    """Return the plan of a run. Without a scene, only the names are checked.
 
-    headset: whose lens is corrected, if one is. distorts, takes_depth: as build_plan has them.
-    Errors: as build_plan; InputError for a lens correction of a headset without a lens.
+    headset: the one whose lens is corrected, or None. distorts, takes_depth: as in build_plan.
+    Errors: as build_plan; InputError for a lens correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
         raise InputError(
@@ -58,5 +56,5 @@ def build_plan_for(
 
 
 def plan_against(warp: str) -> Plan:
-    """Return the plan of a warp that another is compared with: without fill, effects and lens."""
+    """Return the plan of a comparison warp: without fill, effects and lens."""
     return build_plan((), warp, "none", "none", client_geometry=True)

@@ -1,4 +1,4 @@
-"""The sizes of a run's pictures, and whether this machine has room for them."""
+"""Picture sizes of a run, and whether the machine has memory for them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Size = tuple[int, int]
 
 
 def guarded_size(guard: float, eyes: Eyes, size: Size) -> Size:
-    """Return (w, h) of what the server draws for one eye.
+    """Return (w, h) of the picture that the server draws for one eye.
 
     Errors: InputError for a guard that leaves the half-space in front of the eye.
     """
@@ -31,15 +31,18 @@ def _named(eyes: Eyes) -> str:
 
 
 def eye_sizes(guard: float, eyes: Eyes, size: Size) -> EyeSizes:
-    """Return what the sizes of all layers follow from. size: as shown. Errors: as guarded_size."""
+    """Return the sizes that every layer is derived from.
+
+    size: of the shown picture. Errors: as guarded_size.
+    """
     return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())))
 
 
 def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: int, latency_ms: float) -> None:
-    """Check GL limit and memory.
+    """Check the GL size limit and the memory.
 
-    Errors: InputError beyond the GL limit; MachineError where the frames under way alone would fill
-    the machine's memory.
+    Errors: InputError beyond the GL limit; MachineError where the frames alone would fill the
+    machine's memory.
     """
     check_size(gpu.gl, sizes.shown)
     rendered_size = sizes.rendered
@@ -56,7 +59,7 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: in
 
 
 def memory_bytes() -> float:
-    """Return the memory of the whole machine, infinite where it is unknown."""
+    """Return the memory of the whole machine, infinite where unknown."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):

@@ -9,11 +9,11 @@ import attrs
 class Defect:
     """One kind of defect in a file."""
 
-    kind: str  # a stable word for programs
-    what: str  # for people
-    done: str  # what was done about it
+    kind: str  # a stable identifier for programs
+    what: str  # a description for people
+    done: str  # the repair
     count: int = 1
-    line: int | None = None  # the first place in the file, from 1
+    line: int | None = None  # the first line concerned, from 1
 
     def __str__(self) -> str:
         place = "" if self.line is None else f" (line {self.line}{' first' if self.count > 1 else ''})"

@@ -1,15 +1,19 @@
-"""Find the format of a file from its contents."""
+"""Detect the format of a file from its contents."""
 
 from __future__ import annotations
 
 from ..errors import TraceError
 from .formats import TraceFormat, formats, ordered
 from .options import TraceOptions
-from .reading.head import Head
+from .reading.file_head import Head
 
 
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:
-    """Return the chosen format, or the surest. Errors: UnknownNameError, TraceError."""
+    """Return the named format, or the most likely one. Errors: UnknownNameError, TraceError."""
+    if options.columns is not None:
+        from .stated import StatedColumns
+
+        return StatedColumns()
     if options.format is not None:
         return formats.get(options.format)
     scores = {f.name: f.sniff(head, options) for f in formats}
@@ -17,7 +21,7 @@ def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     if scores[best] > 0:
         return formats.get(best)
     if head.names is None and head.width in (5, 6, 7, 8) and options.quat_order is None:
-        ordered(head, (0, 0, 0, 0), None)  # says that the order cannot be told
+        ordered(head, (0, 0, 0, 0), None)  # raises an error on the ambiguous order
     known = ", ".join(formats.names())
     raise TraceError(
         f"{head.path} is in no known trace format ({head.describe()}): "

@@ -11,19 +11,26 @@ from ..registry import unknown_name
 from .defects import Defect
 from .options import TraceOptions
 from .reading.cleaning import Segment
+from .reading.rows import ASSUMED
 from .track import PoseTrack
 
 
 @attrs.frozen(eq=False)
 class LoadedTrace:
-    """A trace and all that is known of its file."""
+    """A trace and all facts about its file."""
 
     track: PoseTrack
     path: Path
     format: str
-    defects: list[Defect]  # everything that was wrong, and its repair
-    segments: list[Segment]  # recordings within the file, of which one was taken
+    defects: list[Defect]  # all defects and their repairs
+    segments: list[Segment]  # recordings within the file, of which one was used
     time_unit: str  # of the file's clock, in words
+    axes: str  # of the file's world and head, who says so, and what the motion shows, in words
+
+    def notes(self) -> list[str]:
+        """Return a line for each defect, and one for axes that are only assumed."""
+        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if ASSUMED in self.axes else []
+        return [*assumed, *map(str, self.defects)]
 
     @property
     def rate_hz(self) -> float:
@@ -35,12 +42,12 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     """Read a head trace.
 
     name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording.
-    options: overrides what the file says or leaves open.
+    options: overrides facts of the file, or adds missing ones.
     Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
     format.
     """
     from .finding import find_format
-    from .reading.head import read_head
+    from .reading.file_head import read_head
 
     options = options or TraceOptions()
     path = trace_path(name_or_path)
@@ -51,11 +58,13 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     head = read_head(path)
     found = find_format(head, options)
     cleaned = found.read(head, options)
-    return LoadedTrace(cleaned.track, path, found.name, cleaned.defects, cleaned.segments, cleaned.time_unit)
+    return LoadedTrace(
+        cleaned.track, path, found.name, cleaned.defects, cleaned.segments, cleaned.time_unit, cleaned.axes
+    )
 
 
 def trace_path(name_or_path: str | Path) -> Path:
-    """Return the path of a trace; a bare name means a shipped recording first.
+    """Return the path of a trace; a bare name is looked up among the shipped recordings first.
 
     Errors: TraceError, UnknownNameError.
     """

@@ -1,4 +1,4 @@
-"""A recording as a live head without end: forwards, then backwards, and so on."""
+"""A recording as an endless live head: forwards, then backwards, and so on."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from .track import PoseTrack
 
 
 class LoopedSource:
-    """PoseSource over a track, on the clock `now_ns`.
+    """A PoseSource over a track, on the clock `now_ns`.
 
-    At its end the track is played back to its beginning, so that nothing jumps there.
+    At its end the track is played backwards to its beginning, so that nothing jumps.
     """
 
     def __init__(self, track: PoseTrack, now_ns: Callable[[], int]) -> None:
@@ -40,7 +40,7 @@ class LoopedSource:
 
 
 def folded(since_ns: int, length_ns: int) -> int:
-    """Return 0 to length and back again, without end; 0 before the beginning."""
+    """Return 0 to length and back again, endlessly; 0 before the beginning."""
     if since_ns <= 0 or length_ns <= 0:
         return 0
     turn, at_ns = divmod(since_ns, length_ns)

@@ -1,4 +1,4 @@
-"""Where the head will be, from what was known by now."""
+"""Prediction of the head pose from past motion."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ HORIZON_NS = 100_000_000
 def predict(
     track: PoseTrack, now_ns: int, target_ns: int, method: str = "constant_velocity", horizon_ns: int = HORIZON_NS
 ) -> PoseSample:
-    """Return the head at `target_ns` as known at `now_ns`; ignore every sample after `now_ns`.
+    """Return the head pose at `target_ns` as known at `now_ns`; ignore every sample after `now_ns`.
 
     method: name of a predictor. horizon_ns: how far ahead of the last sample at most; beyond it the
-    pose stands still. A target at or before the last known sample is looked up, not predicted.
+    pose stays constant. A target at or before the last known sample is looked up, not predicted.
     Errors: UnknownNameError; InputError for a negative horizon.
     """
     predictor = predictors.get(method)

@@ -1,4 +1,4 @@
-"""Quaternion arithmetic on arrays (..., 4), xyzw, unit unless said otherwise.
+"""Quaternion arithmetic on arrays (..., 4), xyzw, unit unless stated otherwise.
 
 SciPy's Rotation objects cost more than the arithmetic for one pose and several copies for 10^7 of
 them; the tests compare every function here against them.

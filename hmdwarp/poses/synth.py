@@ -1,11 +1,11 @@
-"""Synthetic heads: seeded motion with the statistics of people, for recordings anyone may ship.
+"""Synthetic heads: seeded motion with human statistics, for recordings free of any licence.
 
 A head turns in gaze shifts along minimum-jerk profiles (Flash and Hogan 1985, The coordination of
 arm movements, eq. 6; fitted to heads by Chen et al. 2012, Submovement composition of head
 movement). The duration of a shift grows linearly with its amplitude, so its peak speed grows with
 amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981, Dynamics
-of head movement trajectories). Between shifts it drifts in slow submovements, as heads do that
-follow something. It turns about the neck, not about the eyes; it sways like a standing person and
+of head movement trajectories). Between shifts it drifts in slow submovements, like a head that
+follows an object. It turns about the neck, not about the eyes; it sways like a standing person and
 bobs at each step of a walking one.
 
 All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions
@@ -38,7 +38,7 @@ NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
 # 210. Chosen, with the pauses and the drift of `_look_around`, to meet the speeds of 264 recorded
 # heads (30/113/191 deg/s at p50/p95/p99).
 SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
-DECIMALS = (6, 8)  # 1 um and 1e-8: rounder than the last bit in which two machines' sines may differ
+DECIMALS = (6, 8)  # 1 um and 1e-8: coarser than the last bit, in which sines may differ between machines
 RATE_HZ = 90.0
 _LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
 
@@ -108,7 +108,7 @@ def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
 
 
 def shift_seconds(amplitude_deg: float, vigour: float = 1.0) -> float:
-    """Return the duration of a gaze shift; vigour above 1 is hurried."""
+    """Return the duration of a gaze shift; vigour above 1 is faster."""
     return (SHIFT_BASE_S + SHIFT_PER_DEG_S * abs(amplitude_deg)) / vigour
 
 
@@ -129,7 +129,7 @@ def _sum_of(shifts: list[Shift], t: Array) -> Array:
 
 
 def _orientation(motion: Motion) -> Array:
-    """Return yaw, then pitch, then roll, each about the axis the one before has turned."""
+    """Return the orientation: yaw, pitch, roll, each about the axis turned by those before."""
     turns = []
     for angle, axis in ((motion.yaw, 1), (motion.pitch, 0), (motion.roll, 2)):
         vector = np.zeros((len(angle), 3))
@@ -177,14 +177,14 @@ def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float,
     while now < seconds:
         target = _between(rng, -span, span)
         length = max(abs(target - angle) / _between(rng, *speed), 0.4)
-        # Each begins before the last has ended: a head that drifts never quite stops.
+        # Each begins before the last has ended: a drifting head never quite stops.
         shifts.append(Shift(now, length, target - angle))
         now, angle = now + 0.75 * length, target
     return shifts
 
 
 def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = math.inf) -> Iterator[float]:
-    """Return yaw targets within +-span degrees, each at least `least` from the one before.
+    """Return yaw targets within +-span degrees, each at least `least` from the previous one.
 
     mean: how much further than `least` a shift goes on average (exponentially, small ones being the
     most common); by default targets lie anywhere within the span.
@@ -293,7 +293,7 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
 def _path_pace(t: Array, seconds: float) -> Array:
     """Return the pace: 0 standing, 1 walking.
 
-    Starts after 0.5 s within 1.5 s, stops the same way.
+    It starts after 0.5 s, within 1.5 s, and stops the same way.
     """
     return minimum_jerk((t - 0.5) / 1.5) * minimum_jerk((seconds - 0.3 - t) / 1.5)
 
@@ -316,7 +316,7 @@ def _path(t: Array, seconds: float) -> tuple[Array, Array]:
 
 
 def _glances(rng: random.Random, seconds: float) -> list[Shift]:
-    """Return looks aside and back."""
+    """Return glances to the sides and back."""
     shifts, now = [], _between(rng, 2.0, 3.0)
     while now < seconds - 2:
         amount = _between(rng, 15, 45) * (1 if rng.random() < 0.5 else -1)

@@ -17,14 +17,14 @@ from .sample import Origin, PoseSample
 
 _MS = 1_000_000
 SHORTEST_GAP_NS = 100 * _MS
-_UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit as given
+_UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
     """Return the longest step that is still interpolated.
 
     100 ms, or four median steps where that is more (slow recordings). Recorded heads turn at up to
-    300 deg/s: 100 ms is 30 degrees, about as far as an arc between two poses may be guessed.
+    300 deg/s: 100 ms is 30 degrees, about the longest arc that interpolation can be trusted for.
     """
     if len(time_ns) < 2:
         return SHORTEST_GAP_NS
@@ -60,7 +60,7 @@ class Samples:
 class PoseTrack:
     """world_from_head over time, OpenXR axes, metres.
 
-    Nothing is interpolated across a gap or a jump unless asked: there the last pose is HELD.
+    Nothing is interpolated across a gap or a jump unless requested: there the last pose is HELD.
     Errors: TraceError naming the first sample that breaks a rule.
     """
 
@@ -70,8 +70,8 @@ class PoseTrack:
     orientation_xyzw: NDArray[np.float64] = attrs.field(converter=_floats)
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # what a reader should know
-    epoch_ns: int = 0  # the file's own clock at time 0 of this track
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
+    epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
@@ -197,7 +197,7 @@ class PoseTrack:
         if new.all():
             return self
         keep = np.flatnonzero(new)
-        # A jump after sample i stays in front of the next pose that is kept.
+        # A jump after sample i moves to the next pose that is kept.
         jumps = set(np.searchsorted(keep, np.asarray(self.jumps, dtype=np.int64), side="right") - 1) - {len(keep) - 1}
         return self.evolve(
             time_ns=self.time_ns[keep],

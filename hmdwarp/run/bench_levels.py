@@ -1,4 +1,4 @@
-"""Quality levels of a run that chooses its warp, from the figures of a benchmark."""
+"""Quality levels for warp "auto", from the figures of a benchmark."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ LensTime = Callable[[], float]
 
 @attrs.frozen
 class LevelSet:
-    """Quality levels and where they come from."""
+    """Quality levels and their origin."""
 
     # From cheapest to most accurate.
     levels: tuple[QualityLevel, ...] = ()
-    # How they were found.
+    # How they were obtained.
     notes: tuple[str, ...] = ()
-    # Where they were measured, as in summary.json; None for this machine.
+    # The machine that measured them, as in summary.json; None for this one.
     machine: Mapping[str, Any] | None = None
 
     def notes_on(self, renderer: str, cpu_count: int) -> list[str]:
-        """Return the notes of a run on this machine."""
+        """Return the notes to show when running on this machine."""
         there = None if self.machine is None else (self.machine["gl_renderer"], self.machine["cpu_count"])
         if there is None or there == (renderer, cpu_count):
             return list(self.notes)
@@ -66,11 +66,11 @@ def read_rows(path: Path) -> list[Row]:
 def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> LevelSet:
     """Return the levels of a benchmark for a run.
 
-    Rows of the run's size are taken if there are any; else those of the largest size, their times
-    in proportion to the pixels. Where they were measured with another lens than the run's, that of
-    the run counts, which lens_ms measures here (None: it does not count). What this run cannot have
-    is left out, with a note.
-    Errors: InputError for a file that is no benchmark, and if nothing of it can be run.
+    Uses the rows of the run's size if there are any; otherwise those of the largest size, with
+    times scaled by the number of pixels. If they were measured with another lens, the time of the
+    run's lens replaces theirs; lens_ms measures it here (None: leave it out). Combinations that
+    this run cannot use are left out, with a note.
+    Errors: InputError for a file that is no benchmark, and if none of its combinations can run.
     """
     headset = load_headset(options.headset)
     build_plan_for(options.with_pair("none", "none"), headset, None)
@@ -114,7 +114,7 @@ def _without_lens(row: Row) -> Row:
 
 
 def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
-    """Return notes on how the benchmark differs from this run, beyond what is corrected."""
+    """Return notes on differences between the benchmark and this run that are not corrected for."""
     differing = []
     for key, mine, unit in (
         ("guard", options.guard, ""),

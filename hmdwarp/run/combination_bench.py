@@ -1,7 +1,6 @@
-"""One case.
+"""One case of a benchmark: a batch of combinations on the same late frames.
 
-All combinations of a batch on the same late frames, timed by turns, measured against the same
-truth.
+They are timed in turns and measured against the same truth.
 """
 
 from __future__ import annotations
@@ -28,19 +27,19 @@ from .frame_rows import Row, stage_columns
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 
-# (case, warp, fill, refresh, eye): what a picture is measured under.
+# (case, warp, fill, refresh, eye): identifies a picture.
 Key = tuple[Case, str, str, int, int]
 EYES = (0, 1)
 
 
 @attrs.frozen(eq=False)
 class Measured:
-    """Figures of one combination in one case; those of its pictures are in the pool."""
+    """Figures of one combination in one case; those of its pictures are still in the pool."""
 
     combination: Combination
     # One row for each timed run of one eye, keyed as frames.csv.
     times: list[Row] = attrs.field(factory=list)
-    # The same by the timer's own names.
+    # The same, by the timer's own stage names.
     stages: dict[str, list[float]] = attrs.field(factory=lambda: defaultdict(list))
     keys: list[Key] = attrs.field(factory=list)
     mismatch: list[Mismatch] = attrs.field(factory=list)
@@ -50,7 +49,7 @@ class Measured:
 class Truth:
     """What one eye should see at a refresh.
 
-    SRGB picture (h, w, 3) and inverse depth (h, w), top row first.
+    The sRGB picture (h, w, 3) and inverse depth (h, w), top row first.
     """
 
     picture: NDArray[np.uint8]
@@ -58,11 +57,11 @@ class Truth:
 
 
 def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
-    """Those refreshes of a run, counted from 0, in the order of time.
+    """Iterate over the chosen refreshes of a run, counted from 0, in time order.
 
-    A number below 0 is passed over.
+    Negative numbers are passed over.
 
-    They are what the whole run would show, but only the frames they use are drawn.
+    The results are those of the whole run, but only the frames they use are drawn.
     """
     used = frames_used(setup.schedule, setup.channel.latency_ns, needs, numbers)
     for number, instant_ns in setup.schedule.numbered():
@@ -75,12 +74,11 @@ def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Ite
 
 
 class Comparison:
-    """The combinations of one batch beside each other in the loop of one case.
+    """Compare the combinations of one batch side by side in the loop of one case.
 
-    Only the refreshes that are looked at are shown, and only the frames drawn that those use:
-    measured ones, evenly spread over the recording, and the refresh before each, which flicker
-    needs. Both eyes are timed; the figures of a picture are those of one eye, left and right by
-    turns. Nothing is timed while pictures are measured.
+    Only the measured refreshes are shown, spread evenly over the recording, plus the refresh before
+    each, which flicker needs; only frames that those use are drawn. Both eyes are timed; pictures
+    are measured for the left and right eye in turn. Nothing is timed while pictures are measured.
     """
 
     def __init__(
@@ -96,7 +94,7 @@ class Comparison:
         self._turn = 0
 
     def run(self, instants: int, step: Callable[[], None]) -> None:
-        """Look at that many refreshes; step() after each. Free what was allocated here."""
+        """Visit that many refreshes, calling step() after each. Free what was allocated here."""
         turns = {number: turn for turn, number in enumerate(instants_of(self._setup.schedule.count, instants))}
         before: list[Compared] = []
         try:
@@ -128,11 +126,11 @@ class Comparison:
         return shown
 
     def _time(self, refresh: Refresh) -> None:
-        """Every combination in each round; who comes first changes from round to round.
+        """Time every combination in each round, in an order that rotates from round to round.
 
-        Before the first of all rounds every combination runs once, to warm up; later the refresh
-        before has done that, and the first one alone runs, because a processor that has slept is
-        slow for a while.
+        Before the very first round, every combination runs once to warm up. In later rounds the
+        refresh before has done that, and only the first combination is run again, because an idle
+        processor is slow for a while.
         """
         self._pool.wait()
         count = len(self._compensators)
@@ -155,7 +153,7 @@ class Comparison:
                     measured.stages[name].append(sum(milliseconds for other, milliseconds in stages if other == name))
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
-        """Hand in the pictures, and compare the eyes' holes, which no fill changes."""
+        """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
         truths = [self._truth(inputs.shown, inputs.shown_ns) for inputs in refresh.inputs]
         shared = SharedSurface(
             refresh.inputs[0].shown, refresh.inputs[1].shown, truths[0].inverse_depth, truths[1].inverse_depth
@@ -186,9 +184,9 @@ class Comparison:
 
 
 def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
-    """Whether two fills left the same picture, as they do where there is nothing to fill.
+    """Return whether two fills gave identical pictures, as they do where there are no holes.
 
-    It need not be measured twice.
+    Then one measurement serves both.
     """
     pairs = [(one.now, other.now)] + ([(one.previous, other.previous)] if one.previous and other.previous else [])
     return all(np.array_equal(a.shown, b.shown) for a, b in pairs)

@@ -1,7 +1,4 @@
-"""Combinations of warp and fill that are compared.
-
-In which case, in which batches, at which refreshes.
-"""
+"""Combinations of warp and fill to compare: cases, batches, and refreshes."""
 
 from __future__ import annotations
 
@@ -16,18 +13,18 @@ from ..frames import Needs
 from ..link import Link, LinkOptions
 from .schedule import Schedule
 
-# Of one batch's compensators on a GPU; a software renderer's may take a part of the machine's
+# For the compensators of one batch on a GPU; a software renderer may use part of the machine's
 # memory.
 GPU_BATCH_BYTES = 2 << 30
 MEMORY_PART = 0.2
-# A canvas' pixel; what a warp keeps for each rendered pixel: keys, depths, vertices.
+# Per canvas pixel; and per rendered pixel what a warp keeps: keys, depths, vertices.
 _COLOUR_BYTES, _OWN_BYTES = 8, 32
 Size = tuple[int, int]
 
 
 @attrs.frozen(order=True)
 class Case:
-    """What all combinations share, so that they may be compared."""
+    """The conditions that all combinations share, so that they can be compared."""
 
     scene: str
     recording: str
@@ -47,10 +44,10 @@ class Combination:
 def batches(
     combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
 ) -> list[list[Combination]]:
-    """Return combinations that exist at the same time, within `most_bytes`.
+    """Return groups of combinations that fit in `most_bytes` together.
 
-    They need their older frames equally far apart; all fills of a warp stay together. What needs no
-    older frames goes along with the first.
+    A group needs its older frames equally far apart; all fills of a warp stay together. Warps that
+    need no older frames join the first group.
     """
     spacings = sorted({c.plan.needs.others.spacing_ns for c in combinations if c.plan.needs.others.past})
     first = spacings[0] if spacings else 0
@@ -81,9 +78,9 @@ def _bytes(combination: Combination, rendered_size: Size, shown_size: Size) -> i
 
 
 def instants_of(count: int, wanted: int) -> list[int]:
-    """Return at most `wanted` of refreshes 0..count-1, evenly spread.
+    """Return at most `wanted` of the refreshes 0..count-1, evenly spread.
 
-    Each has a refresh before it if there are two.
+    Each has a predecessor if there are two refreshes.
     """
     wanted = min(wanted, max(1, count // 2))
     return [min(count - 1, max(1, int((k + 0.5) * count / wanted))) for k in range(wanted)]
@@ -95,10 +92,10 @@ class _Drawn:
 
 
 def frames_used(schedule: Schedule, link_ns: int, needs: Needs, looked_at: Iterable[int]) -> set[int]:
-    """Return when the frames were drawn that the refreshes `looked_at` show or look back to.
+    """Return the draw times of the frames that the refreshes `looked_at` show or look back to.
 
-    No other need be drawn. The link and the history themselves say which, given frames without
-    pictures.
+    Other frames need not be drawn. The result comes from running the link and the history
+    themselves on frames without pictures.
     """
     wanted, used = set(looked_at), set()
     history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)

@@ -1,7 +1,4 @@
-"""What the user asks for while a run goes on.
-
-How each control changes its options, and what cannot be done.
-"""
+"""User commands during a live run: how each control changes the options, and refusals."""
 
 from __future__ import annotations
 
@@ -20,11 +17,11 @@ from .host import PipelineHost
 from .options import BOTH, FLAT, LiveOptions
 
 LATENCY_STEP_MS, GUARD_STEP = 50.0, 0.25
-READING_S = 4.0  # how long a refusal stays over the picture: a line or two
+READING_S = 4.0  # how long a refusal stays over the picture: time to read two lines
 
 
 def choices() -> dict[str, tuple[object, ...]]:
-    """Return the values that controls of kind "choice" may be set to."""
+    """Return the allowed values of the controls of kind "choice"."""
     return {
         "warp": tuple(every_warp()),
         "fill": tuple(every_fill()),
@@ -34,7 +31,7 @@ def choices() -> dict[str, tuple[object, ...]]:
 
 
 def values(options: LiveOptions) -> dict[str, object]:
-    """Return the value of each control that changes the run."""
+    """Return the current value of each control."""
     return {
         "latency": options.latency_ms,
         "warp": options.warp,
@@ -48,7 +45,7 @@ def values(options: LiveOptions) -> dict[str, object]:
 
 
 def changed(options: LiveOptions, command: Command) -> LiveOptions:
-    """Return the options after the command. Errors: InputError for a value that makes no sense."""
+    """Return the options after the command. Errors: InputError for a value out of range."""
     name, value = command.control, command.value
     if name not in _STEPS:
         raise InputError(f"control '{name}' changes nothing of the run: expected {', '.join(_STEPS)}")
@@ -58,7 +55,7 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
 
 
 def _checked(name: str, value: object) -> object:
-    """Return a number within its span, a word for everything else. Errors: InputError."""
+    """Return a number within its range, or a word unchanged. Errors: InputError."""
     meant = control(name)
     if meant.kind != "number":
         if not isinstance(value, str):
@@ -111,10 +108,10 @@ _STEPS: dict[str, Callable[[LiveOptions, int], object]] = {
 
 @attrs.define(eq=False)
 class CommandHandler:
-    """Applies user commands to the running pipeline."""
+    """Apply user commands to the running pipeline."""
 
     host: PipelineHost
-    # Gets each refusal.
+    # Called with each refusal.
     say: Callable[[str], None]
     _refused: str = ""
     _until: float = 0.0
@@ -122,7 +119,7 @@ class CommandHandler:
     def handle(self, commands: Sequence[Command]) -> bool:
         """Apply the commands; return whether the options changed.
 
-        A step to a value that is refused goes on to the next.
+        Stepping onto a value that is refused continues to the next one.
         """
         before = self.host.options
         for command in commands:
@@ -139,7 +136,7 @@ class CommandHandler:
                 return
             except Lost:
                 raise
-            except (InputError, MachineError) as error:  # the run goes on as it was
+            except (InputError, MachineError) as error:  # the run continues unchanged
                 self._refuse(str(error))
 
     def _refuse(self, why: str) -> None:
@@ -148,7 +145,7 @@ class CommandHandler:
 
     @property
     def refusal(self) -> str:
-        """The last refusal, as long as it is to be read; else ""."""
+        """The last refusal while it is displayed, else ""."""
         if self._refused and time.monotonic() > self._until:
             self._refused = ""
         return self._refused

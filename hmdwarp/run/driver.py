@@ -1,7 +1,4 @@
-"""The loop on a display, once a refresh.
-
-For a run that the user may change, and for a study that fixes it.
-"""
+"""The loop driven by a display, once a refresh; for live runs and for studies."""
 
 from __future__ import annotations
 
@@ -24,16 +21,13 @@ WAITING = "waiting for the first frame"
 
 
 class FrameHandler(Protocol):
-    """What a stretch of refreshes is.
+    """The behaviour of a stretch of refreshes: its label, its commands, its end."""
 
-    The text over its pictures, the effect of a command, its end.
-    """
-
-    # Whether the scene is shown; without, the display stays black but for the label, and nothing is
+    # Whether the scene is shown. If not, the display stays black but for the label, and nothing is
     # logged.
     pictures: bool
-    # Whether, without pictures, the server draws and the passes run all the same: frames are under
-    # way and everything is warm when pictures begin.
+    # Whether, without pictures, the server and the passes run all the same: then frames are in
+    # transit and caches are warm when pictures begin.
     ahead: bool = False
 
     def over(self) -> bool:
@@ -41,7 +35,7 @@ class FrameHandler(Protocol):
         ...
 
     def label(self) -> Label:
-        """Return what lies over the picture, "" for nothing."""
+        """Return the text over the picture, "" for none."""
         ...
 
     def handle(self, commands: Sequence[Command]) -> bool:
@@ -49,24 +43,24 @@ class FrameHandler(Protocol):
         ...
 
     def arrived(self, refresh: Refresh) -> None:
-        """Notice that a frame was there at this refresh, shown or not."""
+        """Handle a refresh that has a frame, shown or not."""
         ...
 
     def on_display_lost(self, why: str) -> None:
-        """Notice that the display went away; it may come back."""
+        """Handle the loss of the display; it may come back."""
         ...
 
 
 class Driver:
-    """One display and its pipeline. A stretch may have a log and a recorder of its own.
+    """Drive one display and its pipeline. A stretch may have its own log and recorder.
 
-    A lost display is waited for as long as the options say.
+    Waits for a lost display as long as the options allow.
     """
 
     def __init__(self, display: Display, host: PipelineHost, ending: Ending, say: Say) -> None:
         """Drive a display.
 
-        ending: a signal ends every stretch. say: gets a sentence now and then.
+        ending: a signal ends every stretch. say: called with a sentence for the user.
         """
         self._display, self._host, self._ending, self._say = display, host, ending, say
 
@@ -77,7 +71,7 @@ class Driver:
         recorder: Recorder | None = None,
         after: AfterRefresh = lambda number: None,
     ) -> None:
-        """Run until `handler` is over or a signal came.
+        """Run until `handler` is over or a signal arrives.
 
         after(number): called after each refresh that showed a picture, counted from 1.
         Errors: Closed, when the window or session was closed; Lost, when the display did not come
@@ -96,7 +90,7 @@ class Driver:
                             number += 1
                             after(number)
                             if log is not None:
-                                self._display.tell(log.status)
+                                self._display.show_status(log.status)
                         garbage.between()
                     if handler.handle(self._display.commands()) and log is not None:
                         log.changed(self._host)
@@ -104,10 +98,10 @@ class Driver:
                     self._come_back(lost, handler, log, recorder)
 
     def _refresh(self, tick: Tick, handler: FrameHandler, log: LiveLog | None) -> Refresh | None:
-        """Hand a picture over, and return it if one was shown."""
+        """Submit a picture, and return it if one was shown."""
         refresh = self._made(tick, handler) if tick.render and (handler.pictures or handler.ahead) else None
         if not handler.pictures:
-            # A question stays where it is, whatever the tracking does.
+            # A question stays in place, even while tracking is lost.
             self._display.show(None, handler.label())
             return None
         label = tick.notice or handler.label() or (WAITING if tick.render and refresh is None else "")
@@ -126,7 +120,7 @@ class Driver:
         return refresh
 
     def _come_back(self, lost: Lost, handler: FrameHandler, log: LiveLog | None, recorder: Recorder | None) -> None:
-        """Wait until the display is there again. Errors: Lost, once that has taken too long."""
+        """Wait until the display is back. Errors: Lost, when that takes too long."""
         handler.on_display_lost(str(lost))
         if recorder is not None:
             recorder.flush()

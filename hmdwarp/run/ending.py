@@ -1,7 +1,4 @@
-"""When a live run is over.
-
-A signal, or as much as was to be shown; and how long a lost display is waited for.
-"""
+"""The end of a live run, by a signal or a limit; and the wait for a lost display."""
 
 from __future__ import annotations
 
@@ -18,26 +15,25 @@ RETRY_S = 0.5
 
 
 class Ending:
-    """The end of a live run, by a signal or after some seconds or pictures.
+    """End a live run, by a signal or after some seconds or pictures.
 
     Use as a context manager.
 
-    While it is entered, Ctrl-C, SIGTERM and SIGHUP only ask the run to end after the refresh under
-    way; a second one interrupts at once. Ctrl-C is the usual way to end a live run; the others are
-    raised once more when it is left, after everything inside has been written, so that the program
-    ends by them.
+    Inside, Ctrl-C, SIGTERM and SIGHUP only request the end of the run after the current refresh; a
+    second one interrupts at once. Ctrl-C is the usual way to end a live run. The other signals are
+    raised again on exit, after everything inside has been written, so that they end the program.
     """
 
     def __init__(self, seconds: float | None, frames: int | None) -> None:
-        """seconds, frames.
+        """Set the limits.
 
-        How much to show; None for no limit. Time counts from the first refresh.
+        seconds, frames: how much to show; None for no limit. Time counts from the first refresh.
         """
         self._seconds, self._frames = seconds, frames
         self._began_ns: int | None = None
-        # The clock; the display's once there is a display.
+        # The clock; replaced by the display's once there is one.
         self.now_ns: Callable[[], int] = time.monotonic_ns
-        # Number of the signal that came, None before.
+        # Number of the first signal received, or None.
         self.asked: int | None = None
         self._before: dict[int, Any] = {}
 
@@ -60,7 +56,7 @@ class Ending:
         if threading.current_thread() is threading.main_thread():
             for name in ("SIGINT", "SIGTERM", "SIGHUP"):
                 number = getattr(signal, name, None)
-                # nohup ignores SIGHUP: that stays so.
+                # nohup ignores SIGHUP; keep it ignored.
                 if number is not None and signal.getsignal(number) != signal.SIG_IGN:
                     self._before[number] = signal.signal(number, self._ask)
         return self
@@ -76,11 +72,11 @@ class Ending:
 def come_back(
     reopen: Callable[[], bool], lost: Lost, wait_s: float, ending: Ending, say: Callable[[str], None]
 ) -> bool:
-    """Try to reopen a lost display until it is there.
+    """Retry opening a lost display until it succeeds.
 
-    Return False if a signal asked for the end first.
+    Return False if a signal requests the end first.
 
-    Errors: Lost, once it has taken too long.
+    Errors: Lost, when it takes too long.
     """
     say(f"{lost}; waiting up to {wait_s:g} s for it to come back (Ctrl-C ends)")
     until = time.monotonic() + wait_s

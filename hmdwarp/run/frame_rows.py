@@ -1,4 +1,4 @@
-"""Rows of frames.csv: two for each refresh, of a replay and of a live run."""
+"""Rows of frames.csv: two for each refresh, in a replay and in a live run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HEADER = ",".join(FRAME_COLUMNS) + "\n"
 STAGE_COLUMNS = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
 NOT_KNOWN = (None,) * len(STAGE_COLUMNS)
 _ORIGINS = {origin: origin.name.lower() for origin in Origin}
-# What differs between the eyes of a refresh, by its place in a line.
+# The columns that differ between the eyes of a refresh, by index.
 _EYE, _HOLES, _FIRST = (FRAME_COLUMNS.index(name) for name in ("eye", "hole_share", STAGE_COLUMNS[0]))
 _STAGES = slice(_FIRST, _FIRST + len(STAGE_COLUMNS))
 assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
@@ -29,9 +29,9 @@ assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
 
 @attrs.define(eq=False)
 class Moment:
-    """One refresh, but for the times of each eye's passes.
+    """One refresh, except for the times of each eye's passes.
 
-    None: not known, or not there at the first picture.
+    None: not known, or not defined for the first picture.
     """
 
     frame: int
@@ -40,16 +40,16 @@ class Moment:
     shown_ns: int
     drawn_ns: int
     age_ms: float
-    # From reading the head to handing the picture over.
+    # From reading the head pose to submitting the picture.
     pose_age_ms: float | None
-    # Angular in deg/s and linear in m/s.
+    # Angular in deg/s, linear in m/s.
     speeds: Speeds
     shown: PoseSample
-    # The head that the frame was drawn for.
+    # The head pose that the frame was drawn for.
     drawn: PoseSample | None
     warp: str
     fill: str
-    # How many were shown.
+    # How many eyes were shown.
     eyes: int
 
     @classmethod
@@ -58,7 +58,7 @@ class Moment:
     ) -> Moment:
         """Return the moment of a refresh.
 
-        start_ns: where time begins. submitted_ns: when the picture was handed over to a display.
+        start_ns: the origin of time. submitted_ns: when the picture was submitted to a display.
         """
         head, frame, plan = refresh.head, refresh.frame, refresh.plan
         read = submitted_ns is not None and head.read_ns is not None
@@ -78,7 +78,7 @@ class Moment:
         )
 
     def figures(self) -> Row:
-        """Return the columns that figures and charts are made from, by name."""
+        """Return the columns that figures and charts use, by name."""
         turning, moving = self.speeds
         return {
             "frame": self.frame,
@@ -105,7 +105,7 @@ class Moment:
 def stage_columns(stages: Stages) -> Row:
     """Return times by the columns of frames.csv; 0 for a stage that is not in the plan.
 
-    The client's own depth belongs to the warp that reads it.
+    The time of the client's own depth is added to that of the warp that reads it.
     """
     columns = dict.fromkeys(STAGE_COLUMNS[:-1], 0.0)
     for name, milliseconds in stages:
@@ -114,7 +114,7 @@ def stage_columns(stages: Stages) -> Row:
 
 
 def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: Sequence[float | None]) -> str:
-    """Return one line for each eye, as fast as pictures come: both take about 30 us.
+    """Return one line for each eye. Fast enough for every refresh: both take about 30 us.
 
     stages: of each eye, in the order of STAGE_COLUMNS; holes: the share of each eye's pixels.
     """
@@ -146,5 +146,5 @@ def _text(value: float | str | None) -> str:
 
 @functools.lru_cache(64)
 def _quoted(text: str) -> str:
-    """Return it as csv quotes it: a warp's settings are separated by commas."""
+    """Quote a value for CSV: a warp's settings are separated by commas."""
     return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',"\r\n') else text

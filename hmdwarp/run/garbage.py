@@ -1,4 +1,4 @@
-"""Python's garbage collector: kept out of the way of the pictures, and how long it held them up."""
+"""Control over Python's garbage collector, and a record of its pauses."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from typing import Any
 
 
 class GarbageControl:
-    """Garbage collection after a picture was handed over, not in the middle of one.
+    """Collect garbage only between pictures.
 
-    What is there when it is entered (modules, shaders, the scene) is set aside first, so that no
-    collection looks through it.
+    What exists on entry (modules, shaders, the scene) is frozen, so that no collection scans it.
     """
 
     def __init__(self, on: bool = True) -> None:
-        """on: False leaves everything to Python, for comparison."""
+        """Configure it. on: False leaves collection to Python, for comparison."""
         self._on = on
         self._was_enabled = False
 
@@ -28,7 +27,7 @@ class GarbageControl:
         return self
 
     def between(self) -> None:
-        """Collect the youngest objects, of which a refresh makes some hundred.
+        """Collect the youngest generation, to which a refresh adds some hundred objects.
 
         Call between pictures.
         """
@@ -43,7 +42,7 @@ class GarbageControl:
 
 
 class Pauses:
-    """Number and time of collections from `start` to `stop`, by generation.
+    """Number and time of collections between `start` and `stop`, by generation.
 
     Costs about a microsecond for each collection.
     """
@@ -57,7 +56,7 @@ class Pauses:
         gc.callbacks.append(self._notice)
 
     def stop(self) -> None:
-        """Stop counting; may be called twice, and without start."""
+        """Stop counting; safe to call twice, or without start."""
         if self._notice in gc.callbacks:
             gc.callbacks.remove(self._notice)
 
@@ -73,6 +72,6 @@ class Pauses:
     def as_dict(self) -> dict[str, Any]:
         """Return its part of summary.json.
 
-        Collections from the youngest generation to the oldest, times in ms.
+        Counts from the youngest generation to the oldest, times in ms.
         """
         return {"collections": self._runs, "total_ms": self._total_ns * 1e-6, "longest_ms": self._longest_ns * 1e-6}

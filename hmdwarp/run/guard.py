@@ -1,6 +1,6 @@
-"""How large a guard band a run wants.
+"""The guard band that a run needs.
 
-`--guard auto`, from how far the head of its trace moves on while a frame is under way.
+For `--guard auto`: from the head's motion in its trace while a frame is in transit.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ QUANTILE = 0.95
 # A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and
 # reaches farther.
 MOST = 2.0
-NEAR_M = 1.0  # what is nearer than this comes into sight farther in than this module reckons
+NEAR_M = 1.0  # nearest surface considered; nearer ones enter the view from farther in
 MOST_INSTANTS = 2000
 _STEP = 100  # factors are rounded up to a hundredth
 
@@ -34,10 +34,10 @@ Array = NDArray[np.float64]
 
 @attrs.frozen
 class Guard:
-    """factor.
+    """The chosen guard band.
 
-    What to draw. wanted: what the quantile of the refreshes wants, infinite where the head turns
-    out of any plane.
+    factor: to draw with. wanted: the quantile over the refreshes; infinite where the head turns a
+    side behind the eye.
     """
 
     factor: float
@@ -55,7 +55,7 @@ class Guard:
 
 
 def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
-    """Return the options with a number for guard `auto`, and notes on it.
+    """Return the options with a number in place of guard `auto`, and notes on it.
 
     Errors: as load_headset, load_trace and schedule_of.
     """
@@ -68,11 +68,11 @@ def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
 
 
 def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> Guard:
-    """Return the factor that holds the middles of the pictures' sides at 95 of 100 refreshes.
+    """Return the factor that holds the middles of the pictures' sides in 95 of 100 refreshes.
 
-    All four sides of both eyes count, for scenery from 1 m to infinity. The server draws for the
-    pose that it is asked for, predicted or not, as in the run; the display shows the pose of the
-    trace. The latency is that of the run, for a link with jitter the typical one.
+    All four sides of both eyes count, for scenery from 1 m to infinity. The server draws for its
+    predicted or current pose, as in the run; the display shows the pose of the trace. The latency
+    is that of the run, for a link with jitter the typical one.
     """
     age_ns = expected_age_ns(options, schedule.age_ns)
     stride = -(-schedule.count // MOST_INSTANTS)
@@ -99,10 +99,10 @@ def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) 
 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
-    """(n,) how many times as large, in tangents, each picture must be drawn.
+    """Return how much larger, in tangents, each picture must be drawn: (n,) factors.
 
     1 for a head that has not moved, infinite where the middle of a side lies beside or behind the
-    drawn eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
+    rendered eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
     """
     needed = np.ones(len(drawn[0]))
     for eye, view in enumerate(headset.views(Pose())):

@@ -1,4 +1,4 @@
-"""How much of the warped pictures is holes, counted on the GPU while nobody waits."""
+"""Count the holes of warped pictures on the GPU, without waiting for it."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ _BYTES = 4 * MOST_EYES
 
 
 class HoleCounter:
-    """Counts holes on the GPU: count() starts, shares() returns those of the refresh before.
+    """Count holes on the GPU: count() starts, shares() returns those of the refresh before.
 
-    Those are finished long ago, so nothing waits.
+    Those are finished long ago, so nothing stalls.
     """
 
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl
         self._program = gpu.shaders.compute("live/holes.comp")
-        # Emptied by a copy on the GPU: a write from here could wait for who still reads.
+        # Cleared by a copy on the GPU: a write from the CPU could wait for a pending read.
         self._empty = gl.buffer(bytes(_BYTES))
         self._now, self._before = (gl.buffer(reserve=_BYTES) for _ in range(2))
         self._pixels: tuple[int, ...] | None = None
         self._pixels_before: tuple[int, ...] | None = None
 
     def count(self, canvases: Sequence[Canvas]) -> None:
-        """Count the pixels with alpha 0 of each eye's picture, finished by passes before.
+        """Count the pixels with alpha 0 of each eye's picture, which earlier passes have finished.
 
-        Once a refresh.
+        Call once a refresh.
         """
         self._now, self._before = self._before, self._now
         self._pixels_before, self._pixels = self._pixels, tuple(canvas.size[0] * canvas.size[1] for canvas in canvases)
@@ -45,9 +45,9 @@ class HoleCounter:
         self._gl.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
 
     def shares(self) -> tuple[float, ...] | None:
-        """Of each eye's pixels, 0..1, at the count before the last one.
+        """Return the share of holes in each eye's pixels, 0..1, at the count before the last one.
 
-        None before there were two.
+        None before the second count.
         """
         if self._pixels_before is None:
             return None

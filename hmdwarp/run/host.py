@@ -1,4 +1,4 @@
-"""One display's pipeline, and how it changes while a live run goes on."""
+"""The pipeline of one display, and its changes during a live run."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from .pose_request import RecentPoses, check_names, pose_request
 
 
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
-    """Return the scene, after everything that can be checked without a display.
+    """Return the scene, after all checks that need no display.
 
-    scene: where it is loaded already. Errors: InputError and its kin.
+    scene: if it is loaded already. Errors: InputError and its subclasses.
     """
     check_names(options)
     if options.lens != AUTO:
@@ -36,12 +36,12 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
 
 
 class PipelineHost:
-    """The pipeline for `options` on a display, built anew only as far as a change calls for it.
+    """The pipeline for `options` on a display, rebuilt only as far as a change requires.
 
-    A change of latency alone touches the link: frames under way arrive as they would have. A change
-    of warp or fill whose frames carry the same exchanges the passes. Anything else builds a new
-    pipeline, and its first frame has to arrive first.
-    Errors: InputError and its kin for options that cannot run; all stays as it was then.
+    A change of latency alone affects the link: frames in transit arrive as scheduled. A change of
+    warp or fill whose frames carry the same exchanges the passes. Any other change builds a new
+    pipeline, which shows nothing until its first frame arrives.
+    Errors: InputError and its subclasses for options that cannot run; the old pipeline then stays.
     """
 
     def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:
@@ -52,16 +52,16 @@ class PipelineHost:
 
     @property
     def loop(self) -> Loop:
-        """The loop, one refresh after the other."""
+        """The loop over refreshes."""
         return self.pipeline.loop
 
     @property
     def plan(self) -> Plan:
-        """The plan that runs."""
+        """The current plan."""
         return self.loop.compensator.plan
 
     def change(self, options: LiveOptions) -> None:
-        """Go on with these options."""
+        """Continue with these options."""
         before = self.options
         if options == before:
             return
@@ -77,7 +77,7 @@ class PipelineHost:
         made.channel.retime(options.network, latency_ns(options))
 
     def _exchanged(self, before: LiveOptions, options: LiveOptions) -> bool:
-        """Exchange the passes where that is enough; return whether it was."""
+        """Exchange the passes if that is enough; return whether it was."""
         same = {name: getattr(before, name) for name in ("warp", "fill", "lens")}
         if before.chooses_warp or options.chooses_warp or attrs.evolve(options, **same) != before:
             return False
@@ -94,19 +94,19 @@ class PipelineHost:
         self.pipeline, self.scene = made, scene
 
     def _seen(self, options: LiveOptions, scene: Scene) -> Pipeline:
-        """Build for the view of these options; where that fails, the display looks as before."""
+        """Build for the view of these options; on failure, restore the display's view."""
         before = self.options.view
         if options.view == before:
             return self._build(options, scene)
-        self._display.look(options.view)
+        self._display.set_view(options.view)
         try:
             return self._build(options, scene)
         except BaseException:
-            self._display.look(before)
+            self._display.set_view(before)
             raise
 
     def fit(self) -> None:
-        """Build anew where the eyes see so much more or less that guarded frames change size."""
+        """Rebuild if the shown field of view has changed enough to resize the rendered frames."""
         options, sizes = self.options, self.pipeline.sizes
         if (
             options.guard_factor > 1
@@ -126,9 +126,9 @@ class PipelineHost:
         return plans_for(attrs.evolve(options, lens=self._lens(options)), shown.headset, scene, choice.levels, **fixed)
 
     def _lens(self, options: LiveOptions) -> str:
-        """Return none where no lens is ours to correct.
+        """Return "none" where the program has no lens to correct.
 
-        A runtime that corrects its own refuses another.
+        A runtime that corrects its own lens refuses another correction.
         """
         headset = self._display.headset
         if headset is None and not self._display.distorts:
@@ -156,7 +156,7 @@ class PipelineHost:
 
 
 def refuse_one_eye(needs: Needs, eyes: int) -> None:
-    """Raise InputError where the passes look into the other eye's picture, and there is none."""
+    """Raise InputError if the passes need the other eye's picture and the display has one eye."""
     if needs.others.other_eye and eyes < 2:
         raise InputError(
             "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of "

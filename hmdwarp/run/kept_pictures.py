@@ -1,4 +1,4 @@
-"""Pictures just as they were handed over, kept beside the log."""
+"""Pictures kept beside the log, exactly as submitted."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from ..pipeline.loop import Refresh
 
 MOST = 1000
-_WAITING = 8  # full pictures in memory at a time; then the loop waits for the disk
+_WAITING = 8  # full pictures in memory at a time; beyond that the loop waits for the disk
 
 
 class Pictures:
-    """Every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them.
+    """Keep every n-th refresh as images/frame-NNNNNN-{left,right}.png, at most `MOST` of them.
 
-    Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. PNG and
-    disk are a thread's. every: 0 for none.
+    Reading a picture back waits for the GPU: such a refresh is late, and its time shows it. A
+    thread encodes and writes the PNGs. every: 0 for none.
     """
 
     def __init__(self, out: OutputFolder, every: int, most: int = MOST) -> None:
@@ -34,16 +34,16 @@ class Pictures:
         self.count = 0
 
     def wants(self, number: int) -> bool:
-        """Whether the refresh of that number is to be kept."""
+        """Return whether the refresh of that number is to be kept."""
         return self._writer is not None and number % self._every == 0 and self.count < self._most
 
     @property
     def is_full(self) -> bool:
-        """Whether there was no room for more."""
+        """Whether the limit was reached."""
         return self.count >= self._most
 
     def keep(self, number: int, refresh: Refresh) -> None:
-        """Read it back. Errors: as OutputFolder.write_png, of a picture before this one."""
+        """Read a picture back. Errors: as OutputFolder.write_png, for an earlier picture."""
         if self._writer is None:
             return
         for eye, result in enumerate(refresh.eyes):
@@ -57,7 +57,7 @@ class Pictures:
         self._out.write_png(name, picture_from_linear(linear))
 
     def close(self) -> None:
-        """Wait for all of them. Errors: as keep; may be called twice."""
+        """Wait until all pictures are written. Errors: as keep; safe to call twice."""
         if self._writer is None:
             return
         self._writer.shutdown()

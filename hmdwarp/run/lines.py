@@ -1,7 +1,4 @@
-"""Lines of text on their way into a file that grows while the pictures go on.
-
-A slow disk must not hold one of them up.
-"""
+"""Lines of text written to a growing file without stalling the loop on a slow disk."""
 
 from __future__ import annotations
 
@@ -14,18 +11,17 @@ from pathlib import Path
 from ..errors import HmdwarpError, MachineError
 from ..report import write_error
 
-EVERY_S = 0.5  # with what the disk itself takes, well below the second that a crash may cost
+EVERY_S = 0.5  # plus the disk's own time, well below the second of data that a crash may cost
 MOST_WAITING = 1 << 24  # characters: twenty minutes of poses at 90 Hz
-PATIENCE_S = 5.0  # how long an end waits for a disk that does not answer
+PATIENCE_S = 5.0  # how long to wait at the end for a disk that does not answer
 
 
 class Lines:
-    """A new file that puts lines on the disk every half second, from a thread of its own.
+    """A new file; a thread of its own writes lines to the disk every half second.
 
-    path: must not exist yet. synced: whether the disk itself must have them each time, not only the
-    system's cache: then even a power cut costs no more than a second. What lies in the file are
-    whole lines at any time, after a full disk too.
-    Errors: InputError for a place that cannot be written; FileExistsError.
+    path: must not exist yet. synced: whether to fsync each time, so that even a power cut costs no
+    more than a second. The file always holds whole lines, also after the disk was full.
+    Errors: InputError for a path that cannot be written; FileExistsError.
     """
 
     def __init__(self, path: Path, *, synced: bool = False) -> None:
@@ -37,7 +33,7 @@ class Lines:
         except OSError as error:
             raise write_error(error, path) from error
         self._waiting: deque[str] = deque()
-        # Each is written by one side alone, so that counting needs no lock.
+        # Each is written by one thread alone, so that counting needs no lock.
         self._added = self._taken = 0
         self._bytes = 0
         self._error: HmdwarpError | None = None
@@ -46,10 +42,10 @@ class Lines:
         self._thread.start()
 
     def add(self, text: str) -> None:
-        """One line or several, each with its newline. Takes about a microsecond.
+        """Add one or several lines, each with its newline. Takes about a microsecond.
 
-        Errors: MachineError (or InputError) for a disk that is full, gone, or takes nothing for so
-        long that too much waits.
+        Errors: MachineError (or InputError) for a disk that is full, gone, or so slow that too much
+        waits.
         """
         if self._error is not None:
             raise self._error
@@ -61,9 +57,9 @@ class Lines:
             )
 
     def flush(self, patience_s: float = PATIENCE_S) -> bool:
-        """Write what waits, now; from any thread.
+        """Write the waiting lines now; from any thread.
 
-        False if the disk has not answered within the patience.
+        Return False if the disk does not answer in time.
         """
         if not self._writing.acquire(timeout=patience_s):
             return False
@@ -74,9 +70,9 @@ class Lines:
         return True
 
     def close(self) -> None:
-        """Write what waits, and let go.
+        """Write the waiting lines, and close the file.
 
-        May be called twice. Errors: as add, for what came too late for it.
+        Safe to call twice. Errors: as add, for lines that could not be written.
         """
         if self._file < 0:
             return
@@ -97,7 +93,7 @@ class Lines:
                 self._write()
 
     def _write(self) -> None:
-        """With the lock."""
+        """Write the waiting lines. The caller holds the lock."""
         count = len(self._waiting)
         if not count or self._file < 0:
             return
@@ -120,5 +116,5 @@ class Lines:
         self._bytes += done
 
     def _cut(self, size: int) -> None:
-        with suppress(OSError):  # a disk that is gone: nothing to be mended there
+        with suppress(OSError):  # a disk that is gone: nothing can be done
             os.ftruncate(self._file, size)

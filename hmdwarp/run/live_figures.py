@@ -1,7 +1,4 @@
-"""Figures of a live run of any length, in bounded bytes.
-
-Times, events, what became of the frames.
-"""
+"""Figures of a live run of any length in bounded memory: times, events, fates of frames."""
 
 from __future__ import annotations
 
@@ -24,7 +21,7 @@ if TYPE_CHECKING:
     from ..pipeline.loop import Refresh
 
 MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
-MOST_EVENTS = 1000  # changes, losses; a held key makes thirty a second
+MOST_EVENTS = 1000  # switches, losses; a held key makes thirty a second
 _MOST_NOTICES = 50  # different ones
 _MORE = "others"
 OF_EYE = (*STAGE_COLUMNS, "hole_share")
@@ -44,22 +41,22 @@ _RESPONSE_EVERY = 8  # adding up its parts takes 10 us
 
 
 class Thinned:
-    """A table of numbers, one row for each refresh, that never grows beyond a size.
+    """A table of numbers, one row for each refresh, of bounded size.
 
-    Once it is full every other row is left out, and from then on only every other one is taken: the
-    rows are always spaced evenly over the whole run, at least `most` / 2 of them.
+    When it is full every other row is dropped, and from then on only every other row is kept: rows
+    stay evenly spaced over the whole run, at least `most` / 2 of them.
     """
 
     def __init__(self, columns: Sequence[str], most: int = MOST_ROWS) -> None:
-        """most: an even number."""
+        """Make an empty table. most: an even number."""
         self._at = {name: index for index, name in enumerate(columns)}
         self._table = np.empty((most, len(columns)))
         self._seen = self._kept = 0
-        # Of how many rows one is there.
+        # One row of so many is kept.
         self.every = 1
 
     def add(self, row: Sequence[float]) -> None:
-        """Add the next row, in the order of the columns; NaN for what was not measured."""
+        """Add the next row, in the order of the columns; NaN for values that were not measured."""
         if self._seen % self.every == 0:
             if self._kept == len(self._table):
                 self._kept //= 2
@@ -74,19 +71,19 @@ class Thinned:
         return self._table[: self._kept, self._at[name]].copy()
 
     def measured(self, *names: str) -> NDArray[np.float64]:
-        """Return what was measured of these columns, one after the other."""
+        """Return the measured values of these columns, concatenated."""
         values = np.concatenate([self.column(name) for name in names])
         return values[~np.isnan(values)]
 
 
 class Events:
-    """What happened: changes by the user and by warp "auto", notices, times without the display."""
+    """Events of a run: changes by the user and by warp "auto", notices, losses of the display."""
 
     def __init__(self) -> None:
-        # Settings, [before, after] by name, with the instant of the last picture made before.
+        # Settings as [before, after] by name, with the time of the last picture before the change.
         self.changes: list[dict[str, Any]] = []
         self.notices: Counter[str] = Counter()
-        # Why and for how long.
+        # Reason and duration.
         self.lost: list[dict[str, Any]] = []
         self.change_count = 0
         self._lost_at: float | None = None
@@ -106,7 +103,7 @@ class Events:
             self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
 
     def noticed(self, notice: str) -> None:
-        """Count a notice over the picture of a refresh."""
+        """Count a notice shown over a picture."""
         self.notices[notice if notice in self.notices or len(self.notices) < _MOST_NOTICES else _MORE] += 1
 
     def on_display_lost(self, frame: int, time_s: float, why: str) -> None:
@@ -116,7 +113,7 @@ class Events:
             self.lost.append({"time_s": time_s, "frame": frame, "why": why, "away_s": None})
 
     def came_back(self) -> None:
-        """Enter how long the display was away."""
+        """Record how long the display was away."""
         if self._lost_at is not None and self.lost:
             self.lost[-1]["away_s"] = time.monotonic() - self._lost_at
         self._lost_at = None
@@ -135,13 +132,13 @@ class Events:
 class Counts:
     """How many refreshes there were of each kind."""
 
-    # Went by without a new picture.
+    # Passed without a new picture.
     missed: int = 0
-    # With nothing to show yet.
+    # Before the first frame arrived.
     waiting: int = 0
-    # When nobody would have seen a picture.
+    # While the display was not visible.
     unseen: int = 0
-    # Passes and drawing together took longer than a refresh, of `timed`.
+    # Passes and drawing together took longer than a refresh, out of `timed`.
     over: int = 0
     timed: int = 0
 
@@ -159,7 +156,7 @@ class Counts:
 
 
 class FrameFates:
-    """What became of the frames, over all the links a run had one after the other."""
+    """Fates of the frames, over all links of a run in succession."""
 
     def __init__(self) -> None:
         self._past: Counter[str] = Counter()
@@ -168,14 +165,14 @@ class FrameFates:
         self._seen = 0
 
     def follow(self, channel: Channel) -> None:
-        """Count on this channel from now on; the one before is closed."""
+        """Count on this channel from now on; the previous one is closed."""
         if channel is self._channel:
             return
         if self._channel is not None:
             self._past.update(self._channel.link.tally.as_dict())
         self._channel = channel
 
-    def look(self, refresh: Refresh) -> None:
+    def add(self, refresh: Refresh) -> None:
         """Add the response time of a refresh whose times are known."""
         if self._seen % _RESPONSE_EVERY == 0:
             response = refresh.response
@@ -185,7 +182,7 @@ class FrameFates:
     def as_dict(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json; size and codec are those of the last link.
 
-        rate_hz: of the pictures, as they came.
+        rate_hz: measured rate of the pictures.
         """
         if self._channel is None:
             return {}

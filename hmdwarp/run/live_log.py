@@ -1,7 +1,4 @@
-"""What a live run remembers.
-
-Frames.csv and summary.json as of a replay, and the numbers for the panel.
-"""
+"""Log of a live run: frames.csv and summary.json as of a replay, and the numbers for the panel."""
 
 from __future__ import annotations
 
@@ -34,26 +31,26 @@ if TYPE_CHECKING:
     from .host import PipelineHost
 
 _STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])
-_NO_EYE = (math.nan,) * (len(STAGE_COLUMNS) + 1)  # columns of an eye that the view lacks
+_NO_EYE = (math.nan,) * (len(STAGE_COLUMNS) + 1)  # columns of an absent eye
 
 
 @attrs.frozen(eq=False)
 class LiveResult:
-    """What a live run left behind."""
+    """The results of a live run."""
 
-    # Where it was written; None for nowhere.
+    # Output folder; None if nothing was written.
     folder: Path | None
-    # As summary.json, with `live` beside.
+    # As summary.json, including `live`.
     summary: dict[str, Any]
 
     def describe(self) -> list[str]:
-        """Return what to print at the end, line by line."""
+        """Return the lines to print at the end."""
         return live_lines(self.summary, self.folder)
 
 
 @attrs.define(eq=False)
 class _Files:
-    """What grows on the disk while the run goes on."""
+    """Files that grow during the run."""
 
     out: OutputFolder
     rows: Lines
@@ -69,48 +66,48 @@ class _Files:
 
 @attrs.define(eq=False)
 class _Running:
-    """What a log knows once the display is there."""
+    """The part of a log that exists once the display is open."""
 
     facts: LiveFacts
     host: PipelineHost
     holes: HoleCounter
-    # What each control is set to.
+    # The current value of each control.
     values: dict[str, object]
-    # How many changes of warp "auto" are logged.
+    # How many switches of warp "auto" are logged.
     auto_changes: int = 0
 
 
 @attrs.define(eq=False)
 class _Last:
-    """The picture before the present one."""
+    """The previous picture."""
 
     # Of the first picture.
     first_ns: int = 0
     refresh: Refresh | None = None
-    # When it was handed over; None after a refresh without a picture.
+    # When it was submitted; None after a refresh without a picture.
     submitted_ns: int | None = None
-    # What is still to be logged of it: its times are known at the next refresh.
+    # Its entry still to be logged: its times are known at the next refresh.
     pending: tuple[Moment, Refresh, float] | None = None
 
     @property
     def time_s(self) -> float:
-        """Since the first picture."""
+        """Time since the first picture."""
         return (self.refresh.shown_ns - self.first_ns) * 1e-9 if self.refresh is not None else 0.0
 
 
 class LiveLog:
-    """Log of a live run. Use as a context manager: it writes at the end.
+    """Log of a live run. Use as a context manager: it writes the results on exit.
 
-    The times of a refresh are read at the next one: nothing here waits for the GPU. A refresh costs
-    some 50 us, half of them only where there is a folder to write to. Memory is bounded, however
-    long a run is; frames.csv grows on the disk.
+    The times of a refresh are read at the next one, so nothing here waits for the GPU. A refresh
+    costs some 50 us, half of that only with an output folder. Memory is bounded for runs of any
+    length; frames.csv grows on the disk.
     Errors: InputError for a folder that cannot be written; from add, MachineError for a full disk.
     """
 
     def __init__(self, options: LiveOptions) -> None:
         # Refreshes with a picture.
         self.count = 0
-        # Numbers of the last ones.
+        # Recent numbers for the display.
         self.status = Status(recording=options.record is not None)
         self._options = options
         self._files = _Files.of(options)
@@ -130,7 +127,7 @@ class LiveLog:
             self._files.rows.add(HEADER)
 
     def changed(self, host: PipelineHost) -> None:
-        """Log that the options were changed."""
+        """Log a change of options."""
         if self._running is None:
             return
         now = values(host.options)
@@ -138,17 +135,17 @@ class LiveLog:
         self._running.values, self._running.auto_changes = now, 0
 
     def on_display_lost(self, why: str) -> None:
-        """Log that the display went away."""
+        """Log the loss of the display."""
         self._figures.events.on_display_lost(self.count - 1, self._last.time_s, why)
         self._last.submitted_ns = None
 
     def came_back(self) -> None:
-        """Log that the display is there again."""
+        """Log the return of the display."""
         self._figures.events.came_back()
 
     def add(self, tick: Tick, refresh: Refresh | None, submitted_ns: int, notice: str) -> None:
-        """Log a refresh that was handed over."""
-        if self._finished or self._running is None:  # by the watchdog, and what hung has come back
+        """Log a submitted refresh."""
+        if self._finished or self._running is None:  # the watchdog has closed the log, and the hung call has returned
             return
         counts = self._figures.counts
         self._settle(refresh)
@@ -166,7 +163,7 @@ class LiveLog:
         status, last = self.status, self._last
         if not self.count:
             last.first_ns = refresh.shown_ns
-            # Not sooner: GarbageControl begins with a large collection.
+            # Not sooner: GarbageControl starts with a large collection.
             self._figures.pauses.start()
         speeds = speeds_between(last.refresh, refresh)
         moment = Moment.of(self.count, refresh, last.first_ns, speeds, submitted_ns)
@@ -184,9 +181,9 @@ class LiveLog:
         self.count += 1
 
     def _settle(self, now: Refresh | None) -> None:
-        """Log the refresh before.
+        """Log the previous refresh.
 
-        Its times are known by now, and its holes once the present ones are being counted.
+        Its times are known by now, and its holes once the current ones are being counted.
         """
         if self._running is None:
             return
@@ -204,12 +201,12 @@ class LiveLog:
         figures = self._figures
         figures.counts.busy(render_ms + passes_ms > self.status.budget_ms)
         figures.times.add(_numbers(moment, (period_ms, render_ms, render_ms + passes_ms), stages, holes))
-        figures.fates.look(refresh)
+        figures.fates.add(refresh)
         if self._files is not None:
             self._files.rows.add(rows_text(moment, stages, holes))
 
     def _show(self, stages: Sequence[Sequence[float]], passes_ms: float, holes: Sequence[float | None]) -> None:
-        """Put the numbers of a refresh into the status."""
+        """Copy the numbers of a refresh into the status."""
         status, known = self.status, [share for share in holes if share is not None]
         status.stage_ms = {name: sum(one[at] for one in stages) for at, name in enumerate(_STAGES)}
         status.total_ms.append(passes_ms)
@@ -225,10 +222,7 @@ class LiveLog:
             running.auto_changes = len(auto.changes)
 
     def leave(self) -> None:
-        """Read the times of the last refresh, before the GPU goes.
-
-        Nothing that fails here matters.
-        """
+        """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
         self._figures.pauses.stop()
         with suppress(Exception):
             self._settle(None)
@@ -237,10 +231,10 @@ class LiveLog:
                 self._running.holes.close()
 
     def finish(self) -> None:
-        """Write what there is. May be called twice, and from another thread: it touches no GPU.
+        """Write the results.
 
-        Errors: InputError or MachineError for a folder that cannot be written any more; what is
-        whole stays there.
+        Safe to call twice, and from another thread: it does not touch the GPU. Errors: InputError
+        or MachineError for a folder that cannot be written any more; complete files stay there.
         """
         with self._finishing:
             if self._finished:
@@ -263,7 +257,7 @@ class LiveLog:
                 self._written = True
 
     def _write(self, files: _Files, running: _Running) -> None:
-        if self._last.pending is not None:  # the GPU was gone before its times could be read
+        if self._last.pending is not None:  # the GPU went away before its times could be read
             moment = self._last.pending[0]
             files.rows.add(rows_text(moment, [NOT_KNOWN] * moment.eyes, (None,) * moment.eyes))
         try:
@@ -280,14 +274,14 @@ class LiveLog:
         return live_summary_of(running.facts, self.count, self._figures, pictures)
 
     def column(self, name: str) -> NDArray[np.float64]:
-        """Return one number of live_figures.COLUMNS for each refresh; of a long run every n-th.
+        """Return one of live_figures.COLUMNS for each refresh; in a long run, for every n-th.
 
         NaN where it was not measured.
         """
         return self._figures.times.column(name)
 
     def result(self) -> LiveResult:
-        """Return what the run left behind."""
+        """Return the results of the run."""
         return LiveResult(self._options.out if self._written else None, self._summary)
 
     def __enter__(self) -> LiveLog:
@@ -297,7 +291,7 @@ class LiveLog:
         if kind is None:
             self.finish()
             return
-        with suppress(Exception):  # what ended the run is what the user must hear
+        with suppress(Exception):  # the exception that ended the run matters more
             self.finish()
 
 
@@ -309,7 +303,7 @@ def _numbers(
 ) -> list[float]:
     """Return a row in the order of live_figures.COLUMNS.
 
-    times_ms: from picture to picture, of drawing, of all.
+    times_ms: from picture to picture, of drawing, and in total.
     """
     period_ms, render_ms, busy_ms = times_ms
     shared = (moment.time_s, moment.age_ms, moment.pose_age_ms, period_ms, *moment.speeds, render_ms, busy_ms)

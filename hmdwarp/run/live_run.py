@@ -1,7 +1,4 @@
-"""The live run.
-
-The loop, once for each refresh of a display, until it is ended; and which display it gets.
-"""
+"""The live run: the loop, once a refresh of a display, and the choice of that display."""
 
 from __future__ import annotations
 
@@ -28,15 +25,15 @@ Watching = Callable[[str], AbstractContextManager[None]]
 def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh = lambda number: None) -> LiveResult:
     """Run until the window, the runtime or Ctrl-C ends it, or as long as the options say.
 
-    say: gets a sentence now and then. after(number): called after each refresh that showed a
+    say: called with a sentence for the user. after(number): called after each refresh that showed a
     picture, counted from 1.
-    Errors: InputError and its kin for wrong options; MachineError where there is no headset and no
-    window, and where a lost headset does not come back. What was recorded and logged until then is
-    written in any case.
+    Errors: InputError and its subclasses for wrong options; MachineError where there is neither
+    headset nor window, and where a lost headset does not come back. Recording and log up to that
+    point are written in any case.
     """
     scene = checked_scene(options)
     with ExitStack() as stack:
-        # Outermost: a signal ends the program when all is written.
+        # Outermost: a signal ends the program only after everything is written.
         ending = stack.enter_context(Ending(options.seconds, options.frames))
         recorder = stack.enter_context(Recorder(options.record, say)) if options.record is not None else None
         log = stack.enter_context(LiveLog(options))
@@ -57,9 +54,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
 
 
 def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
-    """Return what the watchdog calls before it ends the program.
+    """Return the callbacks for the watchdog to run before it ends the program.
 
-    The recording first, it cannot be had again.
+    The recording comes first: it cannot be made again.
     """
 
     def save_recording() -> str:
@@ -74,7 +71,7 @@ def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], st
 
 
 class _UserRun(FrameHandler):
-    """A run whose user may change everything, until as much was shown as the options say."""
+    """A run whose user may change everything, up to the limits of the options."""
 
     pictures = True
 
@@ -113,12 +110,12 @@ def open_display(
 ) -> Display:
     """Return the display that the options name.
 
-    For "auto" the headset if one answers, else the window.
+    For "auto": the headset if one answers, else the window.
 
-    say: gets why it is no headset. controls: what the user may ask for. briefly: give that reason
-    in a clause, and leave the rest to the doctor.
-    Errors: MachineError (and its kin) that names what is missing and what to do: for "auto" of
-    both.
+    say: called with the reason for the window. controls: offered to the user. briefly: give that
+    reason in a clause, and leave the rest to the doctor.
+    Errors: MachineError (and its subclasses) that names what is missing and what to do: for "auto"
+    of both.
     """
     wanted = display_options(options, watching, controls)
     if options.source == OFFSCREEN:
@@ -146,7 +143,7 @@ def _first_clause(why: str) -> str:
 def display_options(
     options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS
 ) -> DisplayOptions:
-    """Return what a display must know of the run."""
+    """Return the options that the display needs of the run."""
     return DisplayOptions(
         headset=options.headset,
         view=options.view,

@@ -1,6 +1,6 @@
-"""summary.json of a live run.
+"""The summary.json of a live run.
 
-The keys of a replay's, so that both are compared with the same tools, and `live`.
+It has the keys of a replay's, so that the same tools compare both, and `live`.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class LiveFacts:
-    """What a live run is, as far as that is settled when it begins."""
+    """Facts about a live run that are settled when it begins."""
 
     shared: Facts
     options: LiveOptions
-    # Name of the display, and what it says of itself.
+    # Name of the display, and its own description.
     source: str
     about: dict[str, str]
-    # Of the plan it begins with.
+    # Of the first plan.
     lens: str
     scene_notes: tuple[str, ...]
 
     @property
     def budget_ms(self) -> float:
-        """From one refresh of the display to the next."""
+        """The period of the display."""
         return 1e3 / self.shared.rate_hz
 
 
@@ -65,7 +65,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
 
 
 def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, pictures: Pictures | None) -> dict[str, Any]:
-    """Return the summary. Settings are those it began with; what was changed later is in `live`."""
+    """Return the summary. Settings are those at the start; later changes are in `live`."""
     options, times = facts.options, figures.times
     of_eyes = {name: times.measured(*(f"{name}/{eye}" for eye in (0, 1))) for name in OF_EYE}
     live = _live(facts, frames, figures)
@@ -79,7 +79,7 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
 
 
 def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]:
-    """Return what a replay lacks."""
+    """Return the keys that only a live run has."""
     times, options = figures.times, facts.options
     seconds = times.column("time_s")
     return {
@@ -99,7 +99,7 @@ def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]
 
 
 def _of_refresh(times: Thinned) -> dict[str, dict[str, float | None]]:
-    """Return what a whole refresh goes into on this machine, all eyes together.
+    """Return the times of a whole refresh on this machine, all eyes together.
 
     Drawing, each stage, and the sum.
     """

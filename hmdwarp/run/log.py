@@ -1,4 +1,4 @@
-"""What a replay remembers of each refresh: one row per eye as in frames.csv, in bounded bytes."""
+"""Log of a replay: one row per eye and refresh, as in frames.csv, in compact form."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _NOT_MEASURED = dict.fromkeys(QUALITY)
 class ReplayLog:
     """Rows and response times of a replay.
 
-    Poses are kept as they are and turned into columns only while they are written: ten minutes at
-    60 Hz are 72,000 rows.
+    Poses are kept as objects and turned into columns only when written: ten minutes at 60 Hz are
+    72,000 rows.
     """
 
     def __init__(self, track: PoseTrack) -> None:
         self._track = track
-        # Figures are made from these, two for each refresh.
+        # Two for each refresh; figures are made from them.
         self.rows: list[Row] = []
         # One for each refresh.
         self.responses: list[ResponseTime] = []
@@ -40,14 +40,14 @@ class ReplayLog:
             self.rows.append({**figures, "eye": eye, **stage_columns(stages)})
 
     def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
-        """Enter the figures of the refreshes that were measured, by (frame, eye)."""
+        """Add the figures of the measured refreshes, by (frame, eye)."""
         for row in self.rows:
             row.update(figures.get((row["frame"], row["eye"]), _NOT_MEASURED))
 
     def compared(self, times: Mapping[tuple[int, int], Stages], figures: Mapping[tuple[int, int], Row]) -> list[Row]:
-        """Return rows of another warp that ran beside this one on some refreshes.
+        """Return rows of the comparison warp, which ran beside this one on some refreshes.
 
-        They have its own times and figures, and the same head.
+        They have its own times and figures, and the same head poses.
         """
         return [
             {**row, **stage_columns(times[key]), **figures.get(key, _NOT_MEASURED)}
@@ -56,7 +56,7 @@ class ReplayLog:
         ]
 
     def frames_csv(self) -> Iterator[Row]:
-        """Yield the rows with all columns of report.schema.FRAME_COLUMNS.
+        """Yield the rows with the columns of report.schema.FRAME_COLUMNS.
 
         Both eyes share the poses.
         """

@@ -1,4 +1,4 @@
-"""Comparison of the shown pictures with those of a renderer without latency, every n-th refresh."""
+"""Comparison of every n-th shown picture with a renderer without latency."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
 
-# The two things measured at a refresh: the run's warp and the one it is compared with.
+# The run's own warp, and the one it is compared with.
 MAIN, AGAINST = 0, 1
 Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
 
 
 class Probe:
-    """Reader of pictures: draws the truth at the shown views and hands both to be measured.
+    """Read pictures back: draw the truth for the shown views and submit both for measuring.
 
-    Measured is what the eye sees before the lens. A warp that is fused with the lens does not make
-    that, so the same warp without the lens runs for it; its time is not counted. The truth of a
-    display that lights up row by row is drawn in bands. Flicker needs the refresh before a measured
-    one too, so that one is drawn and read as well, but not measured.
+    The picture is measured as the eye sees it, before the lens. A warp that is fused with the lens
+    makes no such picture, so the same warp without the lens runs for it; its time is not counted.
+    The truth of a display that lights up row by row is drawn in bands. Flicker needs the refresh
+    before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
     def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
@@ -61,14 +61,14 @@ class Probe:
         return self._setup.compensator(plan_against(options.against))
 
     def wants(self, number: int) -> bool:
-        """Whether refresh `number` is measured, or is the neighbour of a measured one."""
+        """Return whether refresh `number` is measured, or precedes a measured one."""
         return number % self._every == 0 or (number + 1) % self._every == 0
 
-    def look(self, number: int, refresh: Refresh) -> None:
+    def read(self, number: int, refresh: Refresh) -> None:
         """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
         for eye in range(len(refresh.eyes)):
             rendered = refresh.frame.eyes[eye]
-            # The neighbour of a measured refresh is read for flicker alone.
+            # The predecessor of a measured refresh is read for flicker only.
             truth = draw_truth(
                 self._setup.server, refresh.inputs[eye], self._setup.size, depth=number % self._every == 0
             )
@@ -78,9 +78,9 @@ class Probe:
             if depth is not None:
                 self._count_filled(result)
             if self._against is not None:
-                self._look_against(self._against, (number, eye), refresh, picture, depth)
+                self._read_comparison(self._against, (number, eye), refresh, picture, depth)
 
-    def _look_against(
+    def _read_comparison(
         self,
         against: Compensator,
         where: tuple[int, int],
@@ -88,9 +88,9 @@ class Probe:
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
     ) -> None:
-        """Measure the compared warp, which knows no effects.
+        """Measure the comparison warp, which does not compensate effects.
 
-        Its rendered picture has everything drawn in.
+        Its rendered picture has all effects drawn in.
         """
         (number, eye), server = where, self._setup.server
         inputs = self._setup.loop.inputs(refresh, against.plan.needs)[eye]
@@ -116,7 +116,7 @@ class Probe:
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty").
 
-        Nothing for warp "auto": its chain changes, so a share of the whole would mean nothing.
+        Empty for warp "auto": its chain changes during the run.
         """
         if self._setup.auto is not None or not self._empty:
             return {}

@@ -22,9 +22,9 @@ _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 @attrs.frozen(kw_only=True)
 class RunOptions(PipelineOptions):
-    """A replay: which trace, and what is measured and kept of it.
+    """A replay: its trace, what to measure and what to keep.
 
-    Errors: InputError for a number that makes no sense.
+    Errors: InputError for a value out of range.
     """
 
     trace: str = option(
@@ -34,9 +34,9 @@ class RunOptions(PipelineOptions):
     seconds: float | None = option(
         None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
     )
-    # The head is where the trace has it, at the instants of the trace's own clock, so that what
-    # moves in the scene is where it was then; else time begins at 0, and a trace that leaves the
-    # scene is moved into it.
+    # Keep the head where the trace has it, on the trace's own clock, so that moving objects of the
+    # scene are where they were then. Otherwise time begins at 0, and a trace that leaves the scene
+    # is moved into it.
     as_recorded: bool = False
     against: str = option("none", "The warp to compare with; '' for none.")
     metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
@@ -59,16 +59,16 @@ class RunOptions(PipelineOptions):
 class LiveOptions(PipelineOptions):
     """A live run.
 
-    Errors: InputError for a number or word that makes no sense.
+    Errors: InputError for a value out of range.
     """
 
     not_offered: ClassVar[tuple[str, ...]] = ("scanout", "follow_scanout")
 
-    # "auto": the headset's where a window stands for it, none where a runtime corrects its own.
+    # "auto": the headset's lens where a window emulates it, none where a runtime corrects its own.
     lens: str = option(
         AUTO, f"Lens correction: {names_in('client/lens')}; auto: the headset's that a window emulates.", study=PICTURE
     )
-    # Where the head and the display are; "offscreen" shows the pictures nowhere.
+    # Source of the head pose, and the display; "offscreen" shows the pictures nowhere.
     source: str = option(
         AUTO_SOURCE,
         "Display: openxr, desktop, offscreen (none), or auto: headset, else window.",
@@ -86,7 +86,7 @@ class LiveOptions(PipelineOptions):
     )
     full_screen: bool = option(False, "Open the window over the full screen.", study=DISPLAY)
     vsync: bool = option(True, "Wait for the screen's refresh.", off="--no-vsync", study=DISPLAY)
-    # Where its package is installed.
+    # Needs its optional package.
     panel: bool = option(
         True,
         "Show controls and plots (pip install 'hmdwarp[panel]').",
@@ -132,7 +132,7 @@ class LiveOptions(PipelineOptions):
     hang_s: float = option(
         5.0, "Seconds of silence after which a runtime is given up.", unit="s", valid=Number(least=0.1), study=DISPLAY
     )
-    # Whether Python's garbage collector runs between the pictures instead of at any time.
+    # Whether to collect garbage between pictures instead of whenever Python decides.
     collect: bool = option(
         True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere", study=DISPLAY
     )
@@ -165,7 +165,7 @@ _LIVE = attrs.fields(LiveOptions)
 
 @attrs.frozen(kw_only=True)
 class RecordOptions(Declared):
-    """A recording of a head. Errors: InputError for a number or word that makes no sense."""
+    """A recording of a head. Errors: InputError for a value out of range."""
 
     out: Path = option(attrs.NOTHING, "The trace to write: a new file.", kind=Path, convert=Path)
     source: str = option(
@@ -173,7 +173,7 @@ class RecordOptions(Declared):
         "Head to record: openxr (a headset), desktop (a window) or synthetic (made up).",
         valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
     )
-    # None until Ctrl-C, of a made-up head the length of its kind.
+    # None until Ctrl-C; for a made-up head, the length of its kind.
     seconds: float | None = option(
         None, "Stop after this long; by default at Ctrl-C.", kind=float, unit="s", valid=Number(above=True)
     )

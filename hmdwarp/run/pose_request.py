@@ -1,7 +1,4 @@
-"""The head pose that the server draws for.
-
-The present one, or one predicted from what is known by now.
-"""
+"""The head pose that the server draws for: the current one, or a prediction from known motion."""
 
 from __future__ import annotations
 
@@ -38,7 +35,7 @@ def pose_request(
     size: tuple[int, int],
     needs: Needs,
 ) -> PoseRequest:
-    """Return what the server is to draw for.
+    """Return the poses and picture format for the server.
 
     known(now_ns): head motion up to that instant, and maybe later. age_ns: from drawing a frame to
     showing it. size: (w, h) of one eye.
@@ -52,7 +49,7 @@ def pose_request(
 
 
 class RecentPoses:
-    """A pose source that remembers the last second of its answers."""
+    """A pose source that keeps the last second of its answers."""
 
     def __init__(self, source: PoseSource) -> None:
         self._source = source
@@ -63,7 +60,7 @@ class RecentPoses:
         self._source.start()
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the source's answer, and keep it."""
+        """Return the source's pose, and keep it."""
         sample = self._source.head_at(time_ns)
         if not self._kept or sample.time_ns > self._kept[-1].time_ns:
             self._kept.append(sample)
@@ -72,7 +69,7 @@ class RecentPoses:
         return sample
 
     def track_until(self, now_ns: int) -> PoseTrack:
-        """Return the last second of motion, with the head as it is now."""
+        """Return the last second of motion, including the current pose."""
         self.head_at(now_ns)
         kept = list(self._kept)
         return PoseTrack(

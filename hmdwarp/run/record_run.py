@@ -1,7 +1,4 @@
-"""Recording a head without showing it anything.
-
-Of a headset, of a window, or made up, each as fast as time goes.
-"""
+"""Recording of head motion without a pipeline: from a headset, a window, or a made-up head."""
 
 from __future__ import annotations
 
@@ -29,16 +26,16 @@ Say = Callable[[str], None]
 def record(options: RecordOptions, say: Say = lambda text: None) -> None:
     """Record until Ctrl-C, the runtime or the window ends it, or for the seconds in the options.
 
-    say: gets a sentence now and then.
-    Errors: InputError for wrong options, an existing file among them; MachineError for what the
-    machine lacks, and where a headset gave no pose at all. What was recorded until then is there in
-    any case.
+    say: called with a sentence for the user.
+    Errors: InputError for wrong options, including an existing file; MachineError for missing
+    hardware or software, and for a headset without any pose. The recording up to that point is kept
+    in any case.
     """
     {OPENXR: _of_headset, DESKTOP: _of_window, SYNTHETIC: _made_up}[options.source](options, say)
 
 
 def _of_window(options: RecordOptions, say: Say) -> None:
-    """Record a window's head, without latency and warp: it shows the scene as it is."""
+    """Record a window's head without latency or warp: the scene is shown as it is."""
     shown = LiveOptions(
         source=DESKTOP,
         scene=options.scene,
@@ -93,9 +90,9 @@ def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
 
 
 def _sample(head: OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say) -> None:
-    """Read a head at even instants.
+    """Sample a head at even intervals.
 
-    One that takes longer than a period to answer as often as it can be read.
+    A source that needs longer than that is sampled as often as it can be read.
     """
     count = 0
     due_ns = head.now_ns()
@@ -115,7 +112,7 @@ def _sample(head: OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int
 
 
 def _sleep_until(due_ns: int) -> None:
-    """Sleep; a signal that only asks for an end does not wake it."""
+    """Sleep until then; a signal that only requests an end does not wake it."""
     wait_ns = due_ns - time.monotonic_ns()
     if wait_ns > 0:
         time.sleep(wait_ns * 1e-9)

@@ -1,4 +1,4 @@
-"""Writes the head's poses to a trace file while they come."""
+"""Write head poses to a trace file as they arrive."""
 
 from __future__ import annotations
 
@@ -13,23 +13,26 @@ from ..poses.formats.native import header_text, row_text
 from ..version import __version__
 from .lines import Lines
 
-LEAST = 2  # one pose is no motion: no trace reader takes it
+LEAST = 2  # one pose is no motion, and no trace reader accepts it
 
 
 class Recorder:
-    """A native trace that is on the disk half a second after its poses came.
+    """A native trace whose poses are on the disk half a second after they arrive.
 
     Use as a context manager.
 
-    The file is made at once, so that a run does not find out at its end that there is no place for
-    it. Poses that are held (tracking lost) are left out, which makes a gap as it was one; so are
-    those whose time does not rise. With fewer than two poses the file is removed again.
-    Errors: InputError for an existing file and a place that cannot be written; MachineError, from
-    add and at the end, for a full disk: what was written before is whole lines, and stays.
+    The file is created at once, so that a path that cannot be written fails at the start. Poses
+    held while tracking is lost are left out, which leaves a gap; so are those whose time does not
+    increase. With fewer than two poses the file is removed again.
+    Errors: InputError for an existing file or a path that cannot be written; MachineError, from add
+    and at the end, for a full disk: the lines written before stay, whole.
     """
 
     def __init__(self, path: Path, say: Callable[[str], None] = lambda text: None, by: str = "hmdwarp live") -> None:
-        """path: a new file. say: gets a sentence at the end, and where a clock jumps."""
+        """Create the file.
+
+        path: a new file. say: called with a sentence at the end, and where a clock jumps.
+        """
         self.path, self._say, self._by = path, say, by
         self.count = self.held = self.behind = 0
         self._first_ns = self._last_ns = 0
@@ -49,7 +52,7 @@ class Recorder:
     def begin(self, about: Mapping[str, str], rate_hz: float) -> None:
         """Write the header.
 
-        about: whose poses are recorded, by name; rate_hz: how often.
+        about: the recorded display, by name; rate_hz: of the poses.
         """
         self._begun = True
         started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
@@ -83,9 +86,9 @@ class Recorder:
         self._lines.flush()
 
     def save(self) -> str:
-        """Flush, and return where the recording is, "" for nothing to keep; from any thread.
+        """Flush, and return where the recording is, "" if there is none; from any thread.
 
-        For when nothing will be closed any more.
+        For a program that cannot close its files any more.
         """
         answered = self._lines.flush()
         if not self._is_worth_keeping():
@@ -110,7 +113,7 @@ class Recorder:
         return self.count >= LEAST
 
     def describe(self) -> str:
-        """Return what was recorded, in a sentence."""
+        """Return a sentence on the recording."""
         counts = ((self.held, "held (tracking lost)"), (self.behind, "whose time did not rise"))
         left_out = ", ".join(f"{count} {what}" for count, what in counts if count)
         beside = f"; left out: {left_out}" if left_out else ""
@@ -125,14 +128,14 @@ class Recorder:
         if kind is None:
             self._end()
             return
-        with suppress(Exception):  # what ended the run is what the user must hear
+        with suppress(Exception):  # the exception that ended the run matters more
             self._end()
 
 
 def origin_of(by: str, about: Mapping[str, str]) -> str:
-    """Return who recorded whom: "hmdwarp live, Monado 25.0, headset 'Simulated'"."""
+    """Return the origin for a trace: "hmdwarp live, Monado 25.0, headset 'Simulated'"."""
     runtime, version = about.get("runtime", ""), about.get("runtime_version", "")
-    if version not in runtime:  # most have it in their names
+    if version not in runtime:  # most runtimes have it in their names
         runtime = f"{runtime} {version}".strip()
     others = [f"{name} '{value}'" for name, value in about.items() if value and not name.startswith("runtime")]
     return ", ".join(filter(None, (by, runtime, *others)))

@@ -1,4 +1,4 @@
-"""What a replay leaves behind: summary.json, frames.csv, pictures and the page."""
+"""Output of a replay: summary.json, frames.csv, pictures and the page."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from .run_summary import EYES, Facts, auto_entry, auto_note, chosen_passes, mach
 
 @attrs.frozen(eq=False)
 class ReplayResult:
-    """What a replay measured."""
+    """Results of a replay."""
 
     folder: Path
     # As summary.json.
     summary: dict[str, Any]
     # Two for each refresh, keyed as frames.csv.
     rows: list[Row]
-    # The summary of the warp that it was compared with.
+    # The summary of the comparison warp.
     against: dict[str, Any] | None
 
     @property
     def report(self) -> Path:
-        """The page."""
+        """Path of the page."""
         return self.folder / "report.html"
 
 
 def facts_of(setup: ReplaySetup) -> Facts:
-    """Return what summary.json says of a run before it begins."""
+    """Return the keys of summary.json that are known before the run."""
     return Facts(
         options=setup.options,
         trace=setup.track.name or setup.trace.path.stem,
@@ -48,6 +48,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         pixels_per_degree=setup.pixels_per_degree,
         machine=machine_of(setup.gpu),
         clock=setup.gpu.timer.clock,
+        trace_axes=setup.trace.axes,
     )
 
 
@@ -61,9 +62,9 @@ def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list
 
 
 def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, more: dict[str, Any]) -> ReplayResult:
-    """Return the summaries of a run and, if there was one, of the warp that ran beside it.
+    """Return the summaries of a run and of its comparison warp, if any.
 
-    more: what else was measured, by its key.
+    more: other measurements, by key.
     """
     options, rows, auto = setup.options, log.rows, setup.auto
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
@@ -82,7 +83,7 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
 def write_results(
     out: OutputFolder, log: ReplayLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool, command: str
 ) -> None:
-    """Write everything but the video, which is written while the run goes on."""
+    """Write everything but the video, which is written during the run."""
     for kept in pool.kept:
         number, eye, _ = kept.key
         out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))

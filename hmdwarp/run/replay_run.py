@@ -1,7 +1,4 @@
-"""The replay.
-
-A recorded head trace through the loop, measured against a renderer without latency.
-"""
+"""The replay: a recorded head trace through the loop, measured against a zero-latency renderer."""
 
 from __future__ import annotations
 
@@ -35,11 +32,12 @@ Progress = Callable[[int, int], None]
 def replay(
     options: RunOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
 ) -> ReplayResult:
-    """Run it and write options.out; a run that fails or is interrupted leaves nothing there.
+    """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
 
-    progress(done, total) is called after each refresh; say() gets a sentence before warp "auto"
-    tries what it chooses from.
-    Errors: InputError and its kin for wrong options, MachineError for what the machine lacks.
+    progress(done, total): called after each refresh. say: called with a sentence before warp "auto"
+    measures its candidates.
+    Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
+    software.
     """
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
@@ -60,7 +58,7 @@ def replay(
 
 
 def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, dict]:
-    """Return what a replay measures, as metrics.summary.aggregate has it, without writing anything.
+    """Return the figures of a replay, as from metrics.summary.aggregate, without writing anything.
 
     Errors: as replay; InputError for warp "auto" and for a video.
     """
@@ -82,7 +80,7 @@ def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: P
             if refresh is not None:
                 log.add(refresh)
                 if probe.wants(count):
-                    probe.look(count, refresh)
+                    probe.read(count, refresh)
                 if video is not None:
                     video.add(_panels(refresh))
                 count += 1
@@ -112,7 +110,7 @@ def _panels(refresh: Refresh) -> np.ndarray:
 
 
 def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
-    """Return which second a picture competes in for the worst one.
+    """Return the second in which a picture competes for the worst one.
 
     Only the run's own warp competes.
     """
@@ -121,7 +119,7 @@ def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
 
 
 def _keep_every(setup: ReplaySetup) -> int | None:
-    """Return every how many refreshes a picture is kept, for about options.images measured ones."""
+    """Return n to keep every n-th picture, for about options.images measured ones."""
     if not setup.options.images:
         return None
     every = setup.options.metrics_every

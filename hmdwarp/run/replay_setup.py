@@ -1,4 +1,4 @@
-"""Everything that a replay needs, made ready in the order in which it can fail."""
+"""Set-up of a replay, in an order that fails early."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 
 @attrs.frozen(eq=False)
 class ReplaySetup:
-    """Everything of one replay, ready to go.
+    """Everything that one replay runs on.
 
-    Use as a context manager: it frees the GPU at the end.
+    Use as a context manager: it frees the GPU on exit.
     """
 
     options: RunOptions
     trace: LoadedTrace
-    # The trace where the scene can be walked in.
+    # The trace, moved to where the scene can be walked in.
     track: PoseTrack
     scene: Scene
     headset: Headset
@@ -53,7 +53,7 @@ class ReplaySetup:
 
     @property
     def plan(self) -> Plan:
-        """The plan that runs at first."""
+        """The plan that runs first."""
         return self.pipeline.plan
 
     @property
@@ -63,17 +63,17 @@ class ReplaySetup:
 
     @property
     def channel(self) -> Channel:
-        """The way of the frames."""
+        """The transport of the frames."""
         return self.pipeline.channel
 
     @property
     def loop(self) -> Loop:
-        """The loop, one refresh after the other."""
+        """The loop over refreshes."""
         return self.pipeline.loop
 
     @property
     def auto(self) -> AdaptiveCompensator | None:
-        """The part that chooses the warp; None where the options name one."""
+        """Chooses the warp; None where the options name one."""
         return self.pipeline.auto
 
     @property
@@ -95,9 +95,9 @@ class ReplaySetup:
 def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[QualityLevel, ...] = ()) -> ReplaySetup:
     """Load, check, then start the GPU.
 
-    also: what frames must carry for other plans than that of the options. levels: what warp "auto"
-    chooses from. Errors: InputError and its kin for wrong options, MachineError for what is
-    missing.
+    also: layers that frames must carry for plans other than the run's. levels: candidates of warp
+    "auto". Errors: InputError and its subclasses for wrong options, MachineError for missing
+    hardware or software.
     """
     check_names(options)
     headset = load_headset(options.headset)
@@ -122,15 +122,15 @@ def set_up_replay(options: RunOptions, also: Needs | None = None, levels: tuple[
         request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
         pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels))
-        notes = [*(f"{d}" for d in trace.defects), *scene.notes, *notes]
+        notes = [*trace.notes(), *scene.notes, *notes]
         return ReplaySetup(options, trace, track, scene, headset, size, schedule, gpu, pipeline, notes, stack.pop_all())
 
 
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
-    """Return the track where the scene can be walked in, and notes on what that took.
+    """Return the track moved to where the scene can be walked in, and notes on the move.
 
-    A track that stays within the scene's walking bounds stays as it is. Others (recorded in other
-    rooms and units) are moved, not turned, so that their mean position is the scene's viewpoint.
+    A track within the scene's walking bounds is unchanged. Others (recorded in other rooms and
+    units) are translated, not rotated, so that their mean position is the scene's viewpoint.
     """
     low, high = scene.walk_bounds_m
     if ((track.position_m >= low) & (track.position_m <= high)).all():

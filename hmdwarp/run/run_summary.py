@@ -1,6 +1,6 @@
-"""summary.json.
+"""Keys of summary.json that a replay, a live run and a row of a bench share.
 
-The keys that a replay, a live run and a row of a bench share, and the entry of warp "auto".
+Includes the entry of warp "auto".
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from ..pipeline.options import PipelineOptions
 from ..report import SCHEMA
 from ..version import __version__
 
-_MOST_CHANGES = 8  # in the note; all of them are in the entry and on the page
+_MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 
-# What a run may write, so that a later run into the same folder removes what it does not write
+# Files that a run may write; a later run into the same folder removes those it does not write
 # again.
 OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "report.html", "replay.mp4")
 EYES = ("left", "right")
@@ -28,10 +28,10 @@ EYES = ("left", "right")
 
 @attrs.frozen(eq=False)
 class Facts:
-    """What is settled when a run begins."""
+    """Facts settled when a run begins."""
 
     options: PipelineOptions
-    # Name of the head's motion.
+    # Name of the head motion.
     trace: str
     scene: str
     effects: list[str]
@@ -43,6 +43,8 @@ class Facts:
     machine: dict[str, Any]
     # "gpu" or "wall".
     clock: str
+    # Axes in which a recorded trace was read, and who says so; empty for a head that is live.
+    trace_axes: str = ""
 
 
 def machine_of(gpu: Gpu) -> dict[str, Any]:
@@ -53,14 +55,15 @@ def machine_of(gpu: Gpu) -> dict[str, Any]:
 def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keys of summary.json.
 
-    passes: names of warp, fill and lens. frames: how many refreshes were shown. figures: `time_ms`
-    and `quality`, and whatever comes after them.
+    passes: names of warp, fill and lens. frames: number of shown refreshes. figures: `time_ms`,
+    `quality` and any further keys.
     """
     options, (warp, fill, lens) = facts.options, passes
     return {
         "schema": SCHEMA,
         "hmdwarp": __version__,
         "trace": facts.trace,
+        **({"trace_axes": facts.trace_axes} if facts.trace_axes else {}),
         "scene": facts.scene,
         "effects": facts.effects,
         "latency_ms": options.latency_ms,
@@ -83,7 +86,7 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
 def chosen_passes(options: PipelineOptions, lens: str) -> tuple[str, str, str]:
     """Return (warp, fill, lens) as summary.json names them.
 
-    A run that chooses has no fill of its own.
+    Under warp "auto" the run has no fill of its own.
     """
     return options.warp, options.warp if options.chooses_warp else options.fill, lens
 
@@ -92,8 +95,8 @@ def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> 
     """Return the `auto` of summary.json: {budget_ms, ladder, changes}.
 
     rows: two for each refresh, keyed as frames.csv. ladder: quality levels from cheapest to most
-    accurate, with their expected time and error, and how many refreshes each made. changes: time_s
-    and frame of the last picture made by `from`, and the reason.
+    accurate, with their expected time and error, and the number of refreshes that each rendered.
+    changes: time_s and frame of the last picture made by `from`, and the reason.
     """
     ran = Counter((row["warp"], row["fill"]) for row in rows if row["eye"] == 0)
     levels = [
@@ -122,7 +125,7 @@ def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> 
 
 
 def auto_note(entry: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the entry in a sentence or two."""
+    """Return the entry as a sentence or two."""
     started = rows[0]["warp"] if rows[0]["fill"] == "none" else f"{rows[0]['warp']} + {rows[0]['fill']}"
     expected = next(level["total_ms"] for level in entry["ladder"] if level["name"] == started)
     began = (

@@ -1,4 +1,4 @@
-"""When the display of a replay refreshes."""
+"""Refresh times of a replay's display."""
 
 from __future__ import annotations
 
@@ -17,31 +17,30 @@ from .options import RunOptions
 class Schedule:
     """Refreshes of a display in integer nanoseconds on the trace's clock, evenly spaced."""
 
-    # Of the first shown refresh.
+    # Time of the first shown refresh.
     first_ns: int
     rate_hz: float
-    # How many are shown.
+    # Number of shown refreshes.
     count: int
-    # How many refreshes after it was drawn a frame is shown.
+    # Number of refreshes between drawing a frame and showing it.
     age: int
 
     @property
     def age_ns(self) -> int:
-        """From drawing to showing, within 1 ns."""
+        """Time from drawing to showing, within 1 ns."""
         return round(self.age * 1e9 / self.rate_hz)
 
     def link_latency_ns(self, options: RunOptions) -> int:
-        """Return the delay of the link.
+        """Delay of the link.
 
-        It is no more than lies between any two refreshes `age` apart, which are rounded to whole
-        ns.
+        At most the time between any two refreshes `age` apart, which are rounded to whole ns.
         """
         return min(latency_ns(options), max(0, self.age_ns - 2)) if options.network.is_plain else latency_ns(options)
 
     def numbered(self) -> Iterator[tuple[int, int]]:
         """Yield (number, time_ns) of every refresh.
 
-        Those with a number below 0 only draw, so that a frame has arrived by the first shown one.
+        Those with a negative number only draw, so that a frame has arrived by the first shown one.
         """
         for number in range(-self.age, self.count):
             yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
@@ -50,10 +49,9 @@ class Schedule:
 def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedule:
     """Return the refreshes of a run.
 
-    They begin at the requested start, or when the first frame can have arrived where that is later,
-    and are as many whole ones as fit into the requested seconds and into the trace, but at least
-    one.
-    Errors: InputError if nothing of the trace would be shown.
+    The first is at the requested start, or when the first frame can have arrived if that is later.
+    There are as many as fit into the requested seconds and into the trace, at least one.
+    Errors: InputError if the run would show nothing of the trace.
     """
     length_s = track.duration_ns * 1e-9
     if length_s == 0:
@@ -72,5 +70,5 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
         )
     start_s = max(options.start_s, age / rate_hz)
     seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
-    # 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes, whatever its last bits say.
+    # Within 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes despite rounding.
     return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, max(1, math.floor(seconds * rate_hz + 1e-6)), age)

@@ -1,7 +1,4 @@
-"""Quality levels of a run that chooses its warp.
-
-From a benchmark's file, or from a short bench on the run's own frames.
-"""
+"""Quality levels for warp "auto", from a benchmark file or a short bench on the run's frames."""
 
 from __future__ import annotations
 
@@ -28,21 +25,20 @@ from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batch
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 
-INSTANTS, ROUNDS = 3, 2  # of the run, evenly spread; timed runs of both eyes at each
-# Every fill with every warp would be a hundred and more pictures at each instant, and some fills
-# live on what they saw before, which a few instants cannot show. These differ most in cost and
-# quality; others come in by --bench FILE.
+INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of both eyes at each
+# Every fill with every warp would be over a hundred pictures per instant, and some fills depend on
+# earlier refreshes, which a few instants cannot show. These differ most in cost and quality; use
+# --bench FILE for others.
 FILLS = ("none", "interpolate", "pyramid")
-# Beyond twice the budget a warp is out of reach until the machine becomes twice as fast: its
-# picture is not measured.
+# A warp beyond twice the budget would need a machine twice as fast: its picture is not measured.
 REACH = 2.0
 Say = Callable[[str], None]
 
 
 def levels_for(options: RunOptions, say: Say = lambda text: None) -> LevelSet:
-    """Return what warp "auto" chooses from; no levels for any other warp.
+    """Return the levels that warp "auto" chooses from; empty for any other warp.
 
-    say: gets a sentence before a short bench starts.
+    say: called with a sentence before a short bench starts.
     Errors: as levels_from_file; as set_up_replay; InputError if nothing fits the budget.
     """
     if not options.chooses_warp:
@@ -56,7 +52,7 @@ def levels_for(options: RunOptions, say: Say = lambda text: None) -> LevelSet:
 
 
 def candidates(options: PipelineOptions) -> list[Combination]:
-    """Return every warp and variant with each of FILLS, but for those this run cannot have.
+    """Return every warp and variant with each of FILLS, except those that this run cannot use.
 
     Errors: as build_plan_for.
     """
@@ -72,7 +68,7 @@ def candidates(options: PipelineOptions) -> list[Combination]:
 
 
 def levels_by_short_bench(options: RunOptions, say: Say) -> LevelSet:
-    """Return the levels that a short bench finds at a few instants of this run, at its size.
+    """Return the levels measured at a few instants of this run, at its size.
 
     Errors: as set_up_replay.
     """
@@ -96,7 +92,7 @@ def levels_by_short_bench(options: RunOptions, say: Say) -> LevelSet:
 
 
 def lens_ms(options: RunOptions) -> float:
-    """Return the time of a run's lens for one eye on this machine."""
+    """Return the time of the run's lens pass for one eye on this machine."""
     headset = load_headset(options.headset)
     plan = build_plan_for(options.with_pair("none", "none"), headset, None)
     with set_up_replay(_beside(options)) as setup:
@@ -105,7 +101,7 @@ def lens_ms(options: RunOptions) -> float:
 
 
 def _beside(options: RunOptions) -> RunOptions:
-    """Return the run whose frames are used; its own warp does as little as possible."""
+    """Return the run whose frames are used, with the cheapest warp of its own."""
     return attrs.evolve(options.with_pair("none", "none"), lens="none", against="")
 
 
@@ -120,7 +116,7 @@ def _first_times(
 
 
 def _stages(setup: ReplaySetup, combinations: Sequence[Combination], rounds: int) -> Iterator[list[tuple[str, float]]]:
-    """Yield the stages of so many runs of both eyes by each combination, after one to warm up."""
+    """Yield the stage times of so many runs of both eyes by each combination, after one warm-up."""
     needs = needs_of(c.plan for c in combinations)
     (_, refresh), *_ = refreshes(setup, needs, set(instants_of(setup.schedule.count, 1)))
     for combination in combinations:
@@ -135,7 +131,7 @@ def _stages(setup: ReplaySetup, combinations: Sequence[Combination], rounds: int
 
 
 def _rows(options: RunOptions, headset: Headset, combinations: Sequence[Combination]) -> Iterator[dict[str, Any]]:
-    """Yield what levels_from reads of a row of bench.json, for each combination."""
+    """Yield the keys of a bench.json row that levels_from reads, for each combination."""
     size = options.size or headset.eye_size_px
     case = Case(options.scene, options.trace, options.latency_ms, size)
     with QualityPool(worker_count(options.workers), headset.left_fov.pixels_per_degree(size)) as pool:

@@ -1,4 +1,4 @@
-"""How fast the head moves: around an instant of a trace, or from one shown pose to the next."""
+"""Head speed: around an instant of a trace, or between two shown poses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..pipeline.loop import Refresh
 
 _HALF_NS = 5_000_000
-_APART_NS = 500_000_000  # a picture after a longer break says nothing of the way there
+_APART_NS = 500_000_000  # after a longer break the speed between two pictures is meaningless
 Speeds = tuple[float | None, float | None]
 
 
@@ -29,7 +29,7 @@ def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
 def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
     """Return both speeds over the time between two pictures.
 
-    None for the first and after a break.
+    None for the first picture and after a break.
     """
     if before is None or not 0 < now.shown_ns - before.shown_ns <= _APART_NS:
         return None, None

@@ -1,6 +1,6 @@
-"""What an eye should see.
+"""Reference pictures: what an eye should see.
 
-The scene drawn for the view itself, or band after band where the display lights up row by row.
+The scene drawn for the view itself, in bands where the display lights up row by row.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from ..client.inputs import PassInputs
     from ..server import Server
 
-# Over half a band the picture turns by a quarter of a pixel, as long as that many bands are enough;
-# each is a drawing of its own.
+# Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
+# drawn separately.
 PIXELS_PER_BAND = 0.5
 MOST_BANDS = 64
-NEAR_M = 1.0  # what is nearer than this moves by more under a step of the head
+NEAR_M = 1.0  # nearest surface considered; nearer ones move by more as the head moves
 
 
 @attrs.frozen(eq=False)
 class Truth:
-    """colour (h, w, 4) linear and inverse_depth (h, w) in 1/m, None where not asked for.
+    """Colour (h, w, 4) in linear light and inverse depth (h, w) in 1/m, top row first.
 
-    Top row first.
+    None where not requested.
     """
 
     colour: NDArray[np.float16]
@@ -57,11 +57,11 @@ def _drawn(server: Server, view: View, time_ns: int, size: tuple[int, int], dept
 
 
 def bands_of(first: View, last: View, size: tuple[int, int]) -> Iterator[tuple[View, int]]:
-    """(view, rows) of each band of a (w, h) picture, the top one first.
+    """Return (view, rows) of each band of a (w, h) picture, from the top.
 
-    Its part of the field of view, seen when its middle lights up.
+    The view covers the band's part of the field of view, at the time when its middle lights up.
 
-    The pixel centres are those of the whole picture.
+    Pixel centres are those of the whole picture.
     """
     left, right, down, up = first.fov.tangents
     high = size[1]
@@ -73,7 +73,7 @@ def bands_of(first: View, last: View, size: tuple[int, int]) -> Iterator[tuple[V
 
 
 def band_count(first: View, last: View, size: tuple[int, int]) -> int:
-    """How many bands the head's motion calls for.
+    """Return the number of bands that the head's motion requires.
 
     A power of 2, so that few sizes are drawn; MOST_BANDS and the rows at most.
     """

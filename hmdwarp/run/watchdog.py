@@ -1,4 +1,4 @@
-"""Ends the program when a call into the runtime never comes back.
+"""End the program when a call into the runtime never returns.
 
 A hung service leaves no other way out.
 """
@@ -15,22 +15,22 @@ from types import TracebackType
 
 from ..errors import MachineError
 
-LOOKS = 20  # at a call within the limit
+LOOKS = 20  # polls of a call within the limit
 LONGEST_LOOK_S = 0.25
-# For each: a report takes a second or two, and a disk that hangs too must not keep the program.
+# For each: a report takes a second or two, and a hung disk must not keep the program alive.
 LAST_WORDS_S = 10.0
 PRINTING_S = 1.0
 
 
 class Watchdog:
-    """Looks on from a thread of its own while it is entered.
+    """Watch calls from a thread of its own while it is entered.
 
-    limit_s: how long one call may take. last_words: each is called before the program is ended,
-    from another thread than the one that hangs, and may fail or hang itself; it returns what the
-    user should know of it ("the recording is in walk.csv"), or "".
+    limit_s: how long one call may take. last_words: each is called before the program ends, from
+    another thread than the hung one, and may fail or hang itself; it returns a sentence for the
+    user ("the recording is in walk.csv"), or "".
 
-    What is counted is how often the call was still under way when looked at, not what a clock says:
-    a program that was stopped for a while (Ctrl-Z, a debugger) goes on as if nothing had been.
+    The watchdog counts polls that find the call still running, not elapsed time: a program that was
+    stopped for a while (Ctrl-Z, a debugger) continues undisturbed.
     """
 
     def __init__(self, limit_s: float, last_words: Sequence[Callable[[], str]]) -> None:
@@ -43,9 +43,9 @@ class Watchdog:
         self._thread = threading.Thread(target=self._look_on, name="watchdog", daemon=True)
 
     def watching(self, what: str) -> _Watch:
-        """Around one call that may hang; calls within it are watched in its place.
+        """Watch one call that may hang; calls nested within it are watched in its place.
 
-        what: its name, for the message. 0.2 us.
+        what: its name, for the message. Costs 0.2 us.
         """
         return self._watches.get(what) or self._watches.setdefault(what, _Watch(self, what))
 
@@ -79,9 +79,9 @@ class Watchdog:
 
 
 class _Watch:
-    """Calls of one name.
+    """Watched calls of one name.
 
-    It holds nothing of a single call, so that one is enough for calls within calls.
+    It keeps no state of a single call, so one object serves nested calls.
     """
 
     __slots__ = ("_dog", "_what")
@@ -105,7 +105,7 @@ def _keep(say_last: Callable[[], str], saved: list[str]) -> None:
 
 
 def _within(limit_s: float, do: Callable[[], object]) -> None:
-    """Do it, but do not wait for longer than that; whatever goes wrong in it."""
+    """Call it, but wait no longer than that; ignore any failure."""
 
     def guarded() -> None:
         with suppress(BaseException):
@@ -117,6 +117,6 @@ def _within(limit_s: float, do: Callable[[], object]) -> None:
 
 
 def _print(line: str) -> None:
-    # Sys.stderr may be locked by who hangs.
+    # Sys.stderr may be locked by the hung thread.
     os.write(2, f"{' '.join(line.split())}\n".encode(errors="replace"))
-    sys.stdout.flush()  # os._exit does not
+    sys.stdout.flush()  # os._exit does not flush

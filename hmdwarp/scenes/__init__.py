@@ -9,6 +9,7 @@ from ._mesh import Mesh, Texture
 from ._mirrors import SceneMirror
 from ._reduce import reduced, unlit
 from ._scene import Background, Scene, SceneSource, is_cutout, scenes
+from ._slow import slow_in
 from .deformations import Joint, Skinned, Waving
 from .motions import Spinning, Thrown, Track
 from .shapes import Ball, Quad, checker
@@ -37,5 +38,6 @@ __all__ = [
     "load_scene",
     "reduced",
     "scenes",
+    "slow_in",
     "unlit",
 ]

@@ -35,17 +35,20 @@ class Material:
     normal_map: int = -1
     # Factor on the x and y of the normals, as glTF's normalTexture.scale.
     normal_scale: float = 1.0
-    # Blended over what lies behind by opacity times the texture's alpha.
+    # Covers what lies behind by opacity times the texture's alpha.
     see_through: bool = False
     opacity: float = 1.0
     # Fixed to the head: positions in metres from between the eyes, in head axes. Both eyes see it;
     # it is drawn over everything by its opacity and never warped.
     head_locked: bool = False
-    # Share of each linear colour that a see-through surface lets pass, as coloured glass does.
+    # Share of the light that passes where a see-through surface covers, coloured by its texture and
+    # the mesh's albedo as by coloured glass; the rest is scattered or stopped.
+    transmission: float = 0.0
+    # Share of each linear colour that passes where a see-through surface does not cover.
     tint: tuple[float, ...] = attrs.field(default=NO_TINT, converter=_rgb)
 
     def __attrs_post_init__(self) -> None:
-        for name in ("reflectivity", "opacity"):
+        for name in ("reflectivity", "opacity", "transmission"):
             if not 0 <= getattr(self, name) <= 1:
                 raise SceneError(f"material with {name} {getattr(self, name):g}: expected 0 to 1")
         if not self.reflectivity and (self.curved or self.normal_map >= 0):
@@ -54,8 +57,10 @@ class Material:
             )
         if len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
             raise SceneError(f"material with tint {self.tint}: expected three shares, each 0 to 1")
-        if self.tint != NO_TINT and not self.see_through:
-            raise SceneError("material with a tint but no light passing through: make it see_through or omit the tint")
+        if (self.tint != NO_TINT or self.transmission) and not self.see_through:
+            raise SceneError(
+                "material with a tint or transmission but no light passing through: make it see_through or omit them"
+            )
         if self.see_through and self.head_locked:
             raise SceneError("material both see-through and head-locked: head-locked surfaces already use the opacity")
         if self.reflectivity and (self.see_through or self.head_locked):

@@ -84,19 +84,38 @@ class Looks:
         if blend.head_locked:
             return Material(head_locked=True, opacity=blend.alpha)
         extensions, extras = (gltf.get(key) or {} for key in ("extensions", "extras"))
-        transmission = (extensions.get("KHR_materials_transmission") or {}).get("transmissionFactor", 0.0)
-        passes = float(np.clip(transmission, 0, 1))
+        passes = self._transmission(gltf, name, extensions.get("KHR_materials_transmission") or {})
         reflectivity = self._reflectivity(gltf, name, blend.colour)
         if passes > 0 or blend.see_through:
             if reflectivity:
                 self._notes.append(f"{self._file.path}: {name} mirrors and is see-through; it does not mirror")
-            tint = tuple(np.clip(blend.colour, 0, 1)) if passes > 0 else (1.0, 1.0, 1.0)
-            return Material(see_through=True, opacity=blend.alpha * (1 - passes), tint=tint)
+            return Material(see_through=True, opacity=blend.alpha, transmission=passes)
         if not reflectivity:
             return Material()
         image = self._image(gltf.get("normalTexture") or {}, name, channels=3)
         normal_map = self._add(f"{name}-normal", image, srgb=False)
         return Material(reflectivity=reflectivity, normal_map=normal_map, curved=bool(extras.get("curved", False)))
+
+    def _transmission(self, gltf: dict, name: str, glass: dict) -> float:
+        """Return the share of light that passes where the surface covers: none of what is metal.
+
+        The blend of alpha is apart from it: what alpha does not cover passes untouched.
+        Source: Khronos 2021, KHR_materials_transmission; glTF 2.0 Specification, B.2 (materials).
+        """
+        passes = float(np.clip(glass.get("transmissionFactor", 0.0), 0, 1))
+        if not passes:
+            return 0.0
+        if "transmissionTexture" in glass:
+            self._notes.append(
+                f"{self._file.path}: {name} has a transmission texture; drawn with its factor everywhere"
+            )
+        surface = gltf.get("pbrMetallicRoughness") or {}
+        image = self._image(surface.get("metallicRoughnessTexture") or {}, name, channels=3)
+        metal = float(np.clip(surface.get("metallicFactor", 1.0), 0, 1))
+        metal *= 1.0 if image is None else float(image[..., 2].mean()) / 255
+        if metal == 1:
+            self._notes.append(f"{self._file.path}: {name} transmits light but is a metal; no light passes it")
+        return passes * (1 - metal)
 
     def _reflectivity(self, gltf: dict, name: str, colour: Array) -> float:
         """Return `reflectivity` of the extras, else the base colour of a polished metal."""

@@ -119,7 +119,8 @@ def is_cutout(scene: Scene, mesh: Mesh) -> bool:
 
     Such a sheet, a fence for instance, has a depth of its own in the picture.
     """
-    if not mesh.material.see_through or mesh.texture < 0 or mesh.material.opacity < 1:
+    material = mesh.material
+    if not material.see_through or mesh.texture < 0 or material.opacity < 1 or material.transmission:
         return False
     alpha = scene.textures[mesh.texture].image[..., 3:]
     between = (alpha > ALPHA_TOLERANCE) & (alpha < 255 - ALPHA_TOLERANCE)

@@ -1,4 +1,4 @@
-"""The server: draws a scene for the eyes into a Frame; knows nothing of lateness, warps or lenses.
+"""The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

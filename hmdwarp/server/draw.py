@@ -1,4 +1,4 @@
-"""Draws a scene for the eyes: linear colour, and inverse depth exact to the last float32 bits."""
+"""Draw a scene for the eyes: linear colour, and inverse depth exact to the last float32 bits."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ class Server:
     """One scene on the GPU, uploaded once, drawn for any view and instant.
 
     Rows run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not
-    missing. What neither the scene has nor a frame needs is never compiled or allocated.
+    missing. Passes for content that the scene lacks and no frame needs are never compiled or
+    allocated.
 
     mirrors: how frames show plane mirrors: "geometry" (the scene once more, mirrored) or "screen"
-    (rays marched through the picture itself; what it does not show is missing). draw(), which is
-    the truth, always takes the first. Errors: UnknownNameError for another word.
+    (rays marched through the picture itself, which lacks what is outside the picture). draw(),
+    which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY) -> None:
@@ -55,7 +56,7 @@ class Server:
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
 
-        into: the target, None for one of the server's own. Errors: InputError for a size of 0 or
+        into: the target, None for one from the server's pool. Errors: InputError for a size of 0 or
         beyond the GL limit, or for another size than the target's.
         """
         return self._draw(view, size, Drawing(view, size, time_ns), into)
@@ -70,7 +71,7 @@ class Server:
         return eye
 
     def _parts_for(self, needs: Needs) -> list[Part]:
-        """Return the parts that the scene has or that draw a needed layer."""
+        """Return the parts that occur in the scene or draw a needed layer."""
         if needs not in self._chosen:
             needed = {layers.get(name).drawn_by for name in needs}
             chosen = [part for part in parts if part.name in needed or part.in_scene(self.scene)]
@@ -82,7 +83,7 @@ class Server:
         return self._chosen[needs]
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
-        """Draw inverse depth alone into an r32f texture, as a client with the geometry can."""
+        """Draw inverse depth alone into an r32f texture, as a client with the geometry does."""
         _check_same_size(into.size, size)
         if self._depth is None:
             self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
@@ -94,11 +95,11 @@ class Server:
     def draw_frame(
         self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None
     ) -> Frame:
-        """Draw all eyes, and the layers that are needed, into pooled targets.
+        """Draw all eyes, and the needed layers, into pooled targets.
 
-        guard: how much each field of view is enlarged, see guarded_eyes; the frame has the enlarged
-        views. Give the frame back with recycle(). Errors: InputError for a guard below 1, and for a
-        cube beyond the GL limit.
+        guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
+        enlarged views. Return the frame to the pools with recycle(). Errors: InputError for a guard
+        below 1, and for a cube beyond the GL limit.
         """
         needs = needs if needs is not None else Needs()
         fovs, grown = guarded_eyes(views, guard, size)
@@ -111,7 +112,7 @@ class Server:
         return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
 
     def recycle(self, frame: Frame) -> None:
-        """Take the frame's textures back; they show a later frame from now on."""
+        """Take the frame's textures back; later frames will overwrite them."""
         for eye in frame.eyes:
             self.pool(eye.size).release(eye.colour)
         for layer, data in frame.contents():
@@ -122,7 +123,7 @@ class Server:
             layer.release(data)
 
     def acquire(self, size: Size, kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
-        """Return a target from the pool of its kind; recycle() takes it back with its frame."""
+        """Return a target from the pool of its kind; recycle() returns it with its frame."""
         return self._pool(size, kind, depth=depth).acquire()
 
     def pool(self, size: Size, *, depth: bool = True) -> TargetPool:

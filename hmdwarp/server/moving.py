@@ -35,14 +35,14 @@ class Place:
 class Moving(ABC):
     """One thing that moves."""
 
-    # The layer that says how it moves: the client of a frame with that layer moves it.
+    # The layer that describes its motion: the client of a frame with that layer moves it.
     layer: ClassVar[str]
     # Its triangles.
     buffers: SceneBuffers
 
     @abstractmethod
     def set_time(self, time_ns: int) -> None:
-        """Move it to where it is at that instant; does nothing for the same instant again."""
+        """Move it to its place at that instant; do nothing for the same instant again."""
 
     @abstractmethod
     def place(self, view: View) -> Place:
@@ -73,7 +73,7 @@ class MovingBody(Moving):
 
 
 class DeformingMesh(Moving):
-    """One mesh whose vertices move by themselves: written anew for each instant that is drawn."""
+    """One mesh whose vertices move by themselves: uploaded again for each instant that is drawn."""
 
     layer = "velocity"
 
@@ -114,7 +114,7 @@ def _checked(mesh: Mesh, what: str, values: NDArray) -> NDArray[np.float32]:
 
 
 def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Moving, ...]:
-    """Return all of the scene's surfaces that move."""
+    """Return all moving surfaces of the scene."""
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
     bodies = [

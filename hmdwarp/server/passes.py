@@ -1,4 +1,4 @@
-"""Draws a scene's surfaces and its background into any framebuffer."""
+"""Draw a scene's surfaces and its background into any framebuffer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .upload import Batch, SceneBuffers
 from .visibility import Draws, Visibility, draws_of
 
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
-# room for drivers that round otherwise.
+# room for drivers that round differently.
 SAME_SURFACE = 2.0**-16
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
@@ -52,7 +52,7 @@ class ScenePasses:
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
-        """Draw the whole picture at that instant over whatever was there."""
+        """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
@@ -93,7 +93,7 @@ class ScenePasses:
         place: Place,
         visibility: Visibility | None = None,
     ) -> None:
-        """Draw the visible chunks. visibility: for what stands still in the world's axes."""
+        """Draw the visible chunks. visibility: for what is static in the world's axes."""
         clip = clip_from_eye(view.fov) @ place.eye_from_here
         self._surface.uniforms.set(clip_from_scene=clip)
         if visibility is None:
@@ -138,5 +138,5 @@ def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None
     framebuffer.color_mask = nothing if count == 1 else (nothing,) * count  # type: ignore[assignment]
     with drawing_into(framebuffer):
         framebuffer.clear(depth=1.0)
-    # Outside the scope: moderngl 5.13 applies a mask only where the framebuffer is bound anew.
+    # Outside the scope: moderngl 5.13 applies a mask only when it binds the framebuffer again.
     framebuffer.color_mask = before

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..geometry import Fov, View
 
-NEAR_M = 0.02  # closer than an eye can come to anything but its own lens
+NEAR_M = 0.02  # closer than an eye comes to anything but its own lens
 
 Array = NDArray[np.float64]
 _IDENTITY = np.eye(4)
@@ -26,7 +26,7 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
     return out
 
 
-@lru_cache(maxsize=64)  # a few fields of view, used at every frame
+@lru_cache(maxsize=64)  # few fields of view, used at every frame
 def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
     """Return the 4x4 asymmetric projection with an infinite far plane; read-only.
 
@@ -88,8 +88,8 @@ def side_planes(clip: Array) -> Array:
 def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
     """Return which boxes may reach into `clip` (4x4 clip_from_scene).
 
-    slack: (5, n) how far each may lie outside each plane. A box is out only if it lies wholly
-    behind one of the four sides or the near plane; some near the corners pass in vain.
+    slack: (5, n) how far each may lie outside each plane. A box is culled only if it lies wholly
+    behind one of the four sides or the near plane; some boxes near the corners pass needlessly.
     """
     planes = side_planes(clip)
     return (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(axis=0) >= 0
@@ -100,9 +100,8 @@ def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp
 
     Boxes are ordered by the distance of their farthest corner from `eye`.
 
-    What is wholly near is drawn first and hides what is behind it before that is textured: 1.6
-    textured pixels per pixel of the room become 1.3. Finer classes mean more draw calls and gained
-    nothing.
+    Near surfaces are drawn first and occlude those behind before they are textured: 1.6 textured
+    pixels per pixel of the room become 1.3. Finer classes mean more draw calls and gained nothing.
     """
     corner = np.abs(boxes[:3] - eye[:, None])
     corner += boxes[4:]

@@ -1,4 +1,4 @@
-"""Texture pairs to draw into: made when needed, handed back and used again, counted."""
+"""Pools of texture pairs to draw into: allocated on demand and reused."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from ..gpu.textures import COLOUR, SCALAR, allocate
 
 @attrs.frozen(eq=False)
 class Target:
-    """What one eye is drawn into."""
+    """The textures that one eye is drawn into."""
 
     # rgba16f, or the format of its pool.
     colour: moderngl.Texture
-    # r32f of the same size, None where colour is all that is kept.
+    # r32f of the same size, None where only colour is kept.
     depth: moderngl.Texture | None = None
 
     @property
@@ -53,7 +53,7 @@ class TargetPool:
         return len(self._out) + len(self._free)
 
     def acquire(self) -> Target:
-        """Return a free target; it holds whatever was drawn last."""
+        """Return a free target; its content is undefined."""
         target = self._free.pop() if self._free else self._make()
         self._out[target.colour] = target
         return target
@@ -69,7 +69,7 @@ class TargetPool:
         return colour in self._out
 
     def release(self, colour: moderngl.Texture | Target) -> None:
-        """Take back a target, given itself or its colour texture.
+        """Take back a target, identified by itself or its colour texture.
 
         Errors: ValueError if it is not out.
         """
@@ -79,7 +79,7 @@ class TargetPool:
         self._free.append(self._out.pop(key))
 
     def close(self) -> None:
-        """Free all textures, those that are out included."""
+        """Free all textures, including those that are out."""
         for target in [*self._free, *self._out.values()]:
             target.colour.release()
             if target.depth is not None:
@@ -97,9 +97,9 @@ class Framebuffers:
         self._made: dict[tuple[int, ...], tuple[tuple[moderngl.Texture, ...], moderngl.Framebuffer]] = {}
 
     def over(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
-        """Return the framebuffer that draws into `textures` of one size; made at the first call."""
-        # A GL name is used again after its texture is gone, so the entry holds the textures and is
-        # checked against them.
+        """Return the framebuffer that draws into `textures` of one size; created on first use."""
+        # GL reuses the names of deleted textures, so the entry holds the textures and is checked
+        # against them.
         key = tuple(texture.glo for texture in textures)
         held, framebuffer = self._made.get(key, ((), None))
         if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
@@ -112,7 +112,7 @@ class Framebuffers:
         return framebuffer
 
     def reserve(self, size: tuple[int, int]) -> None:
-        """Make the depth buffer of that size now rather than at the first call of over()."""
+        """Allocate the depth buffer of that size now rather than at the first call of over()."""
         if size not in self._depth:
             self._depth[size] = self._gl.depth_renderbuffer(size)
 

@@ -1,4 +1,4 @@
-"""A scene's arrays as GPU buffers, in chunks small enough to be left out when out of sight."""
+"""A scene's arrays as GPU buffers, in chunks small enough to cull."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ CHUNK_TRIANGLES = 1024
 
 @attrs.frozen(eq=False)
 class Batch:
-    """What chunks drawn together share."""
+    """The state that chunks drawn together share."""
 
     texture: moderngl.Texture
-    # Whether both sides of a triangle are seen; else back faces are culled.
+    # Whether both sides of a triangle are visible; else back faces are culled.
     double_sided: bool
 
 

@@ -1,4 +1,4 @@
-"""Which chunks of a scene are drawn for a view: those that may be seen, near ones first."""
+"""Culling and order of a scene's chunks for a view: those that may be visible, near ones first."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def _by_batch(runs: list[tuple[int, int, int]]) -> Draws:
     return tuple((batch, tuple(spans)) for batch, spans in out)
 
 
-# A view is taken for the middle of a cell: of 1/32 in each part of its quaternion, and of 1/8 m in
-# each coordinate of its eye. A head that turns at 30 degrees/s is in a new one at one refresh of
-# ten, and a tenth more triangles are drawn than are seen.
+# A view is replaced by the middle of its cell: of 1/32 in each part of its quaternion, and of 1/8 m
+# in each coordinate of its eye. A head that turns at 30 degrees/s enters a new cell at one refresh
+# of ten, and a tenth more triangles are drawn than are visible.
 TURN_STEP, EYE_STEP_M = 1 / 32, 1 / 8
 # Two unit quaternions within half a step in each of four parts differ by a step at most, those of
 # the cell's middle, once normalised, by little more: 1.02 for this step. That is a turn of twice
@@ -71,10 +71,10 @@ KEPT = 64
 
 @attrs.define
 class Visibility:
-    """What is drawn of chunks that stand still, computed once for all views of a cell.
+    """The draws of static chunks, computed once for all views of a cell.
 
-    Most refreshes find it there.     It depends on the view and nothing else. So the order, which
-    decides between surfaces at the same depth, is the same twice.
+    Most refreshes find them cached. They depend on the view and nothing else, so the order, which
+    decides between surfaces at the same depth, is reproducible.
     """
 
     _chunks: Chunks

@@ -1,4 +1,4 @@
-"""Reads and parses whole files; errors name the line: `study.toml:14: trial.order is ..`."""
+"""Read and parse whole files; errors name the line: `study.toml:14: trial.order is ..`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._lines import LineFinder
 from ._table import KeyFault, Table
 
 T = TypeVar("T")
-_MOST_BYTES = 1_000_000  # these files are written by hand; a longer one is another kind of file
+_MOST_BYTES = 1_000_000  # these files are written by hand; a larger one is another kind of file
 
 
 def text_of(path: Path, wanted: str) -> str:
@@ -35,7 +35,7 @@ def text_of(path: Path, wanted: str) -> str:
 
 
 def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:
-    """Parse TOML and return what made_of makes of it; refuse keys that it does not request.
+    """Parse TOML and return the result of `made_of`; refuse keys that it did not read.
 
     path: for messages. Errors: InputError naming file, line and value.
     """
@@ -53,7 +53,7 @@ def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: 
 
 
 def _not_toml(path: Path | str, says: str) -> str:
-    """Put tomllib's line in front, where it has one."""
+    """Put tomllib's line number, if any, in front."""
     says = " ".join(says.split())
     found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)
     if found is None:

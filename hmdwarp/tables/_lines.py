@@ -1,6 +1,6 @@
-"""Finds the lines of keys in a TOML file, which tomllib does not keep.
+"""Find the lines of keys in a TOML file, which tomllib does not keep.
 
-cattrs, pydantic and msgspec check values as well, but have neither the lines nor these hints.
+cattrs, pydantic and msgspec check values as well, but offer neither the lines nor these hints.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class LineFinder:
             while self._skip(_BLANK) < len(self._text):
                 self._header() if self._text[self._at] == "[" else self._pair(self._table)
         except (IndexError, RecursionError, ValueError):
-            return  # the lines found so far are better than none
+            return  # partial results are better than none
 
     def _header(self) -> None:
         start, is_array = self._at, self._text.startswith("[[", self._at)

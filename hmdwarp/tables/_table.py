@@ -11,7 +11,7 @@ from typing import Any
 from ..errors import InputError
 
 Path = tuple[str | int, ...]
-_NEEDED = object()  # no default: the key must be there
+_NEEDED = object()  # no default: the key is required
 
 
 def quoted(value: object) -> str:
@@ -23,7 +23,7 @@ def quoted(value: object) -> str:
 
 
 class KeyFault(InputError):
-    """A wrong key of a file.
+    """A wrong key in a file.
 
     path: of the key from the top of the file: keys, and indices from 0 within arrays.
     """
@@ -49,7 +49,7 @@ class Table:
             raise KeyFault(f"{_named(path)} is {quoted(data)}: expected a table of keys", path)
         self._data = data
         self._read: dict[str, list[Table]] = {}
-        self._known: dict[str, None] = {}  # every key that was requested, in that order
+        self._known: dict[str, None] = {}  # every key that was read, in that order
 
     def __contains__(self, key: str) -> bool:
         self._known[key] = None
@@ -61,7 +61,7 @@ class Table:
         return self._path
 
     def keys(self) -> tuple[str, ...]:
-        """Return the keys in the order of the file."""
+        """Return the keys in file order."""
         return tuple(self._data)
 
     def table(self, key: str) -> Table:
@@ -92,16 +92,16 @@ class Table:
         return self._get(key)
 
     def text(self, key: str, default: Any = _NEEDED) -> str:
-        """Return a text that is not empty."""
+        """Return a non-empty text."""
         return self._checked(key, default, lambda value: isinstance(value, str) and value.strip(), "a text")
 
     def line(self, key: str, default: Any = _NEEDED) -> str:
-        """Return a text of one line, without control characters."""
+        """Return a one-line text without control characters."""
         self.text(key, default)
         return self._checked(key, default, str.isprintable, "a text of one line, without control characters")
 
     def word(self, key: str, known: Sequence[str], default: Any = _NEEDED) -> str:
-        """Return one of the known words."""
+        """Return one of the allowed words."""
         return self._checked(key, default, lambda value: value in known, _listed(known))
 
     def flag(self, key: str, default: Any = _NEEDED) -> bool:
@@ -138,7 +138,7 @@ class Table:
         return tuple(map(float, self._checked(key, _NEEDED, are_right, what)))
 
     def texts(self, key: str, default: Any = _NEEDED) -> tuple[str, ...]:
-        """Return texts that are not empty."""
+        """Return non-empty texts."""
 
         def are_texts(value: Any) -> bool:
             return isinstance(value, list) and all(isinstance(one, str) and one.strip() for one in value)
@@ -154,7 +154,7 @@ class Table:
         return KeyFault(f"{_named(path)} {says}".lstrip(), (*path, *within))
 
     def refuse_unread(self) -> None:
-        """Raise KeyFault for keys that were not requested: a misspelt key would go unnoticed."""
+        """Raise KeyFault for keys that were never read: a misspelt key would go unnoticed."""
         for key in self._data:
             if key not in self._read:
                 raise self._unknown(key)
@@ -181,7 +181,7 @@ class Table:
         raise self.missing(key)
 
     def missing(self, key: str) -> KeyFault:
-        """Return the error for a missing key, at a similar key if there is one."""
+        """Return the error for a missing key; it points at a similar key if there is one."""
         named = _named((*self._path, key))
         for near in difflib.get_close_matches(key, set(self._data) - set(self._known), n=1, cutoff=0.7):
             return KeyFault(f"the key {named} is missing: is {_named((near,))} meant to be {key}?", (*self._path, near))
@@ -190,7 +190,7 @@ class Table:
 
 
 def _named(path: Path) -> str:
-    """Join the keys, like 'part.condition.name'; the line shows which of several tables."""
+    """Join the keys, like 'part.condition.name'; the line number tells tables of one name apart."""
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
 
 

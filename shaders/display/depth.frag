@@ -1,7 +1,7 @@
-// The depth of the shown picture as a runtime takes it: reversed, 1 at the near plane, 0 infinitely
-// far.
-// In: inverse depth in 1/m, -1 where it is not known. Out: depth 0..1; what is not known is
+// The depth of the shown picture in the form that runtimes take: reversed, 1 at the near plane, 0
 // infinitely far.
+// In: inverse depth in 1/m, -1 where unknown. Out: depth 0..1; unknown depth becomes infinitely
+// far.
 // Source: Reed 2015, Depth Precision Visualized (reversed z with an infinite far plane: d = near /
 // z).
 uniform sampler2D inverse_depth;

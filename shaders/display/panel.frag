@@ -1,5 +1,5 @@
-// A pixel of a widget: its ink times its tint, both sRGB as they are (a user interface mixes what
-// is written in it, not light).
+// A pixel of a widget: its ink times its tint, both sRGB-encoded (user interfaces blend encoded
+// values, not light).
 // In: the uv and tint between the corners; the atlas of glyphs, or the finished panel. Out: colour
 // and alpha, blended by the caller.
 // Source: Dear ImGui, docs/BACKENDS.md.

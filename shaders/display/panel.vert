@@ -1,7 +1,7 @@
 // The corners of a widget, from pixels of the panel counted from its top left corner, as Dear ImGui
-// gives them.
-// In: position_px (+y down), where its ink lies in the atlas, its colour. Out: clip space, +y up;
-// the other two unchanged.
+// supplies them.
+// In: position_px (+y down), atlas coordinates, colour. Out: clip space, +y up; the other two
+// unchanged.
 // Source: Dear ImGui, docs/BACKENDS.md: draw lists are triangles in pixels with one texture and one
 // clip rectangle a command.
 uniform vec2 panel_size; // pixels

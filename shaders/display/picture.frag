@@ -1,25 +1,25 @@
-// The picture on the screen, scaled bilinearly into its place, and over it a notice on a dark
-// ground.
+// The picture on the screen, scaled bilinearly into its viewport, with a notice on a dark
+// background over it.
 // In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where
 // GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
 // Source: IEC 61966-2-1:1999, with the constants of its amendment 1.
 uniform sampler2D picture;
 uniform ivec2 picture_size;
 uniform ivec4 place; // x, y, width, height in pixels of the framebuffer
-// Defines instead of uniforms: llvmpipe runs both sides of a condition.
+// Defines instead of uniforms: llvmpipe runs both sides of a branch.
 #if NOTICED
-uniform sampler2D ink; // 1 where a letter is, or the light of a picture on it
-// (x, y, 1) in pixels of the place to the uv of the notice, homogeneous; positive before the eye
+uniform sampler2D ink; // 1 inside letters, or the light of a picture on it
+// (x, y, 1) in pixels of the viewport to the notice's uv, homogeneous; positive in front of the eye
 uniform mat3 uv_from_pixel;
 #endif
 
 out vec4 colour;
 
-const float GROUND = 0.8; // how much of the light the ground takes away
+const float GROUND = 0.8; // the share of light that the background removes
 const vec3 GROUND_LIGHT = vec3(0.01);
 
-// By isnan alone: Mesa makes a min and a max of `light > 0 ? min(light, 1) : 0`, and those make 1
-// of NaN.
+// Test with isnan alone: Mesa turns `light > 0 ? min(light, 1) : 0` into a min and a max, which
+// make 1 of NaN.
 vec3 light_at(ivec2 texel) {
     vec4 light = texelFetch(picture, clamp(texel, ivec2(0), picture_size - 1), 0);
     return light.a > 0.0 ? mix(clamp(light.rgb, 0.0, 1.0), vec3(0.0), isnan(light.rgb)) : vec3(0.0);
@@ -42,7 +42,7 @@ vec3 picture_at(vec2 p) {
 vec3 with_notice(vec3 light, vec2 p) {
     vec3 on_notice = uv_from_pixel * vec3(p, 1.0);
     vec2 uv = on_notice.xy / on_notice.z;
-    vec3 letter = texture(ink, uv).rgb; // outside every condition, for its derivatives
+    vec3 letter = texture(ink, uv).rgb; // outside every branch, for its derivatives
     bool inside = on_notice.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
     return inside ? mix(mix(light, GROUND_LIGHT, GROUND), vec3(1.0), letter) : light;
 }

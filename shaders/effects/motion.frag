@@ -1,5 +1,5 @@
-// The colour of a moved surface: bilinear among rendered pixels of the same surface alone, so that
-// nothing else shows at its rim.
+// The colour of a moved surface: interpolated bilinearly among rendered pixels of the same surface
+// only, so that nothing else bleeds into its edge.
 // In: rendered pixel and inverse depth, interpolated; the pixel the square belongs to. Out: linear
 // colour with coverage 1; inverse depth, 1/m.
 // Source: as motion.vert.

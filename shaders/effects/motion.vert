@@ -1,20 +1,20 @@
-// A moving pixel as the square it covers, moved. Its corners are shared with the neighbours of the
-// same surface, so no crack opens.
+// Move the square that a moving pixel covers. It shares corners with neighbours of the same
+// surface, so no crack opens.
 // In: the list of moving pixels. Out: clip space of the rendered view; rendered pixel and inverse
 // depth there, for perspective-correct interpolation.
 // Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (a surface from pixels, cut where depths
 // do not join); McMillan 1995 (the map).
 #include "effects/motion.glsl"
 layout(std430, binding = 4) readonly buffer Pixels { uint pixels[]; };
-uniform float nearest; // 1/m: nearer than this nothing is drawn
+uniform float nearest; // 1/m: nothing nearer is drawn
 out vec3 surface_point;
 flat out ivec3 owner; // the pixel, and what it moves with
 
 void main() {
     uint listed = pixels[gl_VertexID >> 2];
     ivec2 pixel = ivec2(listed & 0xFFFFu, listed >> 16u), corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
-    // The four pixels around the corner; `own` is this one among them. `in` are those of its
-    // surface, found alike from each of them.
+    // The four pixels around the corner; `own` is this one's index among them. `in` are those of
+    // its surface, the same for each of them.
     ivec2 low = pixel + corner - 1;
     int own = 3 - (corner.x + 2 * corner.y);
     Seen around[4];
@@ -25,7 +25,7 @@ void main() {
     bool with_across = with_x && x_across || with_y && y_across;
     with_x = with_x || with_across && x_across;
     with_y = with_y || with_across && y_across;
-    // In one order for all four, so that they get the same bits.
+    // In the same order for all four, so that they get the same bits.
     precise float r = 0.0;
     precise vec3 way = vec3(0.0);
     float count = 0.0;
@@ -53,8 +53,7 @@ void main() {
 #endif
     surface_point = vec3(place.xy, r);
     owner = ivec3(pixel, int(around[own].key));
-    // The depth that is tested is linear in the inverse depth, 1 for infinitely far and -1 for
-    // `nearest`.
-    float w = q.z == 0.0 ? -1e-30 : q.z; // (0, 0, 0) would be inside the clip volume and have no place
+    // The depth-test value is linear in inverse depth: 1 at infinity and -1 at `nearest`.
+    float w = q.z == 0.0 ? -1e-30 : q.z; // (0, 0, 0) would lie inside the clip volume at no position
     gl_Position = vec4(2.0 * q.xy / vec2(rendered_size) - w, w - 2.0 * r / nearest, w);
 }

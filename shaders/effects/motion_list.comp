@@ -1,6 +1,6 @@
-// Writes the list of moving pixels, each word of the masks at its own place.
-// In: a bit for each pixel that moves, and how many do before each word. Out: x | y << 16 of each,
-// column by column of ROWS rows.
+// Write the list of moving pixels, each word of the masks at its own offset.
+// In: a bit for each moving pixel, and the number of moving pixels before each word. Out: x y << 16
+// of each, column by column of ROWS rows.
 // Source: as motion_order.comp.
 #define ROWS 32
 #include "lib/rows.glsl"

@@ -1,12 +1,12 @@
-// Where in the list each word's moving pixels begin, and the draws of them all. One work group.
-// In: a bit for each pixel that moves. Out: the number of moving pixels before each word; indirect
+// Offsets in the list of each word's moving pixels, and the draws of them all. One work group.
+// In: a bit for each moving pixel. Out: the number of moving pixels before each word; indirect
 // draws of draw_quads quads each.
 // Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs
-// equal to the last bit.
+// identical to the last bit.
 #define THREADS 256
 layout(local_size_x = THREADS) in;
 uniform int words;
-uniform int draws;      // that there is room for
+uniform int draws;      // capacity
 uniform int draw_quads; // quads in one draw
 struct Draw { uint count, instances, first, base_vertex, base_instance; };
 layout(std430, binding = 1) readonly buffer Masks { uint masks[]; };

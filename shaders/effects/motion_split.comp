@@ -1,7 +1,7 @@
-// Takes out of the rendered picture what moves by itself, and leaves holes there; all else stays
-// bit for bit. Says which pixels those are.
-// In: rendered colour and inverse depth, ids, velocities. Out: colour and inverse depth of what
-// stands still; a bit for each pixel that moves, ROWS rows of one column to a word.
+// Remove moving things from the rendered picture, leaving holes; everything else stays bit for bit.
+// List their pixels.
+// In: rendered colour and inverse depth, ids, velocities. Out: colour and inverse depth of what is
+// static; a bit for each moving pixel, ROWS rows of one column to a word.
 // Source: the object ids and motion vectors of a frame as XR_FB_space_warp and
 // XR_EXT_frame_synthesis have them.
 #define ROWS 32

@@ -1,6 +1,6 @@
-// Puts what is fixed to the head over the shown picture, pixel by pixel: it is never warped.
+// Composite head-locked content over the shown picture, pixel by pixel: it is never warped.
 // In: shown colour with coverage 0 or 1; the overlay, premultiplied. Out: shown colour; a hole
-// stays one unless the overlay fills it.
+// stays a hole unless the overlay covers it.
 // Source: Porter and Duff 1984, Compositing Digital Images (over).
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D picture;
@@ -8,7 +8,7 @@ layout(rgba16f) readonly uniform image2D overlay;
 layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 shown_size;
 
-const float WHOLE = 1.0 - 1.0 / 512.0; // what half floats may leave of 1
+const float WHOLE = 1.0 - 1.0 / 512.0; // the least value that half floats may leave of 1
 
 void main() {
     ivec2 p = first_pixel(), size = shown_size;

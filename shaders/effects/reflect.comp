@@ -1,6 +1,5 @@
-// Draws the warped world of the mirrors into the shown picture, where the warped surfaces say that
-// they mirror.
-// In: the shown picture, its surfaces, what the mirrors show now. Out: the shown picture with
+// Draw the warped mirrored world into the shown picture, where the warped surfaces are mirrors.
+// In: the shown picture, its surfaces, the reflections now. Out: the shown picture with
 // reflections.
 // Source: lib/reflect.glsl.
 #include "lib/rows.glsl"

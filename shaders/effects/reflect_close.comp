@@ -1,5 +1,5 @@
-// Closes the holes of a picture: PASS 0 halves it, weighted by coverage, PASS 1 puts what is
-// missing in from the next coarser level.
+// Close the holes of a picture: PASS 0 halves it, weighted by coverage, PASS 1 fills gaps from the
+// next coarser level.
 // In: premultiplied colour, coverage in alpha. Out: PASS 0 the level of half the size; PASS 1 the
 // same level, in place, without holes.
 // Source: Gortler et al. 1996, The Lumigraph, 3.4 (pull-push).

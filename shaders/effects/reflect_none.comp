@@ -1,4 +1,4 @@
-// The surface of a rendered picture of which nothing is known to mirror: coverage alone.
+// The surfaces of a rendered picture without known mirrors: coverage alone.
 // In: rendered colour. Out: (0, 0, 0, coverage).
 // Source: none.
 #include "lib/rows.glsl"

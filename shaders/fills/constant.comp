@@ -1,14 +1,14 @@
-// PASS 0 copies the picture and sums its covered pixels by columns of ROWS, PASS 1 takes their
-// mean, PASS 2 gives it to every empty pixel.
-// In: shown colour. Out: the same, covered everywhere; black where nothing at all was covered.
+// PASS 0 copies the picture and sums its covered pixels by columns of ROWS, PASS 1 computes their
+// mean, PASS 2 writes it to every empty pixel.
+// In: shown colour. Out: the same, covered everywhere; black if nothing was covered.
 // Source: none.
 #define ROWS 8
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
 uniform ivec2 shown_size;
-// groups: of PASS 2; the last of them is 0 while nothing is empty. mean: PASS 1's. sums: rgb and
-// how many, of each column.
+// groups: of PASS 2; the last is 0 if nothing is empty. mean: from PASS 1. sums: rgb and count of
+// each column.
 layout(std430, binding = 0) buffer Sums { uint groups[4]; vec4 mean; vec4 sums[]; };
 
 #if PASS == 0
@@ -32,7 +32,7 @@ void main() {
 uniform int columns;
 shared vec4 shares[GROUP_X];
 
-// One group alone, in a fixed order, so that the same picture always has the same mean.
+// A single work group, in a fixed order, so that the same picture always has the same mean.
 void main() {
     int own = int(gl_LocalInvocationID.x);
     vec4 sum = vec4(0.0);

@@ -1,11 +1,11 @@
-// Copies the shown picture to where the guesses go, and lists the pieces of it that have holes.
-// In: shown colour (and inverse depth). Out: the same; the list of lib/holes.glsl; of each piece
+// Copy the shown picture to the filled one, and list its pieces that have holes.
+// In: shown colour (and inverse depth). Out: the same; the list of lib/holes.glsl; for each piece,
 // when it last had a covered pixel.
 // Source: none; stream compaction by atomics, as in lib/composite.glsl.
 #define ROWS 4 // PIECE_HIGH
 #include "lib/rows.glsl"
 #include "lib/holes.glsl"
-// Of each piece: when it last had a hole (x), and a covered pixel (y)
+// For each piece: when it last had a hole (x), and a covered pixel (y)
 layout(std430, binding = 1) buffer Stamps { uvec2 stamp_of[]; };
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
@@ -16,7 +16,7 @@ layout(r32f) writeonly uniform image2D filled_depth;
 #if TWICE
 layout(rgba16f) writeonly uniform image2D filled_too;
 #endif
-uniform uint stamp; // another at each run
+uniform uint stamp; // unique to each run
 
 void list_piece(int piece) {
     if (atomicExchange(stamp_of[piece].x, stamp) == stamp) return;

@@ -1,6 +1,6 @@
 // One 3x3 pass: an empty pixel with at least `minimum_count` covered neighbours takes their median,
 // channel by channel.
-// In: shown colour after the warp. Out: shown colour; what has too few covered neighbours stays
+// In: shown colour after the warp. Out: shown colour; pixels with too few covered neighbours stay
 // empty (coverage 0).
 // Source: the interpolation step of the 2014 thesis this project starts from.
 #define ROWS 4 // eight would spill registers

@@ -1,24 +1,24 @@
 // One step of many: an empty pixel with at least `minimum_count` covered neighbours takes their
-// median, in the pieces still at work.
-// In: shown colour after the step before. Out: shown colour; the pieces that the next step visits,
-// and whether it runs at all.
+// median, in the active pieces.
+// In: shown colour after the previous step. Out: shown colour; the pieces that the next step
+// visits, and whether it runs at all.
 // Source: the interpolation step of the 2014 thesis this project starts from, repeated.
 //
-// Two pictures take turns. A pixel that a step fills is stored into the other picture by the next
-// one, so a piece stays at work until nothing in it changed; then both pictures are the same there.
+// Two pictures alternate. The next step copies a newly filled pixel into the other picture, so a
+// piece stays active until nothing in it changes; then both pictures are the same there.
 #define ROWS 4 // of a piece; eight would spill registers
 #include "lib/holes.glsl"
 #include "lib/neighbour_median.glsl"
 layout(local_size_x = 64) in;
 layout(rgba16f) writeonly uniform image2D filled;
-struct Step { uint groups, always_one, anything_changed, count; }; // the first three are those of its indirect dispatch
+struct Step { uint groups, always_one, anything_changed, count; }; // the first three are the work groups of its indirect dispatch
 layout(std430, binding = 1) buffer Steps { Step steps[]; };
 layout(std430, binding = 2) readonly buffer From { uint at_work[]; };
 layout(std430, binding = 3) buffer Next { uint at_work_next[]; };
-// Of each piece: the stamp of the step it was last listed for
+// For each piece: the stamp of the step it was last listed for
 layout(std430, binding = 4) buffer Listed { uint listed_in[]; };
 uniform int step_number;
-uniform uint stamp; // another at each step of each run
+uniform uint stamp; // unique to each step of each run
 
 void list_piece(uint piece) {
     if (atomicExchange(listed_in[piece], stamp) == stamp) return;
@@ -27,7 +27,7 @@ void list_piece(uint piece) {
     atomicMax(steps[step_number + 1].groups, slot * uint(PIECE_WIDE) / 64u + 1u);
 }
 
-// The lowest pixel of this invocation's column; one outside the picture where it has nothing to do.
+// The lowest pixel of this invocation's column; outside the picture if it has no work.
 ivec2 first_of_work() {
     uint index = gl_GlobalInvocationID.x / uint(PIECE_WIDE), lane = gl_GlobalInvocationID.x % uint(PIECE_WIDE);
     bool is_first = step_number == 0;

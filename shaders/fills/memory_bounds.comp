@@ -1,7 +1,7 @@
-// What the newest picture holds around each place, in cells of 2 x 2 pixels and one more all
-// around: between which depths and colours.
+// Bounds of depth and colour in the newest picture around each place, in cells of 2 x 2 pixels with
+// a border of one pixel.
 // In: rendered colour and inverse depth. Out: (nearest, farthest) inverse depth, lowest and highest
-// colour; nearest is infinite where any of the 16 is unknown, so that nothing is concluded from it.
+// colour; nearest is infinite where any of the 16 pixels is unknown, so that they disprove nothing.
 // Source: min-max mipmaps as in Tevs et al. 2008, Maximum Mipmaps for Fast, Accurate, and Scalable
 // Dynamic Height Field Rendering.
 #define ROWS 4
@@ -27,7 +27,7 @@ void main() {
                 ivec2 p = clamp(2 * cell + ivec2(x, y), ivec2(0), size - 1);
                 float depth = imageLoad(rendered_depth, p).r;
                 vec4 colour = imageLoad(rendered_colour, p);
-                range.x = max(range.x, depth >= 0.0 ? depth : UNKNOWN); // NaN is unknown too
+                range.x = max(range.x, depth >= 0.0 ? depth : UNKNOWN); // NaN counts as unknown
                 range.y = min(range.y, depth);
                 low = min(low, colour);
                 high = max(high, colour);

@@ -1,5 +1,5 @@
-// Forgets what the newest picture disproves: it sees clearly farther than where a kept pixel should
-// be, or a clearly different colour there.
+// Erase what the newest picture disproves: it sees clearly farther than the place of a kept pixel,
+// or a clearly different colour there.
 // In: the kept picture; depths and colours around each place of the newest (memory_bounds.comp).
 // Out: holes in the kept picture.
 // Source: Mark 1999 (thesis), chapter 3 (a picture that looks through a place overrules one that

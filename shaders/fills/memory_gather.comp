@@ -1,7 +1,7 @@
-// Fills holes from one picture with depth: where the ray of an empty pixel meets the surface that
-// the picture holds.
+// Fill holes from one picture with depth: where the ray of an empty pixel meets the surface in the
+// picture.
 // In: the shown picture's coverage; the picture, and guesses of what lands where. Out: colour and
-// inverse depth of what is met in holes.
+// inverse depth of the hits in holes.
 // Source: Bowles et al. 2012, Iterative Image Warping (the gather); Mark et al. 1997 (of several
 // pictures, nearer and better sampled wins).
 #define ROWS 4
@@ -12,19 +12,18 @@
 layout(rgba16f) readonly uniform image2D shown_colour;
 layout(rgba16f) writeonly uniform image2D filled_colour;
 layout(r32f) writeonly uniform image2D filled_depth; // 1 x 1 where no pass reads depth
-// R: inverse depth of what fills the pixel, -1 for nothing; g: how densely it was sampled
+// r: inverse depth of the fill, -1 for nothing; g: its sampling density
 layout(rg32f) uniform image2D best;
 uniform ivec2 cells;                // of the guesses; the picture itself may be coarser than the shown one
 uniform vec2 cells_per_pixel;
 uniform int guesses; // 3; a constant would be unrolled
-// 1: llvmpipe leaves a loop out where none of eight neighbours enters it, but runs both sides of
-// every `if`
+// 1. llvmpipe skips a loop that none of eight neighbours enters, but runs both sides of every `if`
 uniform int once;
 uniform bool is_first;
-uniform bool is_newest; // what the newest picture holds, no older one overrules
+uniform bool is_newest; // no older picture overrules the newest
 
-const float GAIN = 1.25;       // by which one picture must have been nearer to a place than the one before
-const float SETTLED = 1e30;    // nothing stands before it
+const float GAIN = 1.25;       // factor by which a picture must have sampled a place more densely than the one before
+const float SETTLED = 1e30;    // nothing can be in front of it
 const float LARGEST = 65504.0; // of a half float
 
 float density_of(Ray ray, float depth) {
@@ -36,8 +35,8 @@ bool is_better(float depth, float density, vec2 before) {
     return before.r < 0.0 || (alike ? density > GAIN * before.g : depth > before.r);
 }
 
-// What landed in the pixel's cell and the eight around it: the nearest, what lies in the cell
-// itself, and the farthest less 1.
+// The keys in the pixel's cell and the eight around it: the nearest, the one in the cell itself,
+// and the farthest less 1.
 uvec3 keys_around(ivec2 pixel) {
     ivec2 cell = ivec2((vec2(pixel) + 0.5) * cells_per_pixel);
     uvec3 found = uvec3(0u, 0u, 0xFFFFFFFFu);

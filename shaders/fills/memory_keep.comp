@@ -1,5 +1,4 @@
-// Keeps a rendered picture, but for what moves by itself and what has no depth: those places stay
-// unknown.
+// Keep a rendered picture, except for moving things and pixels without depth, which stay unknown.
 // In: rendered colour and inverse depth; ids and velocity, 1 x 1 textures of zeros where frames
 // have none. Out: the kept picture.
 // Source: docs/results.md, the memory fill; this project's.
@@ -7,7 +6,7 @@
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(r32f) readonly uniform image2D rendered_depth;
-uniform usampler2D ids; // llvmpipe reads no integer images
+uniform usampler2D ids; // llvmpipe cannot read integer images
 layout(rgba16f) readonly uniform image2D velocity;
 layout(rgba16f) writeonly uniform image2D kept_colour;
 layout(r32f) writeonly uniform image2D kept_depth;

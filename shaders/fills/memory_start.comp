@@ -1,5 +1,5 @@
-// Begins a fill from pictures with depth: copies the shown picture, and lists the pieces of it that
-// have holes.
+// Start a fill from pictures with depth: copy the shown picture, and list its pieces that have
+// holes.
 // In: shown colour and inverse depth. Out: the same in the filled picture; the list of
 // lib/hole_pieces.glsl.
 // Source: lib/composite.glsl, which lists pieces in the same way for warps.
@@ -7,10 +7,10 @@
 #include "lib/hole_pieces.glsl"
 layout(rgba16f) readonly uniform image2D shown_colour;
 layout(rgba16f) writeonly uniform image2D filled_colour;
-// 1 x 1 where no pass reads depth: beyond it loads give 0 and stores do nothing
+// 1 x 1 where no pass reads depth: outside it loads return 0 and stores are dropped
 layout(r32f) readonly uniform image2D shown_depth;
 layout(r32f) writeonly uniform image2D filled_depth;
-uniform uint stamp; // another at each run
+uniform uint stamp; // unique to each run
 
 void list_piece(ivec2 first) {
     uint piece = uint(first.y / ROWS * pieces_in_a_row() + first.x / PIECE);

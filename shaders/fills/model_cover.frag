@@ -1,5 +1,5 @@
-// Puts what is covered in front of everything that is drawn after it, so that a model is drawn into
-// the holes alone.
+// Put covered pixels in front of everything drawn later, so that a model is drawn into the holes
+// only.
 // In: the shown picture with holes, and its inverse depth. Out: both unchanged where covered, at
 // depth 0; nothing in holes.
 // Source: the same trick as a cockpit mask: Vlachos 2015, Advanced VR Rendering (GDC), the hidden

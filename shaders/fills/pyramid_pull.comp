@@ -1,9 +1,9 @@
-// Makes one level of the pyramid from the one below, or (FROM_PICTURE 1) the first one from the
+// Compute one level of the pyramid from the one below, or (FROM_PICTURE 1) the first one from the
 // shown picture.
 // In: colour and weight, inverse depth in 1/m and share of empty pixels of the level below. Out:
 // the same, of half the size.
-// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); that only the farthest
-// counts is this project's.
+// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the restriction to the
+// farthest surface is this project's.
 #if FROM_PICTURE
 #define ROWS 4 // of a piece
 #include "lib/holes.glsl"
@@ -19,7 +19,7 @@ layout(rgba32f) writeonly uniform image2D level_depth;
 uniform ivec2 below_size, level_size;
 const vec4 KERNEL = vec4(0.125, 0.375, 0.375, 0.125);
 const float GAIN = 4.0;               // so that one full texel of four makes a full one
-const float LEAST = 1.0 / 1024.0;     // no weight vanishes in a half float, however many levels it passes
+const float LEAST = 1.0 / 1024.0;     // keeps weights from vanishing in half floats, however many levels they pass
 
 #if FROM_PICTURE
 layout(r32f) readonly uniform image2D below_depth;
@@ -42,8 +42,7 @@ Texel below(ivec2 p) {
 Texel found[16]; // the 4 x 4 below, row by row
 bool is_inside[16];
 
-// Half of them. The upper half of one texel is the lower half of the next one in the column, so it
-// is read once.
+// The upper half of one texel is the lower half of the next one in the column, so it is read once.
 void read_two_rows(int first, ivec2 from) {
     for (int k = 0; k < 8; ++k) {
         ivec2 p = from + ivec2(k % 4, k / 4);
@@ -53,11 +52,11 @@ void read_two_rows(int first, ivec2 from) {
 }
 
 #if !FROM_PICTURE
-// How much the border of a crack counts: next to nothing; set where the second level is made
+// Weight of a crack's border: next to nothing; applied at the second level
 uniform float crack_border;
 const float DEEP = 1.0 / 128.0;
 
-// The farthest of the sixteen that is not alone.
+// The farthest of the sixteen that is not an outlier.
 float farthest_of_enough() {
     vec4 depths[4], borders[4];
     float all = 0.0, farthest = UNKNOWN;
@@ -78,7 +77,7 @@ float farthest_of_enough() {
 }
 #endif
 
-// Of the 4 x 4 texels below that a texel reaches over: those that are farthest.
+// Of the 4 x 4 texels below that a texel spans: the farthest surface.
 void pull(ivec2 texel) {
     float farthest = UNKNOWN, holes = 0.0, inside = 0.0;
     for (int k = 0; k < 16; ++k) {
@@ -98,7 +97,7 @@ void pull(ivec2 texel) {
     float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
     imageStore(level_colour, texel, vec4(sum.colour * over, weight));
 #if FROM_PICTURE
-    // Nothing hides in cracks: the next level learns only that they are there.
+    // Cracks hide nothing: the next level only records that they exist.
     holes = holes > 0.0 && weight > 0.0 ? CRACKS : holes;
 #else
     sum.border *= holes >= DEEP * inside ? 1.0 : crack_border;
@@ -107,8 +106,7 @@ void pull(ivec2 texel) {
 }
 
 #if FROM_PICTURE
-// The texels that reach over a piece: 6 x 4. Neighbouring pieces share some, and make the same of
-// them.
+// The texels that span a piece: 6 x 4. Neighbouring pieces share some, and compute the same values.
 ivec2 first_texel() {
     uint index = gl_GlobalInvocationID.x / uint(PIECE_WIDE), lane = gl_GlobalInvocationID.x % uint(PIECE_WIDE);
     return index < piece_count && lane < 6u ? first_of_piece(int(pieces[index])) / 2 + ivec2(lane, 0) - 1 : level_size;

@@ -2,8 +2,8 @@
 // of the picture from the first one.
 // In: colour and weight, inverse depth in 1/m and share of empty pixels of the level above. Out: of
 // this one; or the guesses.
-// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); that the farther one wins
-// inside holes is this project's.
+// Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the preference for the
+// farther one inside holes is this project's.
 #if INTO_PICTURE
 #define ROWS 4 // of a piece
 #include "lib/hole_columns.glsl"
@@ -22,8 +22,8 @@ Texel above(ivec2 p) {
     return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g, depth.b);
 }
 
-// What the level above says: of the four nearest texels those that are farthest. holes is that of
-// all four.
+// Interpolation from the level above: of the four nearest texels, the farthest surface. holes is
+// that of all four.
 Texel from_above(ivec2 texel) {
     ivec2 own = texel / 2, other = own + 2 * (texel & 1) - 1;
     other = clamp(other, ivec2(0), above_size - 1);
@@ -69,7 +69,7 @@ void push(ivec2 pixel) {
 layout(rgba16f) uniform image2D level_colour;
 layout(rgba32f) uniform image2D level_depth;
 uniform ivec2 level_size;
-uniform float least_holes; // the share of holes from which on a level tells the one below what lies behind
+uniform float least_holes; // the share of holes from which on a level's background overrides the one below
 
 ivec2 first_texel() {
     return first_pixel();
@@ -79,7 +79,7 @@ ivec2 size_of_level() {
     return level_size;
 }
 
-// No texel with a hole reads a texel without a hole below it.
+// Texels with holes never read texels without holes below them.
 bool is_wanted(ivec2 texel) {
     return texel.y < level_size.y && imageLoad(level_depth, texel).g > 0.0;
 }
@@ -89,8 +89,8 @@ void push(ivec2 texel) {
     vec3 depth = imageLoad(level_depth, texel).rgb;
     float own = or_nearest(depth.r);
     Texel up = from_above(texel);
-    // Of one surface both count. Where the level above is mostly hole, it shows what the two sides
-    // of that hole are, and the nearer one is not what was hidden.
+    // If they are one surface, both count. Where the level above is mostly hole, its colours are
+    // those of the hole's two sides, and the nearer side was not what was occluded.
     float not_nearer = is_beside(own, up.depth), not_farther = is_beside(up.depth, own);
     float behind_counts = smoothstep(0.5 * least_holes, 1.5 * least_holes, up.holes);
     float keep = mix(1.0, colour.a, not_nearer * not_farther) * mix(1.0, not_nearer, behind_counts);
@@ -105,8 +105,8 @@ void push(ivec2 texel) {
 void main() {
     ivec2 p = first_texel(), size = size_of_level();
     if (p.x >= size.x) return;
-    // llvmpipe runs what is inside an if wherever anything is; so a loop goes from one selected
-    // pixel of the column to the next.
+    // llvmpipe runs the body of an `if` for all pixels if any needs it, so a loop visits the
+    // selected pixels of the column one by one.
     uint left = 0u;
     for (int row = 0; row < ROWS; ++row) left |= is_wanted(p + ivec2(0, row)) ? 1u << row : 0u;
     for (; left != 0u; left &= left - 1u) push(p + ivec2(0, findLSB(left)));

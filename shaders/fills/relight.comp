@@ -1,26 +1,26 @@
-// Holes take the model's albedo times the light of blocks near them in space that lie in their
-// plane and face their way; where there are none, the model's own light. In: where the holes are;
-// the model's albedo, inverse depth and, in the holes, lit colour; a Light of each block. Out:
-// colour in the holes.
-// Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by nearness
-// and likeness).
+// Holes get the model's albedo times the light of blocks that are near in space, lie in their plane
+// and face their way; without any, the model's own light. In: where the holes are; the model's
+// albedo, inverse depth and, in the holes, lit colour; a Light of each block. Out: colour in the
+// holes.
+// Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by distance
+// and similarity).
 layout(local_size_x = 64) in;
 #include "lib/relight.glsl"
 layout(rgba16f) readonly uniform image2D albedo;
 layout(r32f) readonly uniform image2D model_inverse_depth;
 layout(rgba32f) readonly uniform image2D lights;
-layout(rgba16f) uniform image2D filled; // the model's lit colour before, in the holes
-layout(std430, binding = 1) readonly buffer Samples { ivec4 sample_of[]; }; // xy: how far off, in pixels
+layout(rgba16f) uniform image2D filled; // with the model's lit colour in the holes on entry
+layout(std430, binding = 1) readonly buffer Samples { ivec4 sample_of[]; }; // xy: offset in pixels
 layout(std430, binding = 2) readonly buffer Holes { uint hole_count, none_a, none_b, none_c; uint hole_at[]; };
 uniform ivec2 shown_size;
 uniform int samples;
-uniform float near;           // distance over distance from the eye at which light counts a quarter
-uniform float off_plane;      // and off the surface's plane, at which it counts half
-uniform float model_weight;   // what the model's own light counts, against as much albedo seen at hand
+uniform float near;           // distance, relative to the distance from the eye, at which the weight is a quarter
+uniform float off_plane;      // and off the surface's plane, at which it is a half
+uniform float model_weight;   // weight of the model's own light, relative to as much albedo seen close by
 
 const float LARGEST = 65504.0; // of a half float
 
-// Of the slopes towards both neighbours the smaller one, which does not lead over an edge. At the
+// Of the slopes towards both neighbours the smaller one, which does not cross an edge. At the
 // border there is one neighbour.
 vec2 slope_at(ivec2 p, float depth) {
     ivec2 low = max(p - 1, ivec2(0)), high = min(p + 1, shown_size - 1);
@@ -30,8 +30,8 @@ vec2 slope_at(ivec2 p, float depth) {
     return mix(back, ahead, bvec2(first.x || (gentler.x && !last.x), first.y || (gentler.y && !last.y)));
 }
 
-// Colour of a hole's pixel. The quotient of sums, not the sum of quotients: an albedo next to black
-// says next to nothing about the light.
+// Colour of a hole's pixel: the quotient of sums, not the sum of quotients, because an albedo near
+// black says little about the light.
 vec3 relit(ivec2 p, vec3 lit) {
     float depth = imageLoad(model_inverse_depth, p).r;
     vec2 here = vec2(p) + 0.5;

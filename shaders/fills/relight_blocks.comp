@@ -1,5 +1,5 @@
-// What light falls on each block of pixels: shown colour and the model's albedo added up over
-// pixels where both show the same surface.
+// The light on each block of pixels: shown colour and the model's albedo, summed over pixels where
+// both show the same surface.
 // In: the shown picture with holes and its inverse depth; the model's albedo and inverse depth.
 // Out: one Light a block.
 // Source: this project's; dividing albedo out: Barrow and Tenenbaum 1978, Recovering Intrinsic
@@ -13,12 +13,12 @@ layout(r32f) readonly uniform image2D model_inverse_depth;
 layout(rgba32f) writeonly uniform image2D lights;
 uniform ivec2 shown_size;
 uniform ivec2 block_count;
-uniform float same_depth;   // share by which two depths of one surface may differ
+uniform float same_depth;   // relative difference up to which two depths are one surface
 uniform float same_surface; // and by which those of a block may be nearer than its farthest one
 
 const float NOTHING = 1e30;
 
-// The model's inverse depth where it is what the picture shows, NOTHING elsewhere.
+// The model's inverse depth where it agrees with the picture, NOTHING elsewhere.
 float agreed(ivec2 p) {
     float shown = imageLoad(warped_inverse_depth, p).r, model = imageLoad(model_inverse_depth, p).r;
     bool inside = p.x < shown_size.x && p.y < shown_size.y;
@@ -38,7 +38,7 @@ void main() {
     }
     float limit = min(farthest + same_surface * (farthest + FLOOR), 0.5 * NOTHING);
     vec3 seen = vec3(0.0), plain = vec3(0.0), place = vec3(0.0);
-    vec4 across = vec4(0.0); // sums of both slopes, and of how many
+    vec4 across = vec4(0.0); // sums of both slopes, and their count
     float count = 0.0;
     for (int k = 0; k < BLOCK * BLOCK; ++k) {
         ivec2 p = corner + ivec2(k % BLOCK, k / BLOCK);

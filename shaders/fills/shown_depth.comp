@@ -1,5 +1,5 @@
 // PASS 0: the inverse depth that each rendered pixel has in the shown view, as a picture that a
-// warp can carry. PASS 1: what it carried.
+// warp can carry. PASS 1: the result of the warp.
 // In: rendered inverse depth in 1/m (-1: none); the carried picture. Out: rgba16f (inverse depth,
 // 0, 0, coverage); r32f, -1 in holes.
 // Source: McMillan and Bishop 1995 (the third row of the map is the ratio of both depths);

@@ -1,7 +1,7 @@
-// PASS 0 draws what lies behind into each empty pixel along the line on which things move as the
-// head does. PASS 1 smooths these streaks.
+// PASS 0 stretches the background into each empty pixel, along the epipolar line on which points
+// move with the head. PASS 1 smooths these streaks.
 // In: shown colour, its inverse depth in 1/m, -1 unknown; H, e rendered -> shown. Out: the same
-// with guesses; what finds nothing stays empty.
+// with holes filled; pixels that find nothing stay empty.
 // Source: Mark 1999 (Post-Rendering 3D Image Warping, UNC TR99-022): filled from the background
 // along epipolar lines, then blurred.
 #define ROWS 4 // of a piece
@@ -9,11 +9,11 @@
 #include "lib/warp_map.glsl"
 #include "lib/behind.glsl"
 layout(rgba16f) readonly uniform image2D warped;
-uniform float least_parallax; // pixels at 1 m: below it the head is taken to have turned alone
+uniform float least_parallax; // pixels at 1 m: below it the head counts as only turned
 
-// Where what is nearer goes as the head moves, as long as a pixel on its longer axis: the
-// derivative of the place of a point of inverse depth r, (q + e r) / (q.z + e.z r), by r, but for
-// its length. 0 where things do not move.
+// The direction in which nearer points move with the head, scaled to a pixel on its longer axis:
+// the derivative of the position of a point of inverse depth r, (q + e r) / (q.z + e.z r), by r, up
+// to its length. 0 where nothing moves.
 vec2 nearer_goes(vec2 centre) {
     vec2 towards = e.xy - centre * e.z;
     float longer = max(abs(towards.x), abs(towards.y));
@@ -24,15 +24,15 @@ vec2 nearer_goes(vec2 centre) {
 layout(std430, binding = 1) readonly buffer Stamps { uvec2 stamp_of[]; };
 layout(r32f) readonly uniform image2D warped_depth;
 layout(r32f) writeonly uniform image2D filled_depth;
-layout(rgba16f) writeonly uniform image2D streaks; // the last channel: pixels from the source, 0 for none
+layout(rgba16f) writeonly uniform image2D streaks; // alpha: distance from the source in pixels, 0 for none
 uniform mat3 back_H;    // shown -> rendered
 uniform vec3 back_e;
 uniform vec2 rendered_size;
-uniform uint stamp;     // that pieces with a covered pixel have
+uniform uint stamp;     // the stamp of pieces with a covered pixel
 const float MOST_TAPS = 4.0;
 
-// What was found on a line: how many steps away, 0 for nothing, its colour and its inverse depth,
-// UNKNOWN if it has none.
+// A hit on a line: how many steps away, 0 for nothing, its colour and its inverse depth, UNKNOWN if
+// it has none.
 struct Found {
     float away, depth;
     vec3 colour;
@@ -43,7 +43,7 @@ ivec2 pixel_at(vec2 centre, vec2 line, float away) {
     return ivec2(floor(centre + line * away));
 }
 
-// Steps that stay in a piece, from a place in it.
+// Number of steps that stay in a piece, from a place in it.
 float steps_in_piece(vec2 place, ivec2 piece, vec2 line) {
     vec2 low = vec2(piece), high = low + vec2(PIECE_WIDE, PIECE_HIGH);
     vec2 ahead = mix(low, high, greaterThan(line, vec2(0.0))) - place;
@@ -51,7 +51,7 @@ float steps_in_piece(vec2 place, ivec2 piece, vec2 line) {
     return max(floor(min(steps.x, steps.y)), 1.0);
 }
 
-// The first covered pixel; pieces that have none are passed over. A line of length 0 leads nowhere.
+// The first covered pixel; pieces without any are skipped. A line of length 0 leads nowhere.
 float first_covered(vec2 centre, vec2 line) {
     float away = 1.0, found = 0.0;
     bool pending = line != vec2(0.0);
@@ -73,8 +73,8 @@ float depth_at(ivec2 pixel) {
     return or_nearest(imageLoad(warped_depth, pixel).r);
 }
 
-// The mean of a few pixels from a covered one on (no more than lie before it), as long as they are
-// of one surface, each with half the weight of the one before.
+// The mean of a few pixels from a covered one on (at most as many as the hole is wide before it),
+// as long as they are one surface, each with half the weight of the one before.
 Found gathered(vec2 centre, vec2 line, float away) {
     Found found = Found(away, depth_at(pixel_at(centre, line, away)), vec3(0.0));
     float weight = 1.0, total = 0.0, taps = min(away, MOST_TAPS);
@@ -92,7 +92,7 @@ Found gathered(vec2 centre, vec2 line, float away) {
     return away > 0.0 ? found : NOTHING;
 }
 
-// The farther one; of one surface both, the closer one weighing more. Where neither is known, the
+// The farther one; of one surface both, weighted towards the closer. If neither depth is known, the
 // first one.
 Found behind(Found a, Found b) {
     bool has_a = a.away > 0.0, has_b = b.away > 0.0;
@@ -107,7 +107,7 @@ Found behind(Found a, Found b) {
     return NOTHING;
 }
 
-// Whether the place lies in the rendered picture. Outside of it nothing was hidden, and no line
+// Whether the place lies in the rendered picture. Outside it nothing was occluded, and no line
 // leads to it.
 bool was_in_view(vec2 centre, float depth) {
     vec3 rendered = back_H * vec3(centre, 1.0) + back_e * (depth < MOST_KNOWN ? depth : 0.0);
@@ -119,8 +119,8 @@ void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
     float hidden_side = first_covered(centre, -line), near_side = first_covered(centre, hidden_side > 0.0 ? line : vec2(0.0));
     Found found = behind(gathered(centre, -line, hidden_side), gathered(centre, line, near_side));
-    // The near side alone does not show what it hid; and what ends at the picture's border may have
-    // come from beside the rendered picture.
+    // The near side alone does not show what it occluded; and a surface that ends at the picture's
+    // border may continue outside the rendered picture.
     bool known = hidden_side > 0.0 && was_in_view(centre, found.depth) && (near_side > 0.0 || was_in_view(centre, UNKNOWN));
     if (!known) found = NOTHING;
     imageStore(streaks, pixel, vec4(found.colour, found.away));
@@ -130,13 +130,13 @@ void visit(ivec2 pixel) {
 layout(r32f) readonly uniform image2D filled_depth;
 layout(rgba16f) readonly uniform image2D streaks;
 layout(rgba16f) writeonly uniform image2D filled;
-// Pixels between two samples across the streaks, for each pixel from their source; with less than
-// one there is none
+// Pixels between two samples across the streaks, per pixel from their source; below one there is no
+// smoothing
 uniform float spread;
 const int REACH = 3;
 
-// Samples across the streak, farther apart the longer it is, from streaks of the same surface; they
-// weigh less the farther away they are.
+// Samples across the streak, spaced wider the longer it is, from streaks of the same surface, with
+// weights that fall with distance.
 void visit(ivec2 pixel) {
     vec2 centre = vec2(pixel) + 0.5, line = nearer_goes(centre);
     vec2 across = line == vec2(0.0) ? vec2(1.0, 0.0) : vec2(-line.y, line.x);
@@ -159,8 +159,8 @@ void visit(ivec2 pixel) {
 void main() {
     ivec2 p = first_of_column();
     if (p.x >= shown_size.x) return;
-    // llvmpipe runs what is inside an if wherever anything is; so a loop goes from one empty pixel
-    // of the column to the next.
+    // llvmpipe runs the body of an `if` for all pixels if any needs it, so a loop visits the empty
+    // pixels of the column one by one.
     uint left = 0u;
     for (int row = 0; row < ROWS; ++row) left |= p.y + row < shown_size.y && imageLoad(warped, p + ivec2(0, row)).a == 0.0 ? 1u << row : 0u;
     for (; left != 0u; left &= left - 1u) visit(p + ivec2(0, findLSB(left)));

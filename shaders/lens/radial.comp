@@ -1,6 +1,6 @@
-// Applies the lens: each panel pixel samples, for each colour, the tangent that the lens shows
-// there.
-// In: shown picture, here in the place of the rendered one. Out: panel; black where the lens shows
+// Apply the lens: each panel pixel samples, for each colour channel, the tangent that the lens
+// shows there.
+// In: shown picture, bound in place of the rendered one. Out: panel; black where the lens shows
 // more than was rendered.
 // Source: radial polynomial in r^2 (Brown 1966), one per colour; the coefficients come from
 // hmdwarp/headsets.

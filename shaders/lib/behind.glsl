@@ -1,7 +1,8 @@
-// Which of two depths lies behind, for fills: what was hidden is guessed from what is behind.
-// Inverse depths in 1/m; -1 is not known, and counts as nearer than all that is known.
-const float UNKNOWN = 1e30, MOST_KNOWN = 1e29; // means of what is not known may round to less than that
-// Inverse depths that differ by less than this times (the smaller one + floor) are of one surface
+// Which of two depths lies behind, for fills, which continue the background. Inverse depths in 1/m;
+// -1 is unknown, and counts as nearer than everything known.
+const float UNKNOWN = 1e30, MOST_KNOWN = 1e29; // means of unknown depths may round to less than UNKNOWN
+// Inverse depths that differ by less than this times (the smaller one + floor) belong to one
+// surface
 uniform float depth_tolerance;
 uniform float depth_floor;     // 1/m
 
@@ -9,13 +10,13 @@ float or_nearest(float inverse_depth) {
     return inverse_depth >= 0.0 && inverse_depth < MOST_KNOWN ? inverse_depth : UNKNOWN;
 }
 
-// What is still as far as a farthest one.
+// The nearest depth that still counts as equally far.
 float nearest_beside(float farthest) {
     return farthest + depth_tolerance * (farthest + depth_floor);
 }
 
-// 1 for what is as far as `farthest` or farther, falling smoothly to 0 for what is nearer: half at
-// the tolerance, 1e-4 at ten times that.
+// 1 for depths as far as `farthest` or farther, falling smoothly to 0 for nearer ones: half at the
+// tolerance, 1e-4 at ten times that.
 float is_beside(float inverse_depth, float farthest) {
     float nearer = max(inverse_depth - farthest, 0.0) / (depth_tolerance * (farthest + depth_floor) + 1e-12), squared = nearer * nearer;
     return nearer < 100.0 ? 1.0 / (1.0 + squared * squared) : 0.0;

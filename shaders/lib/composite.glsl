@@ -1,33 +1,32 @@
-// Adds one more picture to the shown one: for every pixel of a column, the nearest meeting of its
-// ray with that picture's surface, where `belongs` lets it stand before what was there. Three
-// guesses are tried: of what landed in the pixel and its eight neighbours the nearest and the
-// farthest, and what landed in the pixel itself. So a surface that comes closer has no cracks up to
-// three times its size.
+// Add one more picture to the shown one: for every pixel of a column, the nearest hit of its ray
+// with that picture's surface, if `belongs` accepts it over the previous hit. Three guesses are
+// tried: the nearest and the farthest depth that landed in the pixel and its eight neighbours, and
+// the one that landed in the pixel itself. So a surface that comes closer has no cracks up to three
+// times its size.
 #include "lib/rows.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/meeting.glsl"
 #include "lib/seed_keys.glsl"
 layout(rgba16f) writeonly uniform image2D shown_colour;
-layout(BEST) uniform image2D best; // r: inverse depth of what the pixel shows, -1 for nothing
+layout(BEST) uniform image2D best; // r: inverse depth of the best hit so far, -1 for none
 uniform ivec2 shown_size;
 const int PIECE = 8; // as many invocations as llvmpipe runs at a time
-// X: which; y: stamp when it was listed
+// x: index; y: stamp when it was listed
 layout(std430, binding = 1) buffer Pieces { uint piece_groups[3]; uint piece_count; uvec2 pieces[]; };
 #if PASS == 1
 const bool is_first = true;
 #else
 const bool is_first = false;
 #endif
-uniform int guesses; // 3; a constant would be unrolled, and then llvmpipe makes all three steps everywhere
+uniform int guesses; // 3; a constant would be unrolled, and llvmpipe would run all three steps everywhere
 
-// Whether a meeting may at all, by the nearest guess: most pixels need no second test.
+// Whether any hit may be accepted, by the nearest guess: most pixels need no second test.
 bool may_belong(Ray ray, float nearest, vec4 before);
-// Whether the meeting may stand before what the pixel shows (-1 for nothing); what to remember of
-// it.
+// Whether the hit is accepted over the previous one (-1 for none); outputs what to remember of it.
 bool belongs(vec2 shown, Ray ray, Meeting found, vec4 before, out vec4 after);
 
-// What landed in three pixels in a row: the key of the nearest, that of the farthest less 1 (so
-// that nothing, 0, is the largest uint), and that of the middle one.
+// Keys of three pixels in a row: the nearest, the farthest less 1 (so that nothing, 0, is the
+// largest uint), and the middle one.
 uvec3 three_keys(ivec2 middle) {
     int y = clamp(middle.y, 0, shown_size.y - 1) * shown_size.x;
     uint a = seed_of[y + max(middle.x - 1, 0)], b = seed_of[y + middle.x], c = seed_of[y + min(middle.x + 1, shown_size.x - 1)];
@@ -39,7 +38,7 @@ int pieces_in_a_row() {
 }
 
 #if PASS == 0
-uniform uint stamp; // another at each run
+uniform uint stamp; // unique to each run
 
 ivec2 first_of_column() {
     return first_pixel();
@@ -59,7 +58,7 @@ void list_piece(ivec2 first) {
     atomicMax(piece_groups[0], slot * uint(PIECE) / uint(GROUP_X) + 1u);
 }
 #else
-// The lowest pixel of an invocation's column; one outside the picture where it has nothing to do.
+// The lowest pixel of an invocation's column; outside the picture if it has no work.
 ivec2 first_of_column() {
 #if PASS == 1
     return first_pixel();

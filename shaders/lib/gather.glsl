@@ -1,17 +1,17 @@
 // One bilinear sample of the rendered picture. Its colour is premultiplied by coverage there (a
-// hole is 0, 0, 0, 0), so holes never bleed: what is covered is averaged, and the result is covered
-// where the weight of covered pixels is at least a half.
+// hole is 0, 0, 0, 0), so holes never bleed: covered pixels are averaged, and the result is covered
+// where their weight is at least a half.
 uniform sampler2D rendered_colour;
 uniform ivec2 rendered_size;
 uniform vec2 rendered_pixel; // 1 / rendered_size
 
-// llvmpipe checks the bounds of every load of a uniform, with a branch, and moves none out of the
+// llvmpipe checks the bounds of every load of a uniform, with a branch, and hoists none out of the
 // loop over rows: copies made before the loop took a third off the fused warps. prepare_sampling()
 // makes them.
 vec2 rendered_extent;
 #ifdef TEXELS
-// The fused warps need one channel of each sample. Four loads of it cost llvmpipe two thirds of a
-// sample, as its sampler makes all four channels. GPUs use the sampler.
+// The fused warps need one channel of each sample. Four such loads take llvmpipe two thirds of the
+// time of a sample, because its sampler computes all four channels. GPUs use the sampler.
 layout(rgba16f) readonly uniform image2D rendered_texels;
 vec2 texels_end;
 

@@ -1,6 +1,6 @@
 // The pieces of the shown picture, 8 x 4 pixels each, that have holes: passes that change holes
-// alone are dispatched over these. A piece is as wide as the invocations that llvmpipe runs at a
-// time, so that they all have something to do.
+// only are dispatched over these. A piece is as wide as the number of invocations that llvmpipe
+// runs at a time, so that none idles.
 const int PIECE_WIDE = 8, PIECE_HIGH = 4;
 layout(std430, binding = 0) buffer HolePieces { uint piece_groups[3]; uint piece_count; uint pieces[]; };
 uniform ivec2 shown_size;

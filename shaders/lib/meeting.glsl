@@ -1,8 +1,8 @@
-// Where the ray of a shown pixel meets the surface that a picture holds, and what colour it has
-// there. H, e: shown -> rendered.
+// Where the ray of a shown pixel meets the surface in a picture, and its colour there. H, e: shown
+// -> rendered.
 //
 // Each texel is a plane over its own square, slanted towards those of its neighbours that belong to
-// the same surface. In the rendered picture the ray is a line, on which the place of a point at
+// the same surface. In the rendered picture the ray is a line, on which the position of a point at
 // rendered inverse depth r is linear in r: p = start + r * along. From a guess of r, one step to
 // the plane of the texel there (Newton's) is exact as long as it stays on that plane.
 // Source: Bowles et al. 2012, Iterative Image Warping, section 3; the slanted texels are this
@@ -14,7 +14,7 @@ uniform vec2 rendered_pixel;       // 1 / rendered_size
 // Neighbours that differ by less than this times (their inverse depth + floor) are one surface
 uniform float depth_tolerance;
 uniform float depth_floor;     // 1/m
-const float MOST_STEP = 0.5;   // pixels that the step may lead away from the place it started from
+const float MOST_STEP = 0.5;   // pixels that a step may move from its start
 
 struct Ray {
     bool ahead;
@@ -50,7 +50,7 @@ float held(ivec2 texel) {
 Meeting meet(Ray ray, float seed) {
     float r = seed / (ray.base_z + seed * ray.parallax_z);
     vec2 p = ray.start + r * ray.along;
-    // The texel that p lies in, and the two beside it that p is nearest to.
+    // The texel that p lies in, and the two neighbours nearest to p.
     ivec2 corner = ivec2(floor(clamp(p, vec2(0.0), vec2(rendered_size)) + 0.5));
     bvec2 upper = greaterThanEqual(p, vec2(corner));
     ivec2 texel = corner - ivec2(not(upper)), other = corner - ivec2(upper);
@@ -77,8 +77,8 @@ Meeting meet(Ray ray, float seed) {
     return found;
 }
 
-// Whether `depth` is nearer than another by more than rounding may make it: guesses often lead to
-// the same point. Beyond 1000 km all is equally far.
+// Whether `depth` is nearer than another by more than rounding: guesses often lead to the same
+// point. Beyond 1000 km everything is equally far.
 bool is_nearer(float depth, float other) {
     return depth * (1.0 - 1.0 / 65536.0) > other + 1.0 / 1048576.0;
 }

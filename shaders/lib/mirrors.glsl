@@ -3,14 +3,14 @@
 // Rows of the uniforms: hmdwarp/geometry/mirror.py.
 #define MOST_MIRRORS 8
 uniform int mirror_count;
-uniform vec4 mirror_centre[MOST_MIRRORS]; // and the radius of a ball, 0 for a plane
+uniform vec4 mirror_centre[MOST_MIRRORS]; // centre and, in w, the radius of a ball, 0 for a plane
 uniform vec4 mirror_right[MOST_MIRRORS];  // unit vector, and half the length
 uniform vec4 mirror_up[MOST_MIRRORS];
-uniform float mirror_reflectivity[MOST_MIRRORS]; // straight on
-uniform vec2 tangent_start, tangent_step; // of the rays of pixels
+uniform float mirror_reflectivity[MOST_MIRRORS]; // at normal incidence
+uniform vec2 tangent_start, tangent_step; // of the pixels' rays
 
-// A plane mirror counts this far beyond its edges where no other is: what it shows moves against
-// its frame when the head moves.
+// A plane mirror extends this far beyond its edges where no other mirror is: its image moves
+// against its frame when the head moves.
 const float APRON_M = 0.4;
 const float FAR = 1e30;
 
@@ -24,7 +24,7 @@ vec3 ray_of(vec2 pixel) {
     return vec3(tangent_start + pixel * tangent_step, -1.0);
 }
 
-// How far along `ray` it meets a ball around `centre`, FAR if it does not.
+// The distance along `ray` to a ball around `centre`, FAR if it is missed.
 float way_to_ball(vec3 ray, vec3 centre, float radius) {
     float along = dot(ray, centre), square = dot(ray, ray);
     vec3 beside = centre - ray * (along / square); // the difference of squares would lose the digits of a far ball
@@ -33,7 +33,7 @@ float way_to_ball(vec3 ray, vec3 centre, float radius) {
     return inside >= 0.0 && way > 0.0 ? way : FAR;
 }
 
-// The nearest mirror; where there is none, the nearest of those whose apron is met.
+// The nearest mirror; without any, the nearest whose apron is hit.
 Met meet_mirror(vec3 ray) {
     Met met = Met(-1, FAR, vec3(0.0)), apron = met;
     for (int i = 0; i < mirror_count; ++i) {

@@ -22,8 +22,8 @@ Row row_at(ivec2 p) {
 
 #define ORDER(a, b) { vec3 low = min(a, b); b = max(a, b); a = low; }
 
-// The mean of the two middle ones of the first `count` of eight sorted values, count 3 to 8 (one
-// and the same if it is odd).
+// The mean of the two middle ones of the first `count` of eight sorted values, count 3 to 8 (the
+// same one if it is odd).
 vec3 middle(int count, vec3 b, vec3 c, vec3 d, vec3 e) {
     vec3 low = count >= 7 ? d : count >= 5 ? c : b;
     vec3 high = count >= 8 ? e : count >= 6 ? d : c;

@@ -1,10 +1,10 @@
-// Runs `panel_pixel` for every pixel of the panel that sees anything of the shown field of view;
-// the others are black. A colour samples axis + scale * radius in the shown view, in pixels;
-// scales: how much the lens magnifies red, green and blue there.
+// Run `panel_pixel` for every pixel of the panel that shows part of the shown field of view; the
+// others are black. A colour channel samples axis + scale * radius in the shown view, in pixels;
+// scales: the lens's magnification of red, green and blue there.
 //
-// A lens leaves up to two fifths of its panel blind. llvmpipe repeats a loop's body as long as one
-// of eight neighbouring pixels needs it, so the loop runs from the first row that sees to the last,
-// and eight blind neighbours cost one row of ROWS.
+// A lens leaves up to two fifths of its panel unused. llvmpipe repeats a loop's body as long as one
+// of eight neighbouring pixels needs it, so the loop runs from the first used row to the last, and
+// eight unused neighbours cost one row of ROWS.
 layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 panel_size;
 uniform ivec2 shown_size;

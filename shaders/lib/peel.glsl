@@ -1,6 +1,6 @@
-// What a peeling pass may draw at this pixel: only what lies behind the layer before.
-// Included by the fragment stages of the scene and of its background.
-uniform sampler2D in_front; // inverse depth of the layer before; -1: there was none
+// The test of a peeling pass: draw only what lies behind the previous layer. Included by the
+// fragment stages of the scene and of its background.
+uniform sampler2D in_front; // inverse depth of the previous layer; -1: none
 uniform float keep;         // a little below 1: a surface is not behind itself
 
 bool behind(float inverse_depth) {

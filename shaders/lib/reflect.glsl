@@ -1,6 +1,6 @@
 // The light of a mirroring surface: its own light and, by Schlick's share, that of the world behind
-// the mirror. A disturbed normal turns the mirrored ray; what it meets is taken to be as far along
-// it as what the undisturbed one meets.
+// the mirror. A disturbed normal turns the mirrored ray; its hit is assumed to be as far along it
+// as that of the undisturbed ray.
 // Source: Schlick 1994, An Inexpensive BRDF Model for Physically-based Rendering, eq. 15.
 #include "lib/mirrors.glsl"
 uniform sampler2D seen; // coverage in alpha
@@ -11,19 +11,19 @@ float fresnel(float reflectivity, float cosine) {
     return reflectivity + (1.0 - reflectivity) * square * square * grazing;
 }
 
-// The pixel where the disturbed ray sees its mirror image. inverse_depth: of what the undisturbed
-// one sees, in 1/m.
+// The pixel where the disturbed ray sees its mirror image. inverse_depth: of the undisturbed ray's
+// image, in 1/m.
 vec2 disturbed_place(vec2 pixel, vec3 ray, Met met, vec3 normal, float inverse_depth) {
     vec3 turned = reflect(normalize(ray), normal);
-    turned -= 2.0 * min(dot(turned, met.normal), 0.0) * met.normal; // none goes into the mirror
+    turned -= 2.0 * min(dot(turned, met.normal), 0.0) * met.normal; // no ray enters the mirror
     vec3 behind = turned - 2.0 * dot(turned, met.normal) * met.normal;
     vec3 image = ray * (met.way * inverse_depth) + behind * (max(1.0 - met.way * inverse_depth, 0.0) * length(ray));
     vec2 place = (image.xy / -image.z - tangent_start) / tangent_step;
     return image.z < 0.0 ? place : pixel;
 }
 
-// base: the surface's own light, covered. surface: as in frame.Reflection. own: what is seen at the
-// pixel itself, inverse_depth its depth (below 0: not known).
+// base: the surface's own light, covered. surface: as in frame.Reflection. own: the reflection at
+// the pixel itself, inverse_depth its depth (below 0: unknown).
 vec4 with_reflection(vec2 pixel, vec4 base, vec4 surface, vec4 own, float inverse_depth) {
     vec3 ray = ray_of(pixel);
     Met met = meet_mirror(ray);

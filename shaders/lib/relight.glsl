@@ -1,15 +1,14 @@
 // Shared by the passes of fill `relight`: the light of the shown picture in blocks of BLOCK x BLOCK
-// pixels. Of each block only the farthest surface counts, so that none is lit by what stands before
-// it. A surface is a plane of inverse depth.
+// pixels. Of each block only the farthest surface counts, so that none is lit by surfaces in front
+// of it. A surface is a plane of inverse depth.
 const int BLOCK = 8;
-const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a place
+const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a position
 
 // Three texels a block, side by side. rgb of the first: shown colour, the mean over all pixels of
-// the block, 0 for those that do not count; of the second: the model's colour, the same (its
-// albedo, or that times the light baked into it); of the third: where the surface is, in metres
-// along the eye's axes. The three alphas together: its normal, of length 1.
-// An image, because llvmpipe loads its texels whole and a buffer's numbers one by one: half the
-// time.
+// the block, 0 for those that do not count; of the second: the model's colour, likewise (its
+// albedo, or albedo times baked light); of the third: the surface's position, in metres along the
+// eye's axes. The three alphas together: its normal, of length 1. An image, because llvmpipe loads
+// its texels whole and a buffer's numbers one by one: half the time.
 const int PARTS = 3;
 uniform vec2 first_tangent, pixel_tangent; // of the picture's corner, of one pixel
 

@@ -1,6 +1,6 @@
-// The surface that the rendered picture holds: every texel is a plane over its own square, slanted
-// towards those of its neighbours that are connected with it. Where neighbours are not connected
-// the surface ends half way between them, so that no rubber sheet joins them.
+// The surface in the rendered picture: every texel is a plane over its own square, slanted towards
+// those of its neighbours that are connected with it. Where neighbours are not connected the
+// surface ends half way between them, so that no rubber sheet joins them.
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
 uniform vec2 last_centre; // of the texels of the rendered picture
 uniform float depth_tolerance;
@@ -26,12 +26,12 @@ ivec2 texel_at(vec2 p) {
     return ivec2(clamp(p, vec2(0.0), last_centre));
 }
 
-// The surface at p; beside the picture that of the nearest texel, prolonged. Three loads, which
-// cost llvmpipe less than a gather of four and its selections. The texel across the corner is not
-// loaded (a fourth load costs `iterative` a third of its time): where it alone is of another
-// surface, at the inner corners of silhouettes, up to a quarter of the colour is its. Beyond the
-// border an image reads 0: a sky there is connected with that, without a slope, and the sampler
-// clamps its colour.
+// The surface at p; outside the picture the extended surface of the nearest texel. It takes three
+// loads, which are cheaper on llvmpipe than a gather of four and its selections. The texel across
+// the corner is not loaded (a fourth load costs `iterative` a third of its time): where it alone is
+// of another surface, at the inner corners of silhouettes, it contributes up to a quarter of the
+// colour. Beyond the border an image reads 0: a sky there is connected with that, without a slope,
+// and the sampler clamps its colour.
 Surface surface_at(vec2 p) {
     ivec2 texel = texel_at(p);
     Surface found;
@@ -53,9 +53,9 @@ vec2 colour_place(Surface surface, vec2 p) {
     return mix(surface.centre, p, surface.connected);
 }
 
-// The inverse depth at which a ray whose place is start + r * along meets the plane of a surface
-// found at `place`. Steeper than a slope of 0.75 the ray all but runs along the plane; such a step
-// is cut to four times the plain one.
+// The inverse depth at which a ray with position start + r * along meets the plane of a surface
+// found at `place`. Beyond a slope of 0.75 the ray is nearly parallel to the plane; such a step is
+// limited to four times the plain one.
 float meets(Surface surface, vec2 place, vec2 start, vec2 along) {
     float own = surface.depth + dot(surface.slope, start - place);
     return own / max(1.0 - dot(surface.slope, along), 0.25);

@@ -1,7 +1,7 @@
-// Each invocation does ROWS pixels of one column. On llvmpipe that is 1.5 to 2 times faster than
+// Each invocation handles ROWS pixels of one column. On llvmpipe that is 1.5 to 2 times faster than
 // one pixel each, because the set-up of an invocation is paid once. Whole pixels are read by
-// imageLoad, which costs llvmpipe two thirds of a texelFetch and gives 0 outside the picture.
-// docs/results.md has the figures.
+// imageLoad, which takes llvmpipe two thirds of the time of a texelFetch and returns 0 outside the
+// picture. docs/results.md has the figures.
 #define GROUP_X 64
 #define GROUP_Y 1
 #ifndef ROWS

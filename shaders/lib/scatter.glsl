@@ -1,5 +1,5 @@
-// Where one rendered pixel lands in the shown picture. Runs `visit` for every rendered pixel.
-// A rendered pixel whose inverse depth is negative, NaN or infinite has no depth and lands nowhere.
+// Where rendered pixels land in the shown picture; runs `visit` for every rendered pixel. A
+// rendered pixel whose inverse depth is negative, NaN or infinite has no depth and lands nowhere.
 #include "lib/scatter_sizes.glsl"
 #include "lib/warp_map.glsl"
 layout(r32f) readonly uniform image2D rendered_inverse_depth;
@@ -16,7 +16,7 @@ struct Landing {
 // base: H times the rendered pixel's centre.
 Landing landing(ivec2 rendered, vec3 base) {
     float inverse_depth = imageLoad(rendered_inverse_depth, rendered).r;
-    // precise: two passes must compute the same bits, whatever the compiler would contract.
+    // precise: two passes must compute the same bits, whatever the compiler might contract.
     precise vec3 q = base + e * inverse_depth;
     precise vec2 p = q.xy / q.z;
     precise float shown_inverse_depth = inverse_depth / q.z;

@@ -1,8 +1,7 @@
-// A scatter without depth comparison: of the rendered pixels that land in one shown pixel the last
-// in a fixed order stays.
-// PASS 0 keeps the largest rank, whichever invocation comes first; PASS 1 copies the colours. The
-// shader gives `order_of`, below 2^32 - 1 and different for every rendered pixel, and its inverse
-// `rendered_of`.
+// A scatter without depth comparison: of the rendered pixels that land in one shown pixel, the last
+// in a fixed order wins. PASS 0 keeps the largest rank, in any order of execution; PASS 1 copies
+// the colours. The shader defines `order_of`, below 2^32 - 1 and different for every rendered
+// pixel, and its inverse `rendered_of`.
 #include "lib/scatter_sizes.glsl"
 layout(std430, binding = 0) buffer Keys { uint key_of[]; }; // 0 = nothing landed, else 1 + the rank
 uint order_of(ivec2 rendered);

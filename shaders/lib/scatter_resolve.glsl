@@ -1,6 +1,6 @@
 // After a scatter of keys: copies to each shown pixel the colour of the rendered pixel that its key
-// names; nothing landed: (0, 0, 0, 0). The shader's own `winner` reads the key, and empties it for
-// the next picture, so that no pass has to clear.
+// names; nothing landed: (0, 0, 0, 0). The shader's own `winner` reads the key and clears it for
+// the next picture, which saves a clearing pass.
 #include "lib/scatter_sizes.glsl"
 layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;

@@ -1,5 +1,5 @@
-// The nearest inverse depth that lands in each shown pixel, as the bits of a float32 and one: those
-// of floats >= 0 have the same order. 0: nothing landed.
+// The nearest inverse depth that lands in each shown pixel, as the bits of a float32 plus one: the
+// bits of floats >= 0 sort like the floats. 0: nothing landed.
 layout(std430, binding = 0) buffer Seeds { uint seed_of[]; };
 
 uint seed_key(float inverse_depth) {

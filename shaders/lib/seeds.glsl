@@ -1,9 +1,9 @@
 // First guesses of a gather: for each cell of shown pixels the inverse depth, in the rendered
-// picture, of what is in front there.
+// picture, of the front surface.
 //
-// While they are found, a cell holds a key: the rendered inverse depth in its upper bits, 5 of them
-// for the exponent (2^-20 to 2^11 1/m, what is nearer counts as that), and the rendered texel (y,
-// x) in its lower index_bits. The larger key wins. 0 = nothing lands here.
+// During the search, a cell holds a key: the rendered inverse depth in its upper bits, 5 of them
+// for the exponent (2^-20 to 2^11 1/m, clamped), and the rendered texel (y, x) in its lower
+// index_bits. The larger key wins. 0 = nothing lands here.
 #define BLOCK 4
 layout(std430, binding = 0) buffer Seeds { uint seed_of[]; };
 uniform ivec2 cells;

@@ -1,7 +1,7 @@
-// Runs a gather warp's `gathered` for every pixel of the panel, once per colour, where the lens
-// shows that colour: one resample from the rendered picture to the panel instead of two. Black
-// where the lens shows more than the shown field of view. A colour samples axis + s radius, s its
-// scale, so its map is H axis + s H radius: one product for three colours.
+// Run a gather warp's `gathered` for every pixel of the panel, once per colour channel, where the
+// lens shows that channel: one resample from the rendered picture to the panel instead of two.
+// Black where the lens shows more than the shown field of view. A colour samples axis + s radius, s
+// its scale, so its map is H axis + s H radius: one product for three colours.
 #include "lib/rows.glsl"
 #include "lib/gather.glsl"
 #include LENS

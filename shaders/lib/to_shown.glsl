@@ -1,6 +1,5 @@
-// Runs a gather warp's `gathered` for every pixel of the shown view.
-// It calls the function named by PREPARE, where a warp defines that, once before the loop over
-// rows.
+// Run a gather warp's `gathered` for every pixel of the shown view. The function named by PREPARE,
+// if a warp defines it, is called once before the loop over rows.
 // shown: the pixel's centre. base + parallax * inverse_depth: the rendered pixel (homogeneous) of a
 // point at that depth from here.
 #include "lib/rows.glsl"
@@ -8,13 +7,14 @@
 layout(rgba16f) writeonly uniform image2D written;
 uniform ivec2 shown_size;
 #ifdef WRITES_DEPTH
-// What `gathered` leaves in found_inverse_depth, -1 in holes
+// Receives found_inverse_depth of `gathered`, -1 in holes
 layout(r32f) writeonly uniform image2D shown_inverse_depth;
 float found_inverse_depth;
 #endif
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax);
 
-// What base is at the centre of the shown pixel that `shown` lies in: here that is `shown` itself.
+// The value of base at the centre of the shown pixel that contains `shown`: here that is `shown`
+// itself.
 vec3 base_at_centre(vec2 shown, vec3 base) {
     return base;
 }

@@ -1,7 +1,6 @@
-// Counts the pixels of a picture that nothing covers.
+// Count the uncovered pixels of a picture.
 // In: colours with coverage in alpha. Out: added to counts[slot].
-// Source: none; one atomic addition of a work group to memory that all share, after one of each
-// invocation to memory of its own.
+// Source: none; each invocation adds to shared memory, each work group once to the buffer.
 #include "lib/rows.glsl"
 layout(std430, binding = 0) buffer Counts { uint counts[]; };
 layout(rgba16f) readonly uniform image2D picture;

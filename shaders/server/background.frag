@@ -1,8 +1,8 @@
 // The background, infinitely far: a sky that fades from zenith to horizon, and ground below it.
 // In: direction in world axes, any length. Out: linear RGBA with coverage 1; inverse depth 0. With
-// PEEL nothing (0, 0, 0, 0; -1) where the layer before has it already.
-// Source: made up for this project; the square root keeps the glow of a horizon low above it.
-// Everitt 2001 (peeling).
+// PEEL nothing (0, 0, 0, 0; -1) where the previous layer already has it.
+// Source: this project's; the square root keeps the glow of a horizon low above it. Everitt 2001
+// (peeling).
 #ifdef PEEL
 #include "lib/peel.glsl"
 #endif

@@ -1,5 +1,5 @@
-// Draws what mirrors show into a picture, where it shows the mirrors.
-// In: the picture, what its surfaces are, what the mirrors show. Out: the picture, in place.
+// Draw reflections into a picture, where it shows mirrors.
+// In: the picture, its mirrors' properties, the reflections. Out: the picture, in place.
 // Source: lib/reflect.glsl.
 #define GLOSSY
 #include "lib/rows.glsl"

@@ -1,7 +1,7 @@
-// The cheaper mirror: marches each mirrored ray through the rendered picture itself. What that does
-// not show stays a hole.
-// In: the picture and its inverse depth. Out: what one plane mirror shows, rgba16f; the inverse
-// depth of the whole path, -1 for none.
+// The cheaper mirror: march each mirrored ray through the rendered picture itself. Rays that leave
+// the picture are holes.
+// In: the picture and its inverse depth. Out: the reflection in one plane mirror, rgba16f; the
+// inverse depth of the whole path, -1 for none.
 // Source: McGuire and Mara 2014, Efficient GPU Screen-Space Ray Tracing (JCGT 3:4): steps of equal
 // length on the screen.
 #define ROWS 4
@@ -16,7 +16,7 @@ uniform int taken;      // the mirror
 
 const int STEPS = 64, HALVINGS = 6;
 const float NEAREST_M = 0.05, FARTHEST_M = 1e4;
-// A surface is met within this share of its inverse depth; what passes farther behind it goes on
+// A surface is hit within this share of its inverse depth; a ray farther behind it continues
 const float THICK = 0.06;
 
 float drawn_at(vec2 pixel) {
@@ -27,7 +27,7 @@ void march(ivec2 p, vec3 ray, Met met) {
     vec3 start = ray * met.way, mirrored = reflect(normalize(ray), met.normal);
     float longest = mirrored.z > 0.0 ? (met.way - NEAREST_M) / mirrored.z : FARTHEST_M;
     vec3 end = start + mirrored * min(max(longest, 0.0), FARTHEST_M);
-    // Pixel and inverse depth are linear on the way from one to the other.
+    // Pixel and inverse depth are linear between the two ends.
     vec3 a = vec3((start.xy / -start.z - tangent_start) / tangent_step, 1.0 / -start.z);
     vec3 along = vec3((end.xy / -end.z - tangent_start) / tangent_step, 1.0 / -end.z) - a;
     vec2 edge = vec2(imageSize(behind_inverse_depth)) - 0.01;

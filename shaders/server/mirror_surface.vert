@@ -1,4 +1,4 @@
-// A mirror's own surface: places in the eye's axes, and for a curved one its normals.
+// A mirror's own surface: positions in the eye's axes and, for a curved one, normals.
 // In: metres relative to the scene's origin, uv, normals. Out: clip space; the place and the normal
 // in the axes of the eye.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far

@@ -1,7 +1,7 @@
-// Takes over what one mirror shows, where a ray meets that mirror before all others; others stay as
-// they are.
-// In: the world behind the mirror, in the eye's own pixels. Out: what all mirrors show, rgba16f;
-// its inverse depth, -1 for none.
+// Store the reflection in one mirror, where a ray meets that mirror before all others; other pixels
+// keep theirs.
+// In: the world behind the mirror, in the eye's own pixels. Out: the reflections of all mirrors,
+// rgba16f; their inverse depth, -1 for none.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (planar reflections).
 #include "lib/rows.glsl"
 #include "lib/mirrors.glsl"

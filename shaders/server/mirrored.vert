@@ -1,9 +1,9 @@
-// As scene.vert, for a world seen behind a mirror: what stands behind the mirror itself is cut off.
+// As scene.vert, for the world behind a mirror; everything behind the mirror itself is clipped.
 // In: metres relative to the scene's origin. Out: clip space, w = metres along -z; clip distance in
-// metres before the mirror.
+// metres in front of the mirror.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 11.6.2 (planar reflections).
 uniform mat4 clip_from_scene;
-uniform vec4 before_mirror; // distance before the mirror of a place in the scene
+uniform vec4 before_mirror; // plane: distance in front of the mirror of a point in the scene
 
 in vec3 in_position;
 in vec2 in_uv;
@@ -13,7 +13,7 @@ out vec2 uv;
 out vec3 light;
 out float gl_ClipDistance[1];
 
-// What touches the mirror loses this much of its image, and the mirror has none in itself.
+// Things that touch the mirror lose this much of their image, and the mirror has none in itself.
 const float SKIN_M = 1e-3;
 
 void main() {

@@ -1,9 +1,9 @@
-// A pixel's motion, where the picture shows what moves: the number of its body, or (VELOCITY) how
-// fast it moves.
+// A pixel's motion, where the picture shows a moving thing: the number of its body, or (VELOCITY)
+// its velocity.
 // In: m/s along the eye's axes; the picture's inverse depth. Out: number of the body; or m/s with
 // coverage 1.
 // Source: a G-buffer's object ids and velocities (Saito and Takahashi 1990); the picture's own
-// depth says what it shows, whatever drew it.
+// depth decides what is visible, whatever drew it.
 #if VELOCITY
 in vec3 velocity;
 layout(location = 0) out vec4 moves;
@@ -12,7 +12,7 @@ uniform uint body;
 layout(location = 0) out uint moves;
 #endif
 uniform sampler2D picture; // its inverse depth
-uniform float same;        // part of itself by which inverse depths drawn by two programs may differ
+uniform float same;        // relative difference of inverse depth between two programs that draw the same surface
 
 void main() {
     float shown = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).r;

@@ -1,10 +1,10 @@
-// Puts what moves where the eye sees it, exactly as scene.vert does, for the picture of its motion.
+// Project moving things, exactly as scene.vert does, for the motion layers.
 // In: metres relative to a body or to the scene's origin; with VELOCITY m/s in world axes. Out:
 // clip space; m/s along the eye's axes.
 // Source: as scene.vert.
 uniform mat4 clip_from_scene;
 
-invariant gl_Position; // what is drawn here must lie where scene.vert has drawn it, to the last bit
+invariant gl_Position; // must match scene.vert to the last bit
 
 in vec3 in_position;
 #if VELOCITY

@@ -1,5 +1,5 @@
-// No body anywhere: an integer picture that only drawing can empty.
-// In: nothing. Out: 0, the number of what stands still.
+// No body anywhere: clears an integer picture by drawing.
+// In: nothing. Out: 0, the number of static things.
 // Source: OpenGL 4.3 core specification, 17.4.3: clearing integer pictures by a colour is
 // undefined.
 layout(location = 0) out uint moves;

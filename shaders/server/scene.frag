@@ -1,5 +1,5 @@
 // Linear colour (texture times baked light) with coverage 1, and inverse depth; with PEEL only of
-// what lies behind the layer before.
+// what lies behind the previous layer.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
 // Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
 // itself, linear across a triangle; Everitt 2001, Interactive Order-Independent Transparency

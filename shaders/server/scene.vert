@@ -1,11 +1,11 @@
-// Puts the scene's vertices where the eye sees them, and hands uv and baked light on.
+// Project the scene's vertices, and pass uv and baked light on.
 // In: metres relative to the scene's origin. Out: clip space, w = metres along -z; near plane only,
 // no far plane.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far
 // plane).
 uniform mat4 clip_from_scene;
 
-invariant gl_Position;  // colour and depth alone are two programs and must agree to the last bit
+invariant gl_Position;  // colour and depth-only draws use two programs, which must agree to the last bit
 
 in vec3 in_position;
 #ifdef COLOUR

@@ -1,7 +1,7 @@
 // Gathers each shown pixel from the rendered picture through the client's own depth; a depth test
-// keeps what was hidden empty.
+// leaves disocclusions empty.
 // In: shown pixel and the client's inverse depth there. Out: rendered pixel by H, e (here shown ->
-// rendered) and what it held.
+// rendered), and its colour.
 // Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams
 // 1978), per texel of the footprint.
 #include "lib/warp_map.glsl"
@@ -25,10 +25,10 @@ bool holds(float held, float expected) {
 
 // The client has depth at the centres of its pixels, so the surface there decides. Two texels are
 // tested: the one the centre lies in, and the one across from it in the bilinear footprint, which
-// an edge through the footprint almost always parts from it. Both hold the expected depth:
-// bilinear. One does: that one alone, so that no surface bleeds into another. (Testing all four
-// would cost llvmpipe half as much time again; testing around the place itself tore silhouettes
-// behind the lens, where places are no centres.)
+// an edge through the footprint almost always separates from it. If both have the expected depth,
+// the sample is bilinear; if one does, that texel alone, so that no surface bleeds into another.
+// (Testing all four would take llvmpipe half as long again; testing around the place itself tore
+// silhouettes behind the lens, where places are no centres.)
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
     vec3 q = base + parallax * own;

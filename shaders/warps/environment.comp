@@ -1,7 +1,7 @@
 // Gathers each shown pixel from the cube map around the rendered eye: the face that its ray leaves
 // through, and one bilinear sample there.
-// In: shown pixel; H gives the ray's direction in the axes of the rendered eye (base). Out: what
-// the cube holds; coverage 1 all around.
+// In: shown pixel; H gives the ray's direction in the axes of the rendered eye (base). Out: the
+// cube's colour; coverage 1 everywhere.
 // Source: Greene 1986, Environment Mapping and Other Applications of World Projections; faces as in
 // hmdwarp/geometry/cube.py.
 #include "lib/warp_map.glsl"

@@ -1,4 +1,4 @@
-// Scatters each rendered pixel to the shown pixel it lands in; the nearest one stays, ties as in
+// Scatters each rendered pixel to the shown pixel it lands in; the nearest one wins, ties as in
 // lib/scatter_depth.glsl.
 // In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where nothing landed (cracks
 // and disocclusions alike).
@@ -7,8 +7,8 @@
 //
 // PASS 0 finds the nearest key of each shown pixel, PASS 1 copies the colour of the rendered pixel
 // that holds it. If two hold it, PASS 2 finds the lowest index among them, PASS 3 copies that one
-// again and PASS 4 forgets the winners: these three are dispatched indirectly, by a count that is 0
-// when nothing tied.
+// again and PASS 4 clears the winners: these three are dispatched indirectly, by a count that is 0
+// without ties.
 #include "lib/scatter.glsl"
 #include "lib/scatter_depth.glsl"
 layout(rgba16f) readonly uniform image2D rendered_colour;

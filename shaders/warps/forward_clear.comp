@@ -1,4 +1,4 @@
-// Empties the keys of the shown picture before a scatter.
+// Clear the keys of the shown picture before a scatter.
 // In: nothing. Out: key 0 (nothing landed) for four pixels an invocation, and no tie to settle.
 // Source: docs/adding-a-warp.md, what a scatter warp keeps between pictures.
 #define GROUP_X 256

@@ -1,4 +1,4 @@
-// Scatters each rendered pixel; the last in an occlusion-compatible order stays, which needs the
+// Scatters each rendered pixel; the last in an occlusion-compatible order wins, which needs the
 // epipole and no depth.
 // In: rendered pixel and inverse depth (for the landing alone). Out: shown colour; coverage 0 where
 // nothing landed.
@@ -8,7 +8,7 @@
 // The epipole is where the shown eye appears in the rendered picture. Two rendered pixels of one
 // line through it may land in the same place, and then the one closer to it is nearer if the shown
 // eye lies ahead (order: towards the epipole), the farther one if behind (away from it). So any
-// order works that runs along each such line in that sense. The picture is cut at the epipole:
+// order works that runs along each such line in that direction. The picture is cut at the epipole:
 // RINGS: into four triangles by the diagonals through it, run in step, ring by ring of squares
 // around it (with the halves of each triangle, McMillan's eight sheets). Else: into four quadrants,
 // each run row by row (McMillan's four sheets).

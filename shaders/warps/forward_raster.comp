@@ -1,5 +1,5 @@
-// Scatters each rendered pixel; the last in raster order stays: row by row from the top, as in
-// image files, each from left to right.
+// Scatters each rendered pixel; the last in raster order wins: row by row from the top, as in image
+// files, each from left to right.
 // In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where nothing landed.
 // Source: the painter's algorithm without sorting: what 3D warping does without occlusion (McMillan
 // 1995, section 1).

@@ -1,5 +1,5 @@
-// Gathers each shown pixel along its ray: guesses a depth, samples the rendered depth where the ray
-// has it, and guesses again.
+// Gather each shown pixel along its ray: guess a depth, sample the rendered depth where the ray has
+// that depth, and guess again.
 // In: shown pixel, rendered inverse depth, a first guess. Out: rendered pixel where the ray meets
 // the rendered surface, and its colour there.
 // Source: Bowles et al. 2012, Iterative Image Warping (fixed point); Lee et al. 2018, Iterative
@@ -24,13 +24,13 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
 #else
     float r = 0.0;
 #endif
-    // A plain sample costs a third of a slanted one. A guess that is on the surface already is
-    // kept: the seed has its slope.
+    // A plain sample takes a third of the time of a slanted one. A guess that is already on the
+    // surface is kept: the seed includes its slope.
     for (int k = 0; k < PLAIN; ++k) {
         float seen = imageLoad(rendered_inverse_depth, texel_at(start + r * along)).r;
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
-    // Newton steps: exact on planes, however far the guess was off.
+    // Newton steps: exact on planes, however far off the guess was.
     Surface surface;
     float change;
     for (int k = 0; k < SLANTED; ++k) {
@@ -42,9 +42,9 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 p = start + r * along;
     vec4 sum = sampled(colour_place(surface, p));
 #ifdef WRITES_DEPTH
-    found_inverse_depth = r * base.z / (1.0 - r * parallax.z); // s of above: in the shown view
+    found_inverse_depth = r * base.z / (1.0 - r * parallax.z); // s as above: in the shown view
 #endif
     bool met = surface.known && abs(change) * length(along) <= most_pixels;
-    bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // of both eyes
+    bool ahead = base.z > 0.0 && r * parallax.z < 1.0; // in front of both eyes
     return met && ahead && in_rendered(p) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

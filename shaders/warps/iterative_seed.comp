@@ -1,12 +1,12 @@
-// Splats rendered depth at a quarter of the resolution, of each block its nearest texel, so that a
-// gather starts on what is in front.
+// Splat rendered depth at a quarter of the resolution, the nearest texel of each block, so that a
+// gather starts on the front surface.
 // In: rendered inverse depth. Out: per cell of shown pixels the inverse depth where its central ray
 // meets the plane of the texel in front.
 // Source: Lee et al. 2018, Iterative Depth Warping (a first guess by warping depth forward);
 // McMillan and Bishop 1995 for the map.
 //
-// PASS 0 finds the nearest texel of each block and empties the cells, PASS 1 splats the blocks,
-// PASS 2 meets rays and planes.
+// PASS 0 finds the nearest texel of each block and clears the cells, PASS 1 splats the blocks, PASS
+// 2 intersects rays and planes.
 #include "lib/warp_map.glsl"
 #include "lib/rendered_surface.glsl"
 #include "lib/seeds.glsl"
@@ -20,9 +20,9 @@ uniform ivec2 grid, blocks, index_bits;
 
 const uint NEAREST_BITS = 0x44FFFFFFu;  // the largest float32 below 2^11 1/m
 const uint FARTHEST_BITS = 0x35800000u; // 2^-20 1/m
-// A block covers what it covers at its nearest depth and down to this share of it
+// A block covers its footprint at its nearest depth and down to this share of it
 const float SAME_SURFACE = 0.9;
-const int MOST_CELLS = 8;               // that a block covers on each axis
+const int MOST_CELLS = 8;               // covered by a block on each axis
 
 #if PASS == 0
 void visit(ivec2 block) {
@@ -70,11 +70,10 @@ void visit(ivec2 cell) {
     vec3 base = H * vec3((vec2(cell) + 0.5) * float(BLOCK), 1.0);
     vec2 start = base.xy / base.z;
     ivec2 texel = ivec2(key & ((1u << index_bits.x) - 1u), (key >> index_bits.x) & ((1u << index_bits.y) - 1u));
-    // Slanted towards its neighbours in the block, which more likely belong to its surface.
+    // Slanted towards its neighbours in the block, which are more likely to belong to its surface.
     vec2 place = vec2(texel) + mix(vec2(0.25), vec2(0.75), lessThan(texel & (BLOCK - 1), ivec2(BLOCK / 2)));
     float r = meets(surface_at(place), place, start, e.xy - start * e.z);
-    // A ray that goes behind the rendered eye has no line in its picture, though the division finds
-    // one.
+    // A ray behind the rendered eye has no line in its picture, though the division gives one.
     seed_of[slot] = key != 0u && base.z > 0.0 && r > 0.0 && r < 1e30 ? floatBitsToUint(r) : 0u;
 }
 #endif

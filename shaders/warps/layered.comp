@@ -1,5 +1,5 @@
-// Adds one depth layer to the shown picture: the nearest meeting of each ray with any of the layers
-// stays, the earlier layer of equals.
+// Add one depth layer to the shown picture: the nearest hit of each ray with any of the layers
+// wins, the earlier layer of equals.
 // In: shown pixel, the layer's inverse depth, a first guess per shown pixel. Out: the layer's
 // colour where the ray meets it.
 // Source: Shade et al. 1998, Layered Depth Images; the meeting as Bowles et al. 2012, Iterative
@@ -8,9 +8,9 @@
 #include "lib/composite.glsl"
 layout(r32f) readonly uniform image2D front_inverse_depth; // of the visible layer
 
-// What covered a hidden place has moved off it, to `front` on the ray. Where that lies outside the
-// rendered picture, something else as near may stand there, outside of every picture: then the
-// hidden place may be hidden still.
+// Whether the surface that occluded a place has moved off it, to `front` on the ray. If that lies
+// outside the rendered picture, something else as near may be there, outside every picture, and
+// still occlude the place.
 bool is_uncovered(Ray ray, vec2 place) {
     float depth = imageLoad(front_inverse_depth, ivec2(place)).r;
     return !is_depth(depth) || inside(ray.start + depth * ray.along, rendered_size);

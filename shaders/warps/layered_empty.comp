@@ -1,5 +1,5 @@
-// Empties the guesses of the shown picture before a picture's depth is scattered, and the list of
-// pieces to do.
+// Clear the guesses of the shown picture before a picture's depth is scattered, and the list of
+// pieces.
 // In: nothing. Out: guess 0 (nothing landed) for four pixels an invocation; no pieces.
 // Source: lib/seed_keys.glsl, what a guess is; lib/composite.glsl, what a piece is.
 #define GROUP_X 256

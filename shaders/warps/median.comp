@@ -22,7 +22,7 @@ void main() {
         int k = int(gl_LocalInvocationIndex) + i * THREADS;
         ivec2 cell = ivec2(k % GRID, k / GRID);
         mine[i] = texelFetch(rendered_inverse_depth, (2 * cell + 1) * rendered_size / (2 * GRID), 0).r;
-        if (!(mine[i] <= FLOAT_MAX)) mine[i] = -1.0; // Inf and NaN are no depth
+        if (!(mine[i] <= FLOAT_MAX)) mine[i] = -1.0; // Inf and NaN count as no depth
         if (mine[i] >= 0.0) atomicAdd(with_depth, 1u);
     }
     barrier();

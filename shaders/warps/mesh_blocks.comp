@@ -1,5 +1,5 @@
-// Finds in each block of 4x4 cells which edges are joined, which cells are whole, and how flat they
-// are together.
+// Find in each block of 4x4 cells the joined edges, the whole cells, and how flat they are
+// together.
 // In: rendered inverse depth. Out: a Block each; errors of flatness in 1/m, as the largest step
 // between two levels, summed over levels.
 // Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3 (surfaces found in a depth picture);
@@ -10,10 +10,10 @@
 #define GROUP_X 64
 layout(local_size_x = GROUP_X) in;
 layout(std430, binding = 0) writeonly buffer Blocks { Block blocks[]; };
-uniform vec2 steepest; // what inverse depth may change by between neighbours in x and in y, relative to the farther one
+uniform vec2 steepest; // largest change of inverse depth between neighbours in x and in y, relative to the farther one
 
 const int SIDE = 7;            // pixels around a block, one more on each side than its corners
-// A step that differs by less than this part from the one before or after it is a plane's
+// A step that differs by less than this share from the one before or after it belongs to a plane
 const float STRAIGHT = 0.25;
 
 bool joined(float before, float a, float b, float after, float limit) {
@@ -103,9 +103,9 @@ void main() {
     float bend = unevenness(r[a], r[a + 2], r[a + 4], r[b], r[b + 2], r[b + 4], r[c], r[c + 2], r[c + 4]);
     if (inner && whole == 0xFFFFu) error = quarters + bend;
 
-    // Two cells make one if inverse depth goes on straight across what they share and each is
-    // planar. Second differences below an eighth of what is allowed keep 4x4 cells within it: n * n
-    // / 8 of those along x and y, and twice of the mixed one, for n = 4.
+    // Two cells merge if inverse depth continues straight across their common edge and each is
+    // planar. Second differences below an eighth of the allowed error keep 4x4 cells within it: n *
+    // n / 8 of those along x and y, and twice that of the mixed one, for n = 4.
     float allowed = coarsest >= 2 ? allowed_error(corner, BLOCK, r[a], r[a + 4], r[c], r[c + 4]) / 8.0 : -1.0;
     uint seen = whole & on_screen, planar = 0u, on_x = 0u, on_y = 0u;
     for (int y = 0; y < 4; ++y)
@@ -124,8 +124,8 @@ void main() {
     on_x &= planar & planar >> 1u;
     on_y &= planar & planar >> 4u;
 
-    // Each cell in turn that is left: as far to the right as cells join, then as far up as whole
-    // rows of it do.
+    // Start at each remaining cell: extend to the right as far as cells join, then up as far as
+    // whole rows do.
     uint left = seen, begins = 0u;
     for (int k = 0; k < 16; ++k) {
         uint bit = 1u << uint(k), row = bit;

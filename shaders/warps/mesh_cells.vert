@@ -7,11 +7,11 @@
 #include "warps/mesh_surface.glsl"
 #include "warps/mesh_clip.glsl"
 layout(std430, binding = 4) readonly buffer Cells { uvec2 cells[]; };
-// Rendered pixel, inverse depth, and what the shown one counts for in the depth test: one vector
-// costs llvmpipe less
+// Rendered pixel, inverse depth, and the shown depth's weight in the depth test: one vector is
+// faster on llvmpipe
 out vec4 surface_point;
 #if ADAPTIVE
-uniform float overlap; // rendered pixels by which cells of several pixels reach over their neighbours
+uniform float overlap; // rendered pixels by which merged cells extend over their neighbours
 #endif
 
 void main() {
@@ -22,9 +22,9 @@ void main() {
     vec2 rendered = clamp(vec2(pixel) + 0.5, vec2(0.0), vec2(rendered_size));
     float r = known_inverse_depth(pixel), held_back = 1.0;
 #if ADAPTIVE
-    // Beside a large cell lie vertices that it does not have: what it is off there would show as a
-    // crack. Its own plane goes on a little way, and is held back in the depth test alone, so that
-    // finer cells win. The edge of a surface never belongs to a large cell.
+    // A large cell has neighbours with vertices that it lacks: its deviation there would show as a
+    // crack. So its plane extends a little, and is held back in the depth test alone, so that finer
+    // cells win. The edge of a surface never belongs to a large cell.
     int larger = max(side.x, side.y);
     held_back = 1.0 - float(larger - 1) / 2048.0;
     float out_by = larger > 1 ? overlap : 0.0;

@@ -10,7 +10,7 @@ flat in vec4 owner;
 #endif
 layout(location = 0) out vec4 colour;
 
-// As lib/scatter.glsl orders depths, in the 24 bits of the depth buffer: a float with 19 bits of
+// Depth order as in lib/scatter.glsl, in the 24 bits of the depth buffer: a float with 19 bits of
 // its significand from 1000 km to 0.5 mm.
 const uint NEAREST_BITS = 0x44FFFFFFu;
 const uint FARTHEST_BITS = 0x35800000u;
@@ -27,8 +27,8 @@ uniform vec2 steepest;
 uniform mat3 rendered_from_shown;
 uniform vec3 rendered_parallax;
 
-// A sheet that joins two surfaces is known by its nearest vertex: it has another depth. Of each
-// surface half a pixel around the vertex stays, in the vertex's own colour: what lies there at the
+// A sheet between two surfaces is detected at its nearest vertex, which has another depth. Of each
+// surface half a pixel around the vertex stays, in the vertex's own colour: the part at the
 // vertex's own depth. False for the rest of the sheet.
 bool keeps(inout vec2 at) {
     ivec2 pixel = clamp(ivec2(surface_point.xy), ivec2(0), rendered_size - 1);
@@ -51,7 +51,7 @@ void main() {
 #if PIECES
     vec2 away = owner.zw * max((surface_point.xy - owner.xy) * owner.zw, 0.0);
     // Joined both ways, and yet not whole: the corner across is another surface, which a bilinear
-    // sample would let in.
+    // sample would include.
     at = owner.xy + (abs(away.x) > abs(away.y) ? vec2(away.x, 0.0) : vec2(0.0, away.y));
 #endif
 #if VERTEX
@@ -60,8 +60,8 @@ void main() {
     const bool kept = true;
 #endif
     vec4 sum = textureLod(rendered_colour, at * rendered_pixel, 0.0);
-    // A missing surface has depth 0, which is behind nothing and never drawn; a discard would cost
-    // llvmpipe more.
+    // A missing surface has depth 0, which is behind everything and never drawn; a discard would
+    // take llvmpipe longer.
     bool there = kept && sum.a >= 0.5;
 #if ADAPTIVE
     float counts_for = surface_point.w; // large cells are held back behind small ones

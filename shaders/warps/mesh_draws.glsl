@@ -1,5 +1,5 @@
-// The draw calls that the GPU writes for itself, and how cut cells are shared out: CHUNK of them to
-// an invocation. The buffer starts with a dispatch of one invocation for each chunk.
+// The draw calls that the GPU writes for itself, and the division of cut cells into chunks: CHUNK
+// of them per invocation. The buffer starts with a dispatch of one invocation for each chunk.
 struct Draw { uint count, instances, first, base_vertex, base_instance; };
 layout(std430, binding = 2) buffer CellDraws { Draw cell_draws[]; };
 layout(std430, binding = 3) buffer PieceDraws { Draw piece_draws[]; };

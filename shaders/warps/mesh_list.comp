@@ -1,7 +1,7 @@
-// Writes the lists that are drawn: cells with their size, and cells in pieces with their joined
-// edges, each block at its own place.
-// In: Blocks, and where each group begins. Out: cell x | y << 16 and its width | height << 16; of
-// cut cells x | y << 14 | edges << 28.
+// Write the lists to draw: cells with their size, and cut cells with their joined edges, each block
+// at its own offset.
+// In: Blocks, and the offset of each group. Out: cell x y << 16 and its width height << 16; of cut
+// cells x y << 14 edges << 28.
 // Source: as mesh_merge.comp.
 #include "warps/mesh_surface.glsl"
 #define GROUP_X 64

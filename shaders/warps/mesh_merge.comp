@@ -1,6 +1,6 @@
-// Decides for each group of 4x4 blocks which become one cell, and counts what the group draws.
-// In: Blocks. Out: their level and their order in the group; the group's numbers of cells and of
-// cells in pieces.
+// Decide for each group of 4x4 blocks which merge into one cell, and count the group's draws.
+// In: Blocks. Out: their level and their order in the group; the group's numbers of whole and of
+// cut cells.
 // Source: Schollmeyer et al. 2017, Efficient Hybrid Image Warping for High Frame-Rate Stereoscopic
 // Rendering (a quadtree over depth).
 #include "warps/mesh_surface.glsl"
@@ -10,7 +10,7 @@ layout(local_size_x = GROUP_X) in;
 layout(std430, binding = 0) buffer Blocks { Block blocks[]; };
 layout(std430, binding = 1) writeonly buffer Groups { uvec2 totals[]; };
 
-// Levels; covered: by another block's cell, or off the screen
+// Levels; covered: by another block's cell, or off screen
 const uint OWN = 0u, FOUR = 1u, EIGHT = 2u, SIXTEEN = 3u, COVERED = 4u;
 
 void main() {

@@ -1,13 +1,12 @@
-// Turns numbers of things to draw into where each begins in a list, and writes the draw calls. One
-// work group.
-// In: numbers of each group or chunk. Out: their sums over all before; indirect draws of draw_quads
-// quads each, or of all triangles.
+// Turn counts of things to draw into offsets in a list, and write the draw calls. One work group.
+// In: counts of each group or chunk. Out: their prefix sums; indirect draws of draw_quads quads
+// each, or of all triangles.
 // Source: Hillis and Steele 1986, Data Parallel Algorithms (the scan); a fixed order makes two runs
-// equal to the last bit.
+// identical to the last bit.
 #define THREADS 256
 #include "warps/mesh_draws.glsl"
 layout(local_size_x = THREADS) in;
-uniform ivec2 draws;     // that there is room for: of cells, of pieces
+uniform ivec2 draws;     // capacity: of cells, of pieces
 uniform int draw_quads;  // quads in one draw
 shared uvec2 sums[THREADS];
 
@@ -57,7 +56,7 @@ void main() {
     if (me == 0) piece_draws[0] = Draw(3u * total.x, 1u, 0u, 0u, 0u);
 #else
     for (int k = me; k < draws.x; k += THREADS) cell_draws[k] = draw_of(k, total.x);
-    // Unless only some are chosen
+    // Unless only some are selected
     for (int k = me; k < draws.y; k += THREADS) piece_draws[k] = draw_of(k, total.y * 4u);
     if (me == 0) {
         cut_cells = total.y;

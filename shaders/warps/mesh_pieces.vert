@@ -1,5 +1,5 @@
-// A cell that is no surface as a whole: a quarter for each corner that has depth, at that corner's
-// own depth where the cell is cut.
+// A cell that is not one surface: a quarter for each corner that has depth, at that corner's own
+// depth where the cell is cut.
 // In: the list of cut cells with their joined edges, or of their triangles. Out: as
 // mesh_cells.vert; which pixel a quarter belongs to.
 // Source: Mark 1999, Post-Rendering 3D Image Warping, 3.3: a cut surface ends half a pixel from its
@@ -12,8 +12,8 @@ layout(std430, binding = 5) readonly buffer Pieces { uint pieces[]; };
 layout(std430, binding = 7) readonly buffer Triangles { uint triangles[]; };
 #endif
 out vec4 surface_point;
-// Centre of the pixel it belongs to; which way from there its colour may change along x, along y, 0
-// for not
+// Centre of the pixel it belongs to; the direction from there in which its colour may change along
+// x, along y, 0 for none
 flat out vec4 owner;
 
 void main() {

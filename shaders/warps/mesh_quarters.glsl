@@ -7,7 +7,7 @@ struct Quarter {
     ivec2 cell, corner;
     // Inverse depth at its pixel, half way along x, along y, and at the middle of the cell
     float own, half_way, half_up, middle;
-    vec2 towards;                         // which way from its pixel its colour may change along x, along y, 0 for not
+    vec2 towards;                         // direction from its pixel in which its colour may change along x, along y, 0 for none
 };
 
 Quarter quarter(uint piece, int c) {
@@ -20,8 +20,8 @@ Quarter quarter(uint piece, int c) {
     bool to_beside = (edges >> uint(corner.y) & 1u) != 0u, to_above = (edges >> uint(2 + corner.x) & 1u) != 0u;
     bool beside_up = (edges >> uint(3 - corner.x) & 1u) != 0u, above_on = (edges >> uint(1 - corner.y) & 1u) != 0u;
 
-    // The middle of the cell, the same for all that are joined: opposite corners' mean, or all
-    // four's.
+    // The middle of the cell, the same for all joined corners: the mean of opposite corners, or of
+    // all four.
     bool has_across = (to_beside && beside_up) || (to_above && above_on);
     bool has_beside = to_beside || (to_above && above_on && beside_up);
     bool has_above = to_above || (to_beside && beside_up && above_on);
@@ -33,9 +33,10 @@ Quarter quarter(uint piece, int c) {
     return Quarter(cell, corner, own, half_way, half_up, middle, vec2(to_beside, to_above) * vec2(1 - 2 * corner));
 }
 
-// Its corner `vertex` (0 or 1 on each axis): rendered pixel and inverse depth. Half way lies a
-// vertex that a whole cell beside has not, and the rasteriser may leave a gap there. So a quarter
-// reaches a little over the border of its cell, where its own pixel goes on in any case.
+// Its corner `vertex` (0 or 1 on each axis): rendered pixel and inverse depth. At the middle of an
+// edge lies a vertex that a whole neighbouring cell lacks, where the rasteriser may leave a gap. So
+// a quarter extends a little over the border of its cell, where its own pixel continues in any
+// case.
 vec3 point_of(Quarter q, ivec2 vertex) {
     bvec2 inner = notEqual(vertex, q.corner);
     float r = all(inner) ? q.middle : inner.x ? q.half_way : inner.y ? q.half_up : q.own;

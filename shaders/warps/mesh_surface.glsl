@@ -7,27 +7,27 @@ layout(r32f) readonly uniform image2D rendered_inverse_depth;
 uniform ivec2 rendered_size;
 
 const uint ALL_JOINED = 15u;
-const float MOST = 1e12; // 1/m; nearer than this counts as this near, so that nothing overflows
+const float MOST = 1e12; // 1/m; nearer points count as this near, so that nothing overflows
 
-// 1/m, -1 for a pixel without depth: the largest finite float is the largest that is one.
+// 1/m, -1 for a pixel without depth; the largest finite float is still a depth.
 float known_inverse_depth(ivec2 pixel) {
     float r = imageLoad(rendered_inverse_depth, clamp(pixel, ivec2(0), rendered_size - 1)).r;
     return r >= 0.0 && r <= 3.4028235e38 ? min(r, MOST) : -1.0;
 }
 
 struct Block {
-    // A bit for each cell that begins a rectangle to draw, 16 above it for each that is drawn in
-    // pieces
+    // A bit for each cell that starts a rectangle to draw, 16 bits above it for each that is drawn
+    // in pieces
     uint cells;
-    // A bit for each joined edge along x, 4 in each of 5 rows; bit 31: something of the block is on
-    // the screen
+    // A bit for each joined edge along x, 4 in each of 5 rows; bit 31: part of the block is on
+    // screen
     uint rows;
     uint columns;      // and along y, 5 in each of 4 rows
     // Bits of the error as one cell; after mesh_merge: level << 20, pieces before << 10, rectangles
     // before in its group
     uint error_order;
-    // Of the rectangles, less one: 2 bits of width and 2 of height for each cell that begins one;
-    // of the lower 8 cells
+    // Sizes of the rectangles, less one: 2 bits of width and 2 of height for each cell that starts
+    // one; the lower 8 cells
     uint sizes_low;
     uint sizes_high;   // and of the upper 8
 };

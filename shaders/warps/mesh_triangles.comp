@@ -1,6 +1,6 @@
-// Finds which triangles of cut cells may be seen: most are smaller than a shown pixel and lie
+// Find the triangles of cut cells that may be visible: most are smaller than a shown pixel and lie
 // between centres. STAGE 0 counts them, STAGE 1 writes their list. In: the list of cut cells. Out:
-// index of the cut cell << 3 | corner << 1 | half, chunk by chunk.
+// index of the cut cell << 3 corner << 1 half, chunk by chunk.
 // Source: Wihlidal 2016, Optimizing the Graphics Pipeline with Compute (GDC): triangles that hold
 // no sample are not worth drawing.
 #include "warps/mesh_surface.glsl"
@@ -29,8 +29,8 @@ uint halves_seen(Quarter q) {
         before = before && homogeneous.z > 0.0;
     }
     vec2 least = min(min(place[0], place[1]), min(place[2], place[3])), most = max(max(place[0], place[1]), max(place[2], place[3]));
-    // Where the box holds one centre alone, the side of the diagonal it lies on is the half to
-    // draw: each half is on its own side, or folded over, and then it faces away and is culled.
+    // If the box contains a single centre, the half on its side of the diagonal is drawn: each half
+    // is on its own side, or folded over, and then it faces away and is culled.
     vec2 centre = ceil(least - MARGIN - 0.5) + 0.5, diagonal = place[2] - place[1];
     bool one = all(lessThan(most + MARGIN, centre + 1.0));
     float side = diagonal.x * (centre.y - place[1].y) - diagonal.y * (centre.x - place[1].x);

@@ -1,6 +1,5 @@
-// Adds one rendered picture to the shown one: the nearest surface stays, of those equally near the
-// one known better, and of a picture other than the newest only what the newest does not
-// contradict.
+// Add one rendered picture to the shown one: the nearest surface wins, of equally near ones the
+// better sampled; surfaces of older pictures that the newest contradicts are left out.
 // In: shown pixel, the picture's inverse depth, a first guess per shown pixel. Out: the picture's
 // colour where it stays.
 // Source: Mark et al. 1997, Post-Rendering 3D Warping (two reference frames, depth and
@@ -11,10 +10,10 @@ layout(r32f) readonly uniform image2D newest_inverse_depth;
 uniform mat3 newest_H; // shown -> rendered, of the newest picture
 uniform vec3 newest_e;
 uniform ivec2 newest_size;
-const float GAIN = 1.25; // by which an older picture must have been nearer to the place: else the newest stays
+const float GAIN = 1.25; // factor by which an older picture must have sampled the place more densely; else the newest wins
 
-// Whether the newest picture looked through the place to something farther: then what an older one
-// saw there is gone, or misjudged.
+// Whether the newest picture sees something farther through the place: then what an older one saw
+// there has gone, or its depth was wrong.
 bool is_contradicted(vec2 shown, float depth) {
     vec3 q = newest_H * vec3(shown, 1.0) + newest_e * depth;
     vec2 p = q.xy / q.z;
@@ -22,8 +21,8 @@ bool is_contradicted(vec2 shown, float depth) {
     return q.z > 0.0 && inside(p, newest_size) && is_depth(held) && expected - held > depth_tolerance * (expected + depth_floor);
 }
 
-// How densely the picture sampled the place, on each axis and against the shown one. Edges need no
-// doubt of their own: a meeting spans connected texels alone.
+// Sampling density of the place in the picture, on each axis and relative to the shown one. Edges
+// need no extra term: a hit spans connected texels only.
 float confidence_of(Ray ray, float depth) {
     return 1.0 / (ray.base_z + depth * ray.parallax_z);
 }

@@ -14,7 +14,7 @@ void take_plane() { plane = plane_inverse_depth; }
 #include OUTPUT
 
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
-    float past = 1.0 - plane * parallax.z; // < 0 once the shown eye has moved through the plane
+    float past = 1.0 - plane * parallax.z; // < 0 once the shown eye has passed through the plane
     vec2 p = base.xy / base.z * past + plane * parallax.xy;
     vec4 colour = covered_average(p);
     return base.z * past > 0.0 && in_rendered(p) ? colour : vec4(0.0);

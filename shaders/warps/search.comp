@@ -6,25 +6,26 @@
 // (skipping by maximum mipmaps).
 //
 // In the rendered picture the ray is a line, and its place is linear in the inverse depth r there:
-// start + r * along. It is followed from large r to r = 0, its place at infinity, cell by cell:
-// blocks it passes in front of or behind are skipped whole. In the smallest cells, quarters of
-// texels, the surface is a plane. A ray that passes behind an edge meets nothing there and goes on.
+// start + r * along. It is followed from large r to r = 0, the point at infinity, cell by cell:
+// blocks that it passes in front of or behind are skipped whole. In the smallest cells, quarters of
+// texels, the surface is a plane. A ray that passes behind an edge meets nothing there and
+// continues.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
 #include "lib/rendered_surface.glsl"
 #include "lib/pyramid.glsl"
 #include OUTPUT
-uniform float gap;   // pixels, by which a ray may miss a surface's end and meet it all the same
+uniform float gap;   // pixels by which a ray may miss the end of a surface and still hit it
 uniform float nearest; // 1/m, no rendered depth is nearer
 uniform int steps;
 
-const float STRIDE = 1e-3; // pixels beyond a border, so that rounding cannot hold the ray there
+const float STRIDE = 1e-3; // pixels beyond a border, so that rounding cannot trap the ray there
 
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 start = base.xy / base.z;
     vec2 along = parallax.xy - start * parallax.z;
-    // Per inverse depth a pixel at least every 1e9 1/m, so that a ray that stays in place needs no
-    // case.
+    // Per unit of inverse depth, at least a pixel every 1e9 1/m, so that a ray that stays in place
+    // needs no special case.
     vec2 run = mix(along, vec2(1e-9), lessThan(abs(along), vec2(1e-9)));
     float slack = gap / length(run), stride = STRIDE / max(abs(run.x), abs(run.y));
     vec2 at_low = -start / run, at_high = (vec2(rendered_size) - start) / run;
@@ -41,8 +42,8 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         // Where the ray, going towards r = 0, leaves the cell
         vec2 border = (cell + vec2(lessThan(run, vec2(0.0)))) * side;
         vec2 out_at = (border - start) / run;
-        // A border that it has passed already is one that rounding put it on, where it all but runs
-        // along: the next one counts.
+        // A border already passed is one that rounding put the ray on, where it is nearly parallel:
+        // use the next one.
         out_at -= mix(vec2(0.0), side / abs(run), greaterThanEqual(out_at, vec2(r)));
         float until = max(min(max(out_at.x, out_at.y), r), last);
         vec2 bounds = bounds_of[block_index(max(level, 1), ivec2(here / max(side, 4.0)))];

@@ -1,15 +1,15 @@
-// Every rendered pixel covers the parallelogram that its square becomes; the nearest depth stays,
-// colours are fetched back through it.
+// Every rendered pixel covers the parallelogram that its square becomes; the nearest depth wins,
+// and colours are fetched back through it.
 // In: rendered pixel and inverse depth. Out: shown colour; coverage 0 where no footprint of a
 // rendered pixel reaches.
 // Source: Westover 1990 (footprints); Zwicker et al. 2001, EWA Splatting (the footprint is the
 // derivative of the map); Mori et al. 2009 (depth warped forward, colour fetched backward).
 //
-// PASS 0: the square around each rendered pixel, on the plane that its neighbours' depths give, is
-// a small homography; each shown pixel whose centre it covers keeps the nearest inverse depth by
-// atomicMax. PASS 1 takes each shown pixel back to the rendered picture through that depth and
-// averages the rendered pixels of that surface by the area that the shown pixel covers of each.
-// Every sum has its order fixed by the shown pixel alone, so two runs are equal, and light of any
+// PASS 0: the map of the square around each rendered pixel, on the plane through its neighbours'
+// depths, is a small homography; each shown pixel whose centre it covers keeps the nearest inverse
+// depth by atomicMax. PASS 1 takes each shown pixel back to the rendered picture through that depth
+// and averages the rendered pixels of that surface by the area that the shown pixel covers of each.
+// The shown pixel alone fixes the order of every sum, so two runs are identical, and light of any
 // size and sign can be averaged.
 #include "lib/scatter_sizes.glsl"
 #include "lib/warp_map.glsl"
@@ -32,13 +32,13 @@ float rendered_at(ivec2 rendered) {
 }
 
 #if PASS == 0
-uniform float reach;   // pixels: how far a footprint may go from its middle
-uniform float overlap; // pixels of the rendered picture by which squares are larger on each side
+uniform float reach;   // pixels: the largest extent of a footprint from its middle
+uniform float overlap; // pixels of the rendered picture by which squares are enlarged on each side
 const float SMALLEST = 1.17549435e-38; // the smallest normal float32
-const float NEAREST = 1048576.0; // 1/m: what comes nearer than a micrometre to the eye is not drawn
+const float NEAREST = 1048576.0; // 1/m: nothing nearer than a micrometre to the eye is drawn
 
-// The step of inverse depth to the next pixel, from those on both sides: surfaces hang together
-// where the step is small against the depth, or where the motion opens it by less than a pixel.
+// The step of inverse depth to the next pixel, from those on both sides: surfaces are connected
+// where the step is small relative to the depth, or where the motion opens it by less than a pixel.
 // With the next depth `change` more this pixel would land change * parallax / (1 + change *
 // receding) beside.
 float slope(float before, float here, float after, float parallax, float receding) {
@@ -58,8 +58,8 @@ void cover(ivec2 rendered, vec3 base, float below, float here, float above) {
     float parallax = max(moves.x, moves.y), receding = e.z / q.z;
     vec2 step = vec2(slope(rendered_at(rendered - ivec2(1, 0)), here, rendered_at(rendered + ivec2(1, 0)), parallax, receding),
                      slope(below, here, above, parallax, receding));
-    // Within its square a patch stays at half its inverse depth or more: else it would tip over
-    // beyond infinity.
+    // Within its square a patch keeps half its inverse depth or more: else it would tip over beyond
+    // infinity.
     step *= here / max(max(abs(step.x) + abs(step.y), here), SMALLEST);
     // A point d rendered pixels beside lands at p + J d / (1 + a d), J = (across, along), with w =
     // q.z (1 + a d). So what lands `off` beside p is, with u = J^-1 off, at d = u / (1 - a u),
@@ -76,7 +76,7 @@ void cover(ivec2 rendered, vec3 base, float below, float here, float above) {
     for (float y = low.y; y <= high.y; y += 1.0) {
         for (float x = low.x; x <= high.x; x += 1.0) {
             vec2 u = inverse_J * (vec2(x, y) + 0.5 - p);
-            float before = 1.0 - dot(a, u); // > 0 before the eye
+            float before = 1.0 - dot(a, u); // > 0 in front of the eye
             float nearness = abs(max(here + dot(per_u, u), 0.0) / q.z); // abs: -0 is 0
             if (max(abs(u.x), abs(u.y)) <= half_side * before && before > 0.0 && nearness <= NEAREST)
                 atomicMax(key_of[int(y) * shown_size.x + int(x)], floatBitsToUint(nearness) + 1u);
@@ -100,10 +100,10 @@ void main() {
 #else
 layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
-const float WIDEST = 3.0; // rendered pixels that a shown one is averaged over at most, on each axis
+const float WIDEST = 3.0; // rendered pixels on each axis that a shown one is averaged over, at most
 const float SHARPNESS = 0.6667; // up to 1.5 rendered pixels a shown one four are enough, as for any bilinear sample
 
-// How far a rendered pixel's inverse depth is from the expected one.
+// The difference of a rendered pixel's inverse depth from the expected one.
 float off(ivec2 rendered, float expected) {
     float held = rendered_at(rendered);
     return known(held) ? abs(held - expected) : LARGEST;
@@ -126,8 +126,8 @@ vec4 average_over(vec2 p, vec2 sides, float expected, float most) {
     return sum;
 }
 
-// Four pixels are what a box of one pixel covers. At least the one that agrees best counts: on a
-// steep surface none may be within the tolerance.
+// Four pixels are what a box of one pixel covers. At least the best match counts: on a steep
+// surface none may be within the tolerance.
 vec4 average(vec2 p, vec2 sides, float expected, float most) {
     ivec2 corner = ivec2(floor(p - 0.5));
     vec2 upper = p - 0.5 - vec2(corner), lower = 1.0 - upper;
@@ -150,7 +150,7 @@ vec4 fetched(uint key, vec3 base) {
     float nearness = uintBitsToFloat(key - 1u);
     vec3 q = base + e * nearness;
     if (key == 0u || !(q.z > 0.0)) return vec4(0.0);
-    // Rounding may put it a little outside; clamped well beyond that, so that no place makes the
+    // Rounding may put it slightly outside; clamped well beyond that, so that no input makes the
     // loops long.
     vec2 p = clamp(q.xy / q.z, vec2(-1.0), vec2(rendered_size + 1));
     float expected = nearness / q.z;

@@ -341,5 +341,5 @@ def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
     def broken(*_: object) -> None:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr(hmdwarp.run.measuring.Probe, "look", broken)
+    monkeypatch.setattr(hmdwarp.run.measuring.Probe, "read", broken)
     command("replay", "still", *quick).refused("a fault of hmdwarp", "ZeroDivisionError", "HMDWARP_DEBUG=1", status=1)

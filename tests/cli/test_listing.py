@@ -9,7 +9,9 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+import trimesh
 import typer
 
 from hmdwarp.cli._app import app
@@ -159,6 +161,17 @@ def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(c
     desktop = command("plan", "--scene", "planes", "--fill", "none", "--source", "desktop").done().out
     assert desktop == command("plan", "--scene", "planes", "--fill", "none").done().out
     assert "lens radial" in desktop
+
+
+def test_plan_tells_what_is_slow_in_a_scene_and_what_to_do(command, tmp_path):
+    glass = trimesh.creation.icosphere(subdivisions=5)
+    material = trimesh.visual.material.PBRMaterial(alphaMode="BLEND", baseColorFactor=[255, 255, 255, 64])
+    glass.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(glass.vertices), 2)), material=material)
+    glass.export(tmp_path / "ball.glb")
+    for warp in (("--fill", "none"), ("--warp", "auto", "--budget", "5")):
+        told = " ".join(command("plan", "--scene", tmp_path / "ball.glb", *warp).done().out.split())
+        assert "Slow 20,480 transparent triangles: " in told and "simplify them" in told
+        assert "Slow" not in command("plan", "--scene", "planes", *warp).done().out
 
 
 def test_plan_refuses_what_live_refuses(command):

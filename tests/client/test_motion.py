@@ -15,7 +15,7 @@ from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effect_passes import REACH_M, MotionPass
-from hmdwarp.client.effect_passes.motion import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG, SWING_S
+from hmdwarp.client.effect_passes.motion_pass import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG, SWING_S
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.errors import InputError

@@ -224,10 +224,10 @@ def looks_at_another_view_and_back(display: Display, backend: Stub) -> None:
         return len(display.eyes.views(display.source.head_at(display.now_ns()).pose)), display.size, display.headset
 
     before = seen()
-    display.look("flat")
+    display.set_view("flat")
     refresh(display)
     assert seen() == before or seen()[0] == 1
-    display.look("both")
+    display.set_view("both")
     refresh(display)
     assert seen() == before
 
@@ -250,7 +250,7 @@ def asks_for_nothing_by_itself(display: Display, backend: Stub) -> None:
 def takes_a_status(display: Display, backend: Stub) -> None:
     status = Status(values={"latency": 50.0, "scene": "room", "warp": "forward", "fill": "none"})
     for _ in range(2):
-        display.tell(status)
+        display.show_status(status)
         refresh(display)
     assert status.values["latency"] == 50.0
 

@@ -38,7 +38,7 @@ class StubDisplay:
         """As Display.show."""
         return self._at_ns
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """As Display.look: it has one view."""
 
     def restart(self) -> None:
@@ -48,7 +48,7 @@ class StubDisplay:
         """As Display.commands: it has no user."""
         return ()
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """As Display.tell: it shows no status."""
 
     def reopen(self) -> bool:

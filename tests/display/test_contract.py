@@ -152,7 +152,7 @@ def test_a_missing_an_extra_and_a_changed_member_are_seen():
         ("def reopen", "def look_around"),
         ("self.about =", "self._about ="),
         ("label: Label=''", "label: Label='text'"),
-        ("def look(self, view", "def look(self, name"),
+        ("def set_view(self, view", "def set_view(self, name"),
     ):
         assert source.count(old) == 1, old
         changed = ast.parse(source.replace(old, new)).body[0]

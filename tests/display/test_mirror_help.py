@@ -13,7 +13,7 @@ from .virtual_screen import PATIENCE_S, VirtualScreen
 PROGRAM = """
 import glfw
 from hmdwarp.display import CONTROLS as LIVE
-from hmdwarp.display.openxr.mirror import Mirror
+from hmdwarp.display.openxr.mirror_window import Mirror
 from hmdwarp.display import Presenter
 from hmdwarp.gpu.context import Gpu
 from hmdwarp.study.dialogs import CONTROLS, message_panel

@@ -118,7 +118,7 @@ def test_qualified_successes_are_handed_back(result):
 
 def test_a_driver_that_is_too_old_is_refused():
     needs = SimpleNamespace(min_api_version_supported=int(xr.Version(4, 6, 0).number()))
-    calls = SimpleNamespace(ask=lambda *arguments: needs, name="Runtime 1")
+    calls = SimpleNamespace(call_once=lambda *arguments: needs, name="Runtime 1")
     instance = SimpleNamespace(extensions=BOTH, handle=None, system=0)
     with pytest.raises(MachineError, match=r"Runtime 1 wants OpenGL 4.6, found 4.5"):
         check_requirements(calls, instance, SimpleNamespace(gl=SimpleNamespace(version_code=450)))

@@ -106,16 +106,16 @@ def switches() -> None:
         refresh(display)
     display._commands.pending.append(Command("warp"))
     assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
-    display.tell(status)
+    display.show_status(status)
     assert {name: status.values[name] for name in ("vsync", "full_screen", "help")} == {
         "vsync": True,
         "full_screen": False,
         "help": True,
     }
     before = display.eyes
-    display.look("flat")
+    display.set_view("flat")
     assert len(display.eyes.views(display.source.head_at(0).pose)) == 1 and display.headset is None
-    display.look("both")
+    display.set_view("both")
     assert display.eyes is before is display.headset
     display._commands.pending.append(Command("quit"))
     display.commands()

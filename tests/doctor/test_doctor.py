@@ -41,26 +41,26 @@ def test_last_whole_line_counts(probe):
     probe(
         """echo 'driver says hello'; echo '{"stage": "a"}'; echo '{"stage": "b", "x": 1}'; printf '{"stage": "c", '"""
     )
-    assert doctor.ask("gl") == {"stage": "b", "x": 1}
+    assert doctor.run_probe("gl") == {"stage": "b", "x": 1}
 
 
 def test_crash_keeps_what_was_known_and_the_last_words(probe):
     probe("""echo '{"stage": "instance"}'; echo 'assertion failed' >&2; kill -SEGV $$""")
-    known = doctor.ask("openxr")
+    known = doctor.run_probe("openxr")
     assert (known["stage"], known["error"]) == ("instance", "died")
     assert "status -11" in known["message"] and "assertion failed" in known["message"]
 
 
 def test_hang_is_ended_and_keeps_what_was_known(probe):
     probe("""echo '{"stage": "headset", "runtime": "R"}'; exec sleep 600""")
-    known = doctor.ask("openxr", seconds=1.0)
+    known = doctor.run_probe("openxr", seconds=1.0)
     assert (known["stage"], known["runtime"], known["error"]) == ("headset", "R", "died")
     assert "no answer within 1 s" in known["message"]
 
 
 def test_silence_is_a_lack(probe):
     probe("exit 0")
-    assert doctor.ask("window")["error"] == "died"
+    assert doctor.run_probe("window")["error"] == "died"
 
 
 # --- OpenXR -------------------------------------------------------------------------------------
@@ -223,7 +223,7 @@ def test_this_machine_can_replay(gpu):
 def test_old_opengl_ends_with_3_and_the_line_to_type(monkeypatch):
     """Mesa pretends to know OpenGL 3.0 only."""
     monkeypatch.setenv("MESA_GL_VERSION_OVERRIDE", "3.0")
-    if "error" not in doctor.ask("gl"):
+    if "error" not in doctor.run_probe("gl"):
         pytest.skip("this driver does not heed MESA_GL_VERSION_OVERRIDE")
     done = run()
     assert done.exit_code == 3
@@ -240,7 +240,7 @@ def test_only_what_replay_needs_decides():
 
 def test_probes_are_found_by_the_interpreter():
     """The path that -P leaves must still hold hmdwarp: it does once it is installed."""
-    assert doctor.ask("gl").get("message", "").find("No module named") == -1, (
+    assert doctor.run_probe("gl").get("message", "").find("No module named") == -1, (
         f"install hmdwarp into {sys.prefix} first (make setup)"
     )
 

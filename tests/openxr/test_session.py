@@ -17,9 +17,9 @@ import xr
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.display import Closed, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
-from hmdwarp.display.openxr import head as head_module
+from hmdwarp.display.openxr import openxr_head as head_module
 from hmdwarp.display.openxr.calls import Calls
-from hmdwarp.display.openxr.layer import NEAR_M
+from hmdwarp.display.openxr.projection_layer import NEAR_M
 from hmdwarp.display.openxr.swapchain import Swapchain
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose

@@ -5,6 +5,8 @@ Each survived or refused, never in silence.
 
 from __future__ import annotations
 
+import gzip
+
 import numpy as np
 import pytest
 
@@ -143,7 +145,9 @@ def test_3_time_in_the_last_column_cut_short(tmp_path):
 
 def test_3_a_bad_row_before_the_last_is_named(tmp_path):
     table = [*TABLE[:70], TABLE[70][:5], *TABLE[71:]]
-    assert "line 72: 5 fields where the header names 8" in refusal(write(tmp_path / "hole.csv", table))
+    loaded = load_trace(write(tmp_path / "hole.csv", table))
+    assert len(loaded.track) == len(TRACK) - 1
+    assert "line 72 (5 fields where the header names 8)" in found(loaded, "row-without-pose").what
 
 
 # 4
@@ -199,8 +203,22 @@ def test_4_ticks_that_differ_below_float64_stay_apart(tmp_path):
 # 5
 
 
-@pytest.mark.parametrize("separator", [" ", ","])
-def test_5_without_a_header_the_order_must_be_told(tmp_path, separator):
+def test_5_eight_blank_separated_columns_are_read_as_tum_and_it_is_said(tmp_path):
+    loaded = load_trace(write(tmp_path / "bare.txt", TABLE, header="", separator=" "))
+    assert same_motion(loaded.track, TRACK)
+    assert "w last taken, as in TUM files" in found(loaded, "order-assumed").done
+
+
+@pytest.mark.parametrize("name", ["walk", "look-around"])
+def test_5_the_other_order_is_refused_where_the_motion_shows_it(tmp_path, name):
+    track = load_trace(name).track
+    path = write(tmp_path / "first.txt", rows(track, "wxyz"), header="", separator=" ")
+    assert "with w first they do: say --quat-order wxyz" in refusal(path)
+    assert same_motion(load_trace(path, TraceOptions(quat_order="wxyz")).track, track)
+
+
+@pytest.mark.parametrize("separator", [","])
+def test_5_without_a_header_the_order_must_be_stated(tmp_path, separator):
     path = write(tmp_path / "bare.txt", TABLE, header="", separator=separator)
     assert "--quat-order" in refusal(path)
     assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
@@ -208,10 +226,10 @@ def test_5_without_a_header_the_order_must_be_told(tmp_path, separator):
     assert same_motion(load_trace(first, TraceOptions(quat_order="wxyz")).track, TRACK)
 
 
-def test_5_bare_ticks_must_be_told_too(tmp_path):
+def test_5_bare_ticks_are_read_alike(tmp_path):
     path = write(tmp_path / "bare.txt", rows(TRACK, stamp=STAMPS["ticks"][0]), header="", separator=" ")
-    assert "--quat-order" in refusal(path)
-    loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
+    loaded = load_trace(path)
+    assert kinds(loaded) >= {"order-assumed"}
     assert (loaded.format, loaded.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
 
 
@@ -522,18 +540,43 @@ def test_15_a_value_that_is_no_number_is_named_with_its_line(tmp_path, value, co
     if row == 199 and "n" not in value.lower():
         assert "last-row-cut" in kinds(load_trace(path))
         return
-    message = refusal(path)
-    assert f"line {row + 2}" in message
-    assert ("x" if column == 1 else "qy") in message
+    loaded = load_trace(path)
+    assert len(loaded.track) == len(TRACK) - 1
+    defect = found(loaded, "row-without-pose")
+    assert (defect.count, defect.line) == (1, row + 2)
+    assert ("x" if column == 1 else "qy") in defect.what
+
+
+@pytest.mark.parametrize(("share", "reads"), [(0.19, True), (0.21, False)])
+def test_15_rows_without_a_pose_are_dropped_up_to_a_fifth(tmp_path, share, reads):
+    table = [[r[0], *("nan" for _ in r[1:])] if i < share * len(TABLE) else r for i, r in enumerate(TABLE)]
+    path = write(tmp_path / "lost.csv", table)
+    if reads:
+        assert found(load_trace(path), "row-without-pose").count == round(share * len(TABLE))
+    else:
+        assert "42 of 200 rows hold no pose" in refusal(path)
+
+
+def test_15_a_line_of_text_among_the_rows_is_dropped(tmp_path):
+    table = [*TABLE[:50], ["tracking lost"], *TABLE[50:]]
+    assert found(load_trace(write(tmp_path / "t.csv", table)), "row-without-pose").line == 52
+
+
+def test_15_a_gzip_file_is_read_as_it_is(tmp_path):
+    path = write(tmp_path / "h.csv", TABLE)
+    packed = tmp_path / "h.csv.gz"
+    packed.write_bytes(gzip.compress(path.read_bytes()))
+    assert same_motion(load_trace(packed).track, TRACK)
+    packed.write_bytes(packed.read_bytes()[:400])
+    assert "damaged" in refusal(packed)
 
 
 @pytest.mark.parametrize("value", ["nan", "soon", "1e30"])
 def test_15_a_time_that_is_none_is_named_with_its_line(tmp_path, value):
     table = [list(r) for r in TABLE]
     table[60][0] = value
-    message = refusal(write(tmp_path / "t.csv", table))
-    assert "line 62" in message
-    assert value in message
+    defect = found(load_trace(write(tmp_path / "t.csv", table)), "row-without-pose")
+    assert defect.line == 62 and value in defect.what
 
 
 @pytest.mark.parametrize(
@@ -546,7 +589,8 @@ def test_15_a_time_that_is_none_is_named_with_its_line(tmp_path, value):
         (b"time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n", "1 usable row"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "is no text"),
         (b"\x00" * 1000, "is no text"),
-        (b"\x1f\x8b\x08\x00 gzip", "compressed"),
+        (b"\x1f\x8b\x08\x00 gzip", "damaged"),
+        (b"PK\x03\x04 zip", "ZIP archive"),
         ("time,x\n".encode("utf-16"), "UTF-16"),
         (b"a" * 600_000, "longer than"),
         (b"hello world\n", "only a header"),

@@ -18,13 +18,15 @@ Array = NDArray[np.float64]
 class Sheet:
     """Triangles (m, 3, 3) in metres in the world, all of one kind.
 
-    Colour (3,) of its own light, the share that it stops, and the tint (3,) of what passes.
+    Colour (3,) of its own light, the share that it covers, the tint (3,) of what passes beside it,
+    and the share (3,) that passes where it covers.
     """
 
     corners: Array = attrs.field(converter=lambda value: np.asarray(value, np.float64))
     colour: Array = attrs.field(converter=lambda value: np.asarray(value, np.float64))
     opacity: float
     tint: Array = attrs.field(default=(1.0, 1.0, 1.0), converter=lambda value: np.asarray(value, np.float64))
+    coloured: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=lambda value: np.asarray(value, np.float64))
 
 
 @attrs.frozen(eq=False)
@@ -64,7 +66,7 @@ def look_through(sheets: Sequence[Sheet], eye: ArrayLike, rays: Array, behind: A
             found, key=lambda one: -one[0]
         ):  # from the eye on: what comes later is dimmed by all before it
             veil[ray] += passing[ray] * sheet.opacity * sheet.colour
-            passing[ray] *= (1 - sheet.opacity) * sheet.tint
+            passing[ray] *= (1 - sheet.opacity) * sheet.tint + sheet.opacity * sheet.coloured
     nearest = np.array([max((one[0] for one in found), default=-1.0) for found in met])
     return Seen(veil, passing, nearest, np.array([len(found) for found in met]))
 

@@ -74,8 +74,8 @@ class OffscreenDisplay(offscreen.OffscreenDisplay):
         self.pictures: list[np.ndarray] = []
         self.statuses: list[object] = []
 
-    def look(self, view: str) -> None:
-        super().look(view)
+    def set_view(self, view: str) -> None:
+        super().set_view(view)
         self.views.append(view)
 
     def wait(self) -> Tick | None:
@@ -98,7 +98,7 @@ class OffscreenDisplay(offscreen.OffscreenDisplay):
     def commands(self) -> Sequence[Command]:
         return self._asked.pop(self._number, ())
 
-    def tell(self, status) -> None:
+    def show_status(self, status) -> None:
         self.statuses.append(status)
 
     def reopen(self) -> bool:

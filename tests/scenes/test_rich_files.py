@@ -13,14 +13,18 @@ from hypothesis import strategies as st
 from PIL import Image
 from properties import ONE_FIXTURE_FOR_ALL
 from scipy.spatial.transform import Rotation
+from worlds import read
 
 from hmdwarp.client.effects import effects
+from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
-from hmdwarp.geometry import Fov, View
+from hmdwarp.frames import Needs
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Scene, is_cutout, load_scene
 from hmdwarp.server import Server
 
 S = 1_000_000_000
+NOTHING = Needs()
 SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
 BENT = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0.5), (-1, 1, 0)], np.float32)
 FACES = np.array([0, 1, 2, 0, 2, 3], np.uint16)
@@ -156,6 +160,31 @@ def test_extras_say_how_much_something_mirrors(tmp_path):
         Glb().material(name="floor", extras={"reflectivity": 3}).load(tmp_path)
 
 
+def glass_of(colour, transmission: float, metallicFactor: float = 0.0) -> dict:  # noqa: N803 (a name of glTF)
+    return {
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": transmission}},
+        "pbrMetallicRoughness": {"baseColorFactor": list(colour), "metallicFactor": metallicFactor},
+    }
+
+
+def test_what_transmits_but_is_a_metal_or_has_a_texture_for_it_is_told(tmp_path):
+    metal = Glb().material(**glass_of((1, 1, 1, 1), 0.9, 1.0)).load(tmp_path)
+    assert not effects.of(metal) and "transmits light but is a metal" in metal.notes[0]
+    material = glass_of((1, 1, 1, 1), 0.9)
+    material["extensions"]["KHR_materials_transmission"]["transmissionTexture"] = {"index": 0}
+    assert (
+        "transmission texture; drawn with its factor everywhere" in Glb().material(**material).load(tmp_path).notes[0]
+    )
+
+
+def test_a_metallic_texture_says_how_much_is_glass(tmp_path):
+    glb = Glb()
+    material = glass_of((1, 1, 1, 1), 0.8, 1.0)
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = glb.texture(rgba(255)[..., :3] * 0 + 51)
+    found = glb.material(**material).load(tmp_path).meshes[0].material
+    assert found.transmission == pytest.approx(0.8 * 0.8)
+
+
 def test_what_is_blended_or_transmits_is_see_through(tmp_path):
     blend = (
         Glb()
@@ -163,17 +192,68 @@ def test_what_is_blended_or_transmits_is_see_through(tmp_path):
         .load(tmp_path, "blend.glb")
     )
     assert effects.of(blend) == ("transparency",) and blend.meshes[0].material.opacity == 0.25
-    glass_extension = {"KHR_materials_transmission": {"transmissionFactor": 0.9}}
-    base = {"baseColorFactor": [0.2, 1.0, 0.4, 1.0]}
-    glass = (
-        Glb()
-        .material(extensions=glass_extension, pbrMetallicRoughness=base)
-        .load(tmp_path, "glass.glb")
-        .meshes[0]
-        .material
-    )
-    assert glass.opacity == pytest.approx(0.1) and glass.tint == (0.2, 1.0, 0.4)
+    glass = Glb().material(**glass_of((0.2, 1.0, 0.4, 1.0), 0.9)).load(tmp_path, "glass.glb").meshes[0]
+    assert glass.material.opacity == 1 and glass.material.transmission == pytest.approx(0.9)
+    assert np.allclose(glass.albedo, (0.2, 1.0, 0.4))
     assert not effects.of(Glb().material(alphaMode="BLEND").load(tmp_path, "opaque.glb"))  # lets nothing pass
+
+
+@pytest.mark.parametrize("picture", [None, (200, 120, 250, 128)])
+@pytest.mark.parametrize(
+    "glass",
+    [
+        ((0.0, 0.0, 0.0, 0.25), 0.9, 0.0, "BLEND"),  # nearly opaque black for long; at least 75 % pass
+        ((0.2, 0.9, 0.4, 0.25), 1.0, 0.0, "BLEND"),
+        ((0.2, 0.9, 0.4, 0.6), 0.3, 0.5, "BLEND"),
+        ((0.2, 0.9, 0.4, 0.6), 0.9, 1.0, "BLEND"),
+        ((0.2, 0.9, 0.4, 0.6), 0.0, 0.0, "BLEND"),
+        ((0.2, 0.9, 0.4, 1.0), 0.7, 0.0, "OPAQUE"),
+    ],
+)
+def test_glass_lets_pass_what_gltf_says(tmp_path, gpu, glass, picture):
+    """A pane before a wall, against the same two things drawn alone.
+
+    By glTF alpha is coverage: what it leaves free passes. Of what it covers, the transmission
+    passes, coloured by base colour and texture, the rest is the surface's own; metal lets nothing.
+    Source: Khronos 2021, KHR_materials_transmission.
+    """
+    colour, transmission, metallic, mode = glass
+    wall = {"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.5, 0.3, 1], "metallicFactor": 0}}
+
+    def drawn(pane: dict | None, needs: Needs = NOTHING) -> dict[str, np.ndarray]:
+        glb = Glb()
+        glb.header["materials"] = [wall, pane or wall]
+        glb.primitive["material"] = 0
+        glb.header["meshes"].append({"primitives": [glb.primitive | {"material": 1}]})
+        glb.header["nodes"].append({"mesh": 1, "translation": [0, 1, -2.5]})
+        if pane is not None:
+            glb.header["scenes"][0]["nodes"].append(1)
+        if picture is not None and pane is not None:
+            pane["pbrMetallicRoughness"]["baseColorTexture"] = glb.texture(np.full((8, 8, 4), picture, np.uint8))
+        server = Server(gpu, glb.load(tmp_path))
+        eye = server.draw_frame([View(Pose((0, 1, 0)), Fov.symmetric(0.3, 0.3))], 0, (8, 8), needs=needs).eyes[0]
+        found = {"colour": read(eye.colour)[..., :3]}
+        if needs:
+            layer = eye["transparent"]
+            found |= {"veil": read(layer.veil.colour)[..., :3], "passing": read(layer.passing)[..., :3]}
+        server.close()
+        return found
+
+    texel, cover = np.ones(3), colour[3]
+    if picture is not None:
+        texel = linear_from_srgb(np.array(picture[:3]) / 255)
+        cover *= picture[3] / 255 if mode != "OPAQUE" else 1
+    through = transmission * (1 - metallic)
+    passing = 1 - cover + cover * through * np.array(colour[:3]) * texel
+    behind, solid = (drawn(pane)["colour"] for pane in (None, glass_of((*colour[:3], 1.0), 0.0)))
+    expected = passing * behind + cover * (1 - through) * solid
+    material = glass_of(colour, transmission, metallicFactor=metallic) | {"alphaMode": mode}
+    # Light is at most 1, bytes of textures are exact to half of one in 255; half floats to 2^-11.
+    assert np.abs(drawn(material)["colour"] - expected).max() < 2e-3
+    layers = drawn(material, Needs(transparent=True))
+    assert np.abs(layers["passing"] - passing).max() < 1e-3
+    assert np.abs(layers["passing"] * behind + layers["veil"] - expected).max() < 2e-3
+    assert passing.min() >= 1 - cover - 1e-9
 
 
 def test_what_is_masked_is_cut_out_by_its_alpha(tmp_path):

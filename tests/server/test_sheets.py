@@ -6,6 +6,7 @@ The server against rays that add up light in float64, whole and in layers.
 from __future__ import annotations
 
 import attrs
+import moderngl
 import numpy as np
 import pytest
 from reference._rays import world_directions
@@ -31,6 +32,13 @@ def pane(name: str, quad: Quad, **material: object) -> Mesh:
     return attrs.evolve(quad.mesh(name), material=Material(**({"see_through": True} | material)))
 
 
+def sheet(mesh: Mesh) -> Sheet:
+    """The twin of a pane without a texture."""
+    made = mesh.material
+    own, coloured = (1 - made.transmission) * mesh.light[0], made.transmission * mesh.albedo[0]
+    return Sheet(corners_of(mesh), own, made.opacity, made.tint, coloured)
+
+
 def random_panes(seed: int, count: int = 4) -> list[Mesh]:
     """Tilted panes one behind the other, none through another.
 
@@ -48,7 +56,8 @@ def random_panes(seed: int, count: int = 4) -> list[Mesh]:
             -1,
             tuple(rng.uniform(0, 1, 3)),
         )
-        made.append(pane(f"pane-{k}", quad, opacity=rng.uniform(0.1, 0.9), tint=tuple(rng.uniform(0.3, 1, 3))))
+        shares = {"opacity": rng.uniform(0.1, 0.9), "transmission": rng.uniform() if k % 2 else 0.0}
+        made.append(pane(f"pane-{k}", quad, tint=tuple(rng.uniform(0.3, 1, 3)), **shares))
     return made
 
 
@@ -94,7 +103,7 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
     turn = Rotation.from_euler("YX", np.random.default_rng(seed).uniform(-8, 8, 2), degrees=True)
     view = View(Pose((0.05, 1.6, 0.1), turn.as_quat()), FOV)
     plain, whole = (picture(gpu, with_meshes(*meshes), view) for meshes in ((), panes))
-    sheets = [Sheet(corners_of(one), one.light[0], one.material.opacity, one.material.tint) for one in panes]
+    sheets = [sheet(one) for one in panes]
     rays = world_directions(view, SIZE).reshape(-1, 3)
     seen = look_through(sheets, view.pose.position_m, rays, plain["inverse_depth"].ravel())
     expected = seen.over(plain["colour"][..., :3].reshape(-1, 3)).reshape(whole["colour"][..., :3].shape)
@@ -138,11 +147,81 @@ def test_the_layers_put_together_are_the_whole_picture(gpu, seed):
 def test_the_veil_has_the_depth_of_the_nearest_sheet(gpu):
     panes, view = random_panes(3), View(Pose((0, 1.6, 0)), FOV)
     parts = picture(gpu, attrs.evolve(with_meshes(), meshes=tuple(panes)), view, LAYERS)
-    sheets = [Sheet(corners_of(one), one.light[0], one.material.opacity, one.material.tint) for one in panes]
+    sheets = [sheet(one) for one in panes]
     seen = look_through(sheets, view.pose.position_m, world_directions(view, SIZE).reshape(-1, 3))
     nearest = seen.inverse_depth.reshape(SIZE[::-1])
     safe = away_from_changes(seen.count.reshape(SIZE[::-1]))
     assert np.abs(parts["depth"] - nearest)[safe].max() <= 1e-4
+
+
+def many_panes(rng: np.random.Generator, count: int, textures: int) -> tuple[list[Mesh], list[Sheet], list[Texture]]:
+    """Panes one behind the other, each on one of the textures, which are of one colour each.
+
+    Every third shows its back; every second of those is one-sided and not seen. 2 cm apart, and so
+    much in a row that the distance of a triangle's middle is off by less than that.
+    """
+    base = len(load_scene("planes").textures)
+    colours = rng.integers(0, 256, (textures, 3), dtype=np.uint8)
+    made, sheets = [], []
+    for k in rng.permutation(count):
+        centre = (rng.uniform(-0.02, 0.02), 1.6 + rng.uniform(-0.02, 0.02), -0.8 - 0.02 * k)
+        quad = Quad(
+            centre, (rng.uniform(0.1, 0.3), 0, 0), (0, rng.uniform(0.1, 0.3), 0), -1, tuple(rng.uniform(0, 1, 3))
+        )
+        opacity, tint = rng.uniform(0.1, 0.9), tuple(rng.uniform(0.3, 1, 3))
+        one = pane(f"pane-{k}", quad, opacity=opacity, tint=tint)
+        away = k % 3 == 0
+        triangles = one.triangles[:, ::-1] if away else one.triangles
+        one = attrs.evolve(one, triangles=triangles, texture=base + k % textures, double_sided=k % 6 != 0)
+        made.append(one)
+        if one.double_sided or not away:
+            sheets.append(Sheet(corners_of(one), one.light[0] * (colours[k % textures] / 255), opacity, tint))
+    images = [Texture(f"t{k}", np.broadcast_to(colour, (1, 1, 3)), srgb=False) for k, colour in enumerate(colours)]
+    return made, sheets, images
+
+
+@pytest.mark.parametrize("textures", [1, 5, 13, 14, 40])
+def test_panes_between_each_other_keep_their_order_texture_and_side(gpu, textures):
+    panes, sheets, images = many_panes(np.random.default_rng(textures), 60, textures)
+    view = View(Pose((0, 1.6, 0.1)), FOV)
+    plain = picture(gpu, with_meshes(), view)
+    scene = with_meshes(*panes, textures=tuple(images))
+    whole, parts = picture(gpu, scene, view), picture(gpu, scene, view, LAYERS)
+    rays = world_directions(view, SIZE).reshape(-1, 3)
+    seen = look_through(sheets, view.pose.position_m, rays, plain["inverse_depth"].ravel())
+    shape = whole["colour"][..., :3].shape
+    count = seen.count.reshape(SIZE[::-1])
+    safe = away_from_changes(seen.inverse_depth.reshape(SIZE[::-1])) & away_from_changes(count)
+    assert safe.mean() > 0.3 and count[safe].max() > 10
+    tolerance = 2 * HALF_UNIT * (1 + count)[..., None]
+    expected = seen.over(plain["colour"][..., :3].reshape(-1, 3)).reshape(shape)
+    assert (np.abs(whole["colour"][..., :3] - expected) <= tolerance)[safe].all()
+    seen_there = safe & (count > 0)
+    assert (np.abs(parts["veil"][..., :3] - seen.veil.reshape(shape)) <= tolerance)[seen_there].all()
+    assert (np.abs(parts["passing"][..., :3] - seen.passing.reshape(shape)) <= tolerance)[seen_there].all()
+
+
+@pytest.mark.parametrize(("textures", "most"), [(1, 1), (13, 1), (26, 30)])
+def test_a_draw_call_is_not_made_for_every_pane(gpu, monkeypatch, textures, most):
+    panes, _, images = many_panes(np.random.default_rng(7), 300, textures)
+    calls = 0
+    render = moderngl.VertexArray.render
+
+    def counted(self, *args, **options):
+        nonlocal calls
+        calls += 1
+        return render(self, *args, **options)
+
+    view = View(Pose((0.05, 1.6, 0.1)), FOV)
+    servers = [Server(gpu, with_meshes(*meshes, textures=tuple(images))) for meshes in (panes, ())]
+    monkeypatch.setattr(moderngl.VertexArray, "render", counted)
+    found = []
+    for server in servers:
+        calls = 0
+        server.draw(view, SIZE)
+        found.append(calls)
+        server.close()
+    assert 1 <= found[0] - found[1] <= most
 
 
 def wall_between(front_m: float, back_m: float) -> tuple[Mesh, Mesh, Mesh]:
@@ -258,6 +337,8 @@ def test_what_is_head_locked_does_not_depend_on_where_the_head_is_and_looks(gpu)
         {"tint": (1.0, 1.0)},
         {"see_through": True, "tint": (1.2, 1.0, 1.0)},
         {"tint": (0.5, 1.0, 1.0)},
+        {"transmission": 0.5},
+        {"see_through": True, "transmission": 1.5},
         {"see_through": True, "head_locked": True},
     ],
 )

@@ -1,7 +1,7 @@
-"""Passes that several effects share, and their parts."""
+"""Passes and parts that several effects share."""
 
 from .closing import Closing
-from .motion import REACH_M, REACH_S, MotionPass
+from .motion_pass import REACH_M, REACH_S, MotionPass
 from .reflections import Reflections
 
 __all__ = ["REACH_M", "REACH_S", "Closing", "MotionPass", "Reflections"]

@@ -1,4 +1,4 @@
-"""Closes every hole of a picture from its surroundings, for pictures without depth."""
+"""Close every hole of a picture from its surroundings, for pictures without depth."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Closing:
     def run(self, picture: moderngl.Texture) -> None:
         """Close the holes of an rgba16f picture with coverage in alpha, in place.
 
-        A picture without anything covered stays empty.
+        A picture without covered pixels stays empty.
         """
         levels = [picture, *self._levels]
         for finer, level in zip(levels[:-1], levels[1:], strict=True):

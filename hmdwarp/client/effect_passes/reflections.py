@@ -1,7 +1,4 @@
-"""One pass for all mirrors.
-
-The mirrored world is warped as geometry and drawn into the warped surfaces.
-"""
+"""One pass for all mirrors: warp the mirrored world and draw it into the warped surfaces."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ if TYPE_CHECKING:
     from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
 
@@ -47,11 +44,11 @@ class _DeepIterative(Iterative):
 
 
 class Reflections(ShownPass):
-    """Warps what the mirrors show by its own depth, and the surfaces along with the colour.
+    """Warp the mirrored world by its own depth, and the mirrors' surfaces along with the colour.
 
     The mirrored world is gathered (`iterative`), and its holes are closed from around them. Under
-    scan-out it is shown as in the middle of it. Holes of the picture that a fill has closed mirror
-    as much as their surroundings.
+    scan-out it is shown as in the middle of it. Where a fill has closed holes of the picture, they
+    reflect as much as their surroundings.
     """
 
     name = "reflections"

@@ -1,7 +1,7 @@
 """Effects: content that a plain warp gets wrong. One file each, registered by name.
 
-An effect's file says which meshes call for it, what frames carry for it and which pass compensates
-it.
+An effect's file says which meshes call for it, which layers frames carry for it, and which pass
+compensates it.
 """
 
 from ._base import Effect, EffectPass, RenderedPass, ShownPass, Tools

@@ -1,4 +1,4 @@
-"""What an effect declares, and the passes that compensate effects."""
+"""The declaration of an effect, and the base classes of passes that compensate effects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...scenes import Mesh, Scene
     from ..carry import Carry
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 @attrs.frozen
@@ -27,16 +27,16 @@ class Effect:
     # Place in lists; the passes of a plan run in this order too.
     order: int
     summary: str
-    # Whether a mesh of the scene calls for the effect.
+    # Whether a mesh of the scene has the effect.
     applies: Callable[[Scene, Mesh], bool]
     # The pass that compensates it; effects may share one.
     made_by: type[EffectPass]
-    # What frames carry for it.
+    # Layers that frames carry for it.
     needs: Needs
-    # What the viewer sees where the pass is left out.
+    # The artefact that the viewer sees without the pass.
     without: str
     source: str
-    # Name of the effect without which this one means nothing, "" for none.
+    # Name of the effect that this one builds on, "" for none.
     refines: str = ""
 
 
@@ -44,9 +44,9 @@ class Effect:
 class Tools:
     """What the compensator lends to effect passes."""
 
-    # Warps other rendered pictures along with the colour.
+    # Warps further rendered pictures along with the colour.
     carry: Carry
-    # Most pictures that `carry` hands over at a time.
+    # Most pictures that `carry` passes on at a time.
     pictures: int
     # Most rendered images of one eye that a pass receives: the newest and `others`.
     images: int = 1
@@ -59,19 +59,19 @@ class EffectPass(ABC):
     it keeps nothing of one eye's picture.
     """
 
-    # As the plan lists it.
+    # Name in the plan's list.
     name: ClassVar[str]
-    # What it reads and writes, by the names of client/plan.py.
+    # Inputs and outputs, by the names of client/plan.py.
     reads: ClassVar[tuple[str, ...]]
     writes: ClassVar[tuple[str, ...]]
-    # Whether it warps pictures along with the colour, which not every warp can.
+    # Whether it warps pictures along with the colour, which some warps cannot.
     carries: ClassVar[bool] = False
 
     def __init__(
         self, gpu: Gpu, parts: frozenset[str], rendered_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools
     ) -> None:
         self.gpu = gpu
-        self.parts = parts  # names of the effects that it compensates in this plan, one at least
+        self.parts = parts  # names of the effects that it compensates in this plan, at least one
         self.rendered_size, self.shown_size = rendered_size, shown_size
         self.tools = tools
         self.prepare()
@@ -91,7 +91,7 @@ class EffectPass(ABC):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write in memory."""
+        """Return the least bytes that one eye's picture reads and writes in memory."""
         return 16 * shown_pixels
 
 

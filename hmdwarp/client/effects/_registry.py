@@ -1,4 +1,4 @@
-"""The registry of effects: it also says what a scene calls for and what a run compensates."""
+"""The registry of effects, with the choice of effects for a scene and a run."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class EffectRegistry(Registry[Effect]):
     """Effects by name, with an order in which lists show them."""
 
     def of(self, scene: Scene) -> tuple[str, ...]:
-        """Return the names of the effects that a scene's content calls for."""
+        """Return the names of the effects that occur in a scene."""
         return self.ordered(one.name for one in self if any(one.applies(scene, mesh) for mesh in scene.meshes))
 
     def selected(self, text: str, declared: Collection[str]) -> tuple[str, ...]:
         """Return the names of the effects that a run compensates: `declared`, changed by `text`.
 
         text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each
-        forced, or forbidden by "no-" before it. Forcing an effect without content costs its pass
+        forced, or forbidden by a leading "no-". Forcing an effect without content costs its pass
         and changes no picture.
         Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
         """

@@ -11,11 +11,11 @@ from ._base import Effect, ShownPass
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 class OverlayPass(ShownPass):
-    """Composites the overlay, which the server drew for this very field of view and size."""
+    """Composite the overlay, which the server drew for exactly this field of view and size."""
 
     name = "composite the overlay"
     reads = ("shown.colour", "rendered.overlay")
@@ -31,7 +31,7 @@ class OverlayPass(ShownPass):
         self._program.run(*into.size)
 
     def close(self) -> None:
-        """Do nothing: it owns nothing."""
+        """Do nothing: it owns no GPU objects."""
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:

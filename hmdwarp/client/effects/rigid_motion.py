@@ -1,4 +1,4 @@
-"""Things that move as a whole: each pixel follows its body until it is shown."""
+"""Rigid motion: each pixel follows its body until it is shown."""
 
 from __future__ import annotations
 

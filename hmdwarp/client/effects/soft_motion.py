@@ -1,4 +1,4 @@
-"""Things that deform: each pixel continues with its velocity, not for long and not far."""
+"""Deforming motion: each pixel continues with its velocity, for a short time and distance."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Transparent sheets, warped as a surface of their own depth over the shown picture."""
+"""Transparent sheets, warped by their own depth and composited over the shown picture."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from ._base import Effect, ShownPass
 if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
-# The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncated,
-# both make things farther away). What lies on a surface must not come and go; what stands 1.5 mm
-# behind its frame at 1.5 m is drawn over the frame for that.
+# The shown depth has been through two half floats: rounded, each is off by 2^-11 of it (truncation
+# makes things farther away). A sheet that lies on a surface must not flicker; in exchange, a sheet
+# 1.5 mm behind its frame at 1.5 m is drawn over the frame.
 NEARER = 1 + 2.0**-10
 
 
 class _Veil(GatherWarp):
-    """The warp `iterative` with its own settings, for the veil, which it composites at once."""
+    """The warp `iterative` with its own settings, for the veil, which it composites directly."""
 
     Settings = IterativeSettings
     rows = 4
-    behind: ShownPicture  # what the veil is laid over; set before run()
+    behind: ShownPicture  # the picture under the veil; set before run()
 
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        """Lay the veil over `behind`.
+        """Composite the veil over `behind`.
 
-        inputs.rendered: the picture as it came.
+        inputs.rendered: the picture as it arrived.
         """
         layer, settings, (wide, high) = inputs.rendered["transparent"], self.settings, self.rendered_size
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
@@ -64,8 +64,8 @@ class _Veil(GatherWarp):
 class TransparencyPass(ShownPass):
     """Warps all sheets of a rendered pixel as one surface at the depth of the nearest.
 
-    Sheets behind it move with it. What hides the veil is found in the shown view. If the server
-    tested that in the rendered view, the shown depth would not be needed (it takes as long as this
+    Sheets behind it move with it. Occlusion of the veil is tested in the shown view. If the server
+    tested it in the rendered view, the shown depth would not be needed (it takes as long as this
     pass), but in `greenhouse` after 400 ms FLIP is 5 % higher on look-around (0.0632 instead of
     0.0605); on walk it is the same (0.0392).
     """
@@ -85,8 +85,8 @@ class TransparencyPass(ShownPass):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        # The veil, the colour that passes it and the picture in, one picture out; three depths:
-        # rendered for the seeds and for the samples, and shown.
+        # The veil, its transmission and the picture in, one picture out; three depths: rendered for
+        # the seeds and for the samples, and shown.
         return shown_pixels * (4 * 8 + 2 * 4) + 4 * rendered_pixels
 
 

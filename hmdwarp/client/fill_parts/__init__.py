@@ -1,4 +1,4 @@
-"""Passes and decisions that several fills share."""
+"""Passes and algorithms that several fills share."""
 
 from .hole_filler import HoleFiller
 from .hole_pieces import HolePieces

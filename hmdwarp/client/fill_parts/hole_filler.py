@@ -1,4 +1,4 @@
-"""Fills holes from other pictures with depth: only the rays of empty pixels are traced."""
+"""Fill holes from other pictures with depth; only the rays of empty pixels are traced."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, DepthGuesses, DepthPictur
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 _RENDERED = 1  # texture unit
 _SHOWN, _FILLED, _SHOWN_DEPTH, _FILLED_DEPTH, _BEST, _DEPTH = range(6)  # image units
@@ -20,13 +20,13 @@ _GUESSES = 3
 
 
 class HoleFiller:
-    """Intersects the rays of holes with one picture after the other.
+    """Intersect the rays of holes with one picture after the other.
 
-    Of several hits the nearer stays, of equals the one that sampled the place more densely. Nothing
+    Of several hits the nearest stays; of equally near ones, the one sampled more densely. Nothing
     overrules the first picture if it is the newest.
 
-    cell: shown pixels on each axis that share a guess: as many as a texel of the guessing picture
-    covers.
+    cell: side, in shown pixels, of the square that shares a guess: a texel of the guessing picture
+    covers as much.
     """
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
@@ -40,7 +40,7 @@ class HoleFiller:
         self._guesses = DepthGuesses(gpu, self._cells)
         self._pieces, self._no_pieces = piece_list(gpu, "the fill", shown_size), no_pieces(gpu)
         self._best = allocate(gl, shown_size, (2, "f4"))
-        # Bound where no pass reads depth: stores outside of its one pixel go nowhere.
+        # Bound where no pass reads depth: stores outside their one pixel are discarded.
         self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
         self._stamp = 0
 
@@ -64,10 +64,10 @@ class HoleFiller:
     def add(
         self, found: DepthPicture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False
     ) -> None:
-        """Fill what is still empty from `found`.
+        """Fill the remaining holes from `found`.
 
-        seeds: its inverse depth in fewer pixels, for the guesses. newest: whether it is the newest
-        rendered picture.
+        seeds: its inverse depth at a lower resolution, for the guesses. newest: whether it is the
+        newest rendered picture.
         """
         if not self._first:
             self._guesses.empty(self._no_pieces)

@@ -1,6 +1,6 @@
 """The parts of a picture that have holes.
 
-They are listed while it is copied, so that further passes, dispatched by the GPU, run there alone.
+They are listed while the picture is copied; further passes run on them alone, by indirect dispatch.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from ...errors import InputError
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
-_HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three counts of work groups, one of pieces
+_HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three work-group counts, one count of pieces
 _WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH, _FILLED_TOO = range(5)  # image units
 
 
@@ -46,7 +46,7 @@ class HolePieces:
     def find(self, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
         """Copy the picture and list its pieces with holes.
 
-        Return the stamp that its pieces with covered pixels now have.
+        Return the stamp that marks its pieces with covered pixels.
         """
         self._stamp = self._stamp % (2**32 - 1) + 1
         self.list.write(_HEADER)

@@ -1,4 +1,4 @@
-"""Keeps rendered pictures, and forgets of them what newer ones disprove."""
+"""Keep rendered pictures, and erase the pixels that newer ones disprove."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 BYTES_PER_PIXEL = 13  # of a kept picture
 
-# "Clearly": by how much nearer, relative to the depth, a place must be than all that the newest
-# shows in 4 x 4 pixels around it; and by how much darker or brighter than all of them, absolute in
-# linear light and as a share of the brightest. Textures seen from elsewhere differ by less, as
-# their detail is filtered by distance.
+# Threshold of a clear difference. By how much nearer, relative to the depth, a place must be than
+# everything that the newest picture shows in 4 x 4 pixels around it; and by how much darker or
+# brighter than all of them, absolute in linear light and as a share of the brightest. Textures seen
+# from another place differ by less, because their detail is filtered by distance.
 TOLERANCE = 0.05
 COLOUR_MARGIN = (0.08, 0.25)
 _IDS = 1  # texture unit
@@ -29,11 +29,11 @@ _COLOUR, _DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND, _THIRD = range(7)  
 
 @attrs.frozen(eq=False)
 class Slot:
-    """Room for one picture."""
+    """Storage for one picture."""
 
     colour: moderngl.Texture  # rgba16f
     inverse_depth: moderngl.Texture  # r32f
-    seeds: moderngl.Texture  # r32f: the nearest of each 2 x 2 pixels.
+    seeds: moderngl.Texture  # r32f: the nearest of each 2 x 2 pixels
 
     @classmethod
     def of(cls, gpu: Gpu, size: tuple[int, int]) -> Slot:
@@ -46,12 +46,12 @@ class Slot:
 
 
 def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
-    """Return the texture for the seeds of a picture of that size."""
+    """Return a texture for the seeds of a picture of that size."""
     return allocate(gpu.gl, tiles(size, 2), SCALAR)
 
 
 class Keeper:
-    """Programs and buffers for rendered pictures of one size."""
+    """Programs and buffers to keep rendered pictures of one size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._gpu, self._size = gpu, size
@@ -67,7 +67,7 @@ class Keeper:
         self._no_velocity.write(bytes(8))
 
     def keep(self, rendered: EyeImage, slot: Slot) -> None:
-        """Copy what stands still."""
+        """Copy the static pixels."""
         self._bind_rendered(rendered)
         self._bind_slot(slot, read=False)
         ids = rendered["ids"].numbers if "ids" in rendered else self._no_ids
@@ -90,14 +90,14 @@ class Keeper:
         self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
 
     def compare_with(self, rendered: EyeImage) -> None:
-        """Take `rendered` as the picture that forget() compares with."""
+        """Set `rendered` as the picture that forget() compares with."""
         self._bind_rendered(rendered)
         units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH}
         self._bind_bounds(read=False)
         self._run(self._bounds, self._depths.size, rendered_size=self._size, **units, **self._bound_units())
 
     def forget(self, slot: Slot, kept: View, rendered: View) -> None:
-        """Forget what the picture of compare_with(), seen from `rendered`, disproves of `slot`.
+        """Erase what the picture of compare_with(), seen from `rendered`, disproves of `slot`.
 
         kept: the view of the picture in the slot.
         """

@@ -1,4 +1,4 @@
-"""Which rendered pictures are kept, dropped and used: decided from views alone, on the CPU."""
+"""Choice of the rendered pictures to keep, drop and use: from views alone, on the CPU."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ...geometry import View
 Mask = NDArray[np.bool_]
 SAMPLES = 12  # directions on each axis of a view
 REACH_M = 0.3  # an eye farther away may have seen other sides of things
-NOVELTY = 0.12  # least share of a view that no kept picture covers, for it to be kept
-INSIDE = 0.15  # weight of a direction inside the newest picture: only hidden places are missing
-AGAIN = 0.3  # weight of a direction that another picture covers: it may be hidden there
+NOVELTY = 0.12  # least share of a view, covered by no kept picture, for it to be kept
+INSIDE = 0.15  # weight of a direction inside the newest picture, which lacks only occluded places there
+AGAIN = 0.3  # weight of a direction that another picture covers: the place may be occluded there
 
 
 @attrs.frozen(eq=False)
 class Keyframe:
     """A kept picture."""
 
-    slot: int  # Number of the memory's slot that holds it.
+    slot: int  # Index of the memory's slot that holds it.
     view: View
     drawn_ns: int
 
@@ -30,7 +30,7 @@ class Keyframe:
 def directions(view: View) -> NDArray[np.float64]:
     """Return (n, 3) world directions: an even grid over the view's tangents.
 
-    None lies on its border: the least motion would lose a whole row.
+    None lies on the border, where the least motion would lose a whole row.
     """
     left, right, down, up = view.fov.tangents
     share = (np.arange(SAMPLES) + 0.5) / SAMPLES
@@ -54,7 +54,7 @@ def distance_m(a: View, b: View) -> float:
 
 
 def covered(view: View, by: Sequence[Keyframe]) -> Mask:
-    """Return (n,) which of the view's directions a keyframe from near by covers."""
+    """Return (n,) which of the view's directions a nearby keyframe covers."""
     towards = directions(view)
     found = np.zeros(len(towards), bool)
     for one in by:
@@ -64,20 +64,20 @@ def covered(view: View, by: Sequence[Keyframe]) -> Mask:
 
 
 def overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
-    """Return the keyframes that look in some of the view's directions."""
+    """Return the keyframes that overlap the view's directions."""
     towards = directions(view)
     return [one for one in kept if sees(one.view, towards).any()]
 
 
 def is_new(view: View, kept: Sequence[Keyframe]) -> bool:
-    """Return whether the view shows enough that none of the kept pictures does."""
+    """Return whether the view shows enough that no kept picture shows."""
     return float(1 - covered(view, kept).mean()) >= NOVELTY
 
 
 def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
-    """Return the keyframe whose loss costs least; of equals the oldest.
+    """Return the keyframe whose loss costs least, the oldest of equals.
 
-    The others, and the newest picture, cover most of it.
+    The others and the newest picture cover most of it.
     """
     beside = Keyframe(-1, newest, 0)
     return max(
@@ -88,7 +88,7 @@ def most_redundant(kept: Sequence[Keyframe], newest: View) -> Keyframe:
 def most_useful(kept: Sequence[Keyframe], shown: View, rendered: View, most: int) -> list[Keyframe]:
     """Return up to `most` keyframes that together see most of what `rendered` does not show.
 
-    The newest come first. What lies inside `rendered` counts a little: it may be hidden there.
+    The newest come first. Directions inside `rendered` count a little: the place may be occluded.
     """
     towards = directions(shown)
     worth = np.where(sees(rendered, towards), INSIDE, 1.0)

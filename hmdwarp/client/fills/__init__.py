@@ -1,4 +1,4 @@
-"""Fills: one file each, registered by name; each turns coverage 0 into a guess."""
+"""Fills: one file each, registered by name; each gives uncovered pixels a plausible colour."""
 
 from ...registry import Registry
 from ._base import Fill

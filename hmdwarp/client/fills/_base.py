@@ -10,26 +10,26 @@ from ..settings import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu
-    from ..geometry import ClientGeometry, ClientModel
+    from ..client_geometry import ClientGeometry, ClientModel
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 class Fill(ABC):
-    """Turns pixels of coverage 0 into a guess and leaves all others as they are.
+    """Give pixels of coverage 0 a plausible colour, and leave all others as they are.
 
-    Fills chain: each takes what those before it left empty.
+    Fills chain: each fills what those before it left empty.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
     reads: ClassVar[tuple[str, ...]] = ("shown.colour",)  # By the names of client/plan.py.
-    # One that writes shown.inverse_depth too gives its guesses a depth, for fills after it.
+    # A fill that also writes shown.inverse_depth gives its pixels a depth, for fills after it.
     writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
     source: ClassVar[str]
     # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
-    complete: ClassVar[bool] = False  # Whether it leaves nothing empty, if anything is covered.
+    complete: ClassVar[bool] = False  # Whether it leaves nothing empty, provided that anything is covered.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
 
@@ -51,7 +51,7 @@ class Fill(ABC):
 
     @abstractmethod
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        """Write the picture with its guesses into `into`; what stays unknown keeps coverage 0.
+        """Write the picture with its holes filled into `into`; unknown pixels keep coverage 0.
 
         Inverse depth is None on both sides or on neither. Only a fill that writes
         shown.inverse_depth writes that of `into`; for others it is that of `picture`.
@@ -72,8 +72,8 @@ class Fill(ABC):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes that one eye's picture must at least read and write.
+        """Return the least bytes that one eye's picture reads and writes.
 
-        One colour each way.
+        By default one colour each way.
         """
         return 16 * shown_pixels

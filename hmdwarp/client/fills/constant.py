@@ -1,4 +1,4 @@
-"""The last step of a chain: no pixel stays empty."""
+"""The last step of a chain, which leaves no pixel empty."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
-_HEADER_BYTES = 32  # three counts of work groups and one spare, then the mean
+_HEADER_BYTES = 32  # three work-group counts and one spare, then the mean
 
 
 @fills.register
 class Constant(Fill):
-    """Empty pixels take the mean colour of the covered ones, or black if there are none."""
+    """Give empty pixels the mean colour of the covered ones, or black if there are none."""
 
     name = "constant"
     summary = "whatever is left takes the mean colour of the picture: nothing stays empty"

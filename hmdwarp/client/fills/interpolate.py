@@ -9,15 +9,15 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
-# A pixel with fewer covered neighbours lies inside a hole, not in a crack: a guess would smear.
+# A pixel with fewer covered neighbours lies inside a hole, not in a crack: filling it would smear.
 MINIMUM_COUNT = 3
 
 
 @fills.register
 class Interpolate(Fill):
-    """An empty pixel with at least three covered neighbours takes their median, by channel."""
+    """Give an empty pixel with at least three covered neighbours their median, by channel."""
 
     name = "interpolate"
     summary = "one 3x3 median pass: closes cracks, leaves wide holes"

@@ -1,4 +1,4 @@
-"""The thesis's fill, repeated until no small hole is left."""
+"""The thesis's fill, repeated until no small hole remains."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from .interpolate import MINIMUM_COUNT
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 MOST_REACH = 1024
 
 
 @attrs.frozen
 class InterpolateFullSettings:
-    # Most passes, so most pixels from a guess to a covered pixel: a hole twice as wide is closed.
+    # Most passes, so most pixels from a filled pixel to a covered one: it closes holes twice as
+    # wide.
     reach: int = 16
 
     def __attrs_post_init__(self) -> None:
@@ -35,7 +36,7 @@ class InterpolateFullSettings:
 class InterpolateFull(Fill):
     """The pass of `interpolate`, repeated in the parts that still have holes.
 
-    It ends where nothing changes any more.
+    It stops when nothing changes any more.
     """
 
     name = "interpolate_full"
@@ -61,7 +62,7 @@ class InterpolateFull(Fill):
         self._listed.bind_to_storage_buffer(4)
         reach = self.settings.reach
         for number in range(reach):
-            # The last step writes `into`; where the steps end early both pictures are the same.
+            # The last step writes `into`; where the steps stop early both pictures are the same.
             pictures = into.colour.texture, self._other
             to = (reach - 1 - number) % 2
             self._step(number, pictures[1 - to], pictures[to])

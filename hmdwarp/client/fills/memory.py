@@ -1,4 +1,4 @@
-"""Fills holes with what earlier frames saw there."""
+"""Fill holes from what earlier frames showed there."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from ._base import Fill
 if TYPE_CHECKING:
     from ...geometry import View
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 MOST_FRAMES = 64
-CELL = 2  # shown pixels on each axis that share first guesses, which come from every second pixel of a picture
+CELL = 2  # side, in shown pixels, of squares that share first guesses, which come from every second pixel
 
 
 @attrs.frozen
 class MemorySettings:
-    """How much is kept, and for how long."""
+    """How many pictures are kept, and for how long."""
 
     frames: int = 12  # Pictures kept, of both eyes together.
     use: int = 3  # Most pictures that one fill reads.
-    age: float = 60.0  # Seconds after which a picture is forgotten.
-    # Most room for all pictures, in 10^6 bytes; where that is less, fewer are kept.
+    age: float = 60.0  # Seconds after which a picture is dropped.
+    # Memory for all pictures, in 10^6 bytes; with little of it fewer are kept.
     mb: float = 1000.0
 
     def __attrs_post_init__(self) -> None:
@@ -60,10 +60,10 @@ class Memory(Fill):
     """Keeps rendered pictures that cover new places, and gathers from them into holes.
 
     Both eyes share the pictures. Each new rendered picture is compared with one of the kept ones,
-    in turn (all of 12 within six refreshes of two eyes). A kept pixel is forgotten where the new
-    picture sees clearly farther than its place, or a clearly different colour at it. What moves by
-    itself is never kept. The newest rendered picture comes first: it closes cracks, and no older
-    one overrules it.
+    in turn (all of 12 within six refreshes of two eyes). A kept pixel is erased where the new
+    picture sees clearly farther than its place, or a clearly different colour at it. Moving objects
+    are never kept. The newest rendered picture comes first: it closes cracks, and no older one
+    overrules it.
     """
 
     name = "memory"
@@ -104,8 +104,8 @@ class Memory(Fill):
             self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
 
     def _learn(self, inputs: PassInputs) -> None:
-        """Forget what a new rendered picture disproves, and keep it if it shows enough."""
-        rendered = inputs.as_drawn  # in which moving things can still be told apart
+        """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
+        rendered = inputs.as_drawn  # moving things can still be told apart in it
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept)
         if concerned:
@@ -119,7 +119,7 @@ class Memory(Fill):
             self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
 
     def _drop_old(self, now_ns: int) -> None:
-        """Drop pictures that are too old, or from a later time: those are of another run."""
+        """Drop pictures that are too old, or from a later time: those belong to another run."""
         limit = round(self.settings.age * 1e9)
         self._kept = [one for one in self._kept if 0 <= now_ns - one.drawn_ns <= limit]
 

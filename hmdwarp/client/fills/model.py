@@ -11,7 +11,7 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 def _check_share(_: object, __: attrs.Attribute, value: float) -> None:
@@ -20,7 +20,7 @@ def _check_share(_: object, __: attrs.Attribute, value: float) -> None:
 
 
 def share_of_triangles() -> float:
-    """Return the setting that every fill with a client's model has."""
+    """Return the setting that every fill with a client's model shares."""
     return attrs.field(default=0.2, validator=_check_share)
 
 
@@ -32,7 +32,7 @@ class ModelSettings:
 
 @fills.register
 class Model(Fill):
-    """Draws the client's own triangles, lit as baked; the depth buffer keeps them to the holes."""
+    """Draw the client's own triangles, lit as baked; the depth buffer keeps them to the holes."""
 
     name = "model"
     summary = "the client draws a model with a fifth of the triangles into the holes, lit as baked"

@@ -9,12 +9,12 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 @fills.register
 class NoFill(Fill):
-    """Leaves every hole as it is; the plan leaves this pass out."""
+    """Leave every hole as it is; the plan leaves this pass out."""
 
     name = "none"
     summary = "holes stay black, so that they can be seen and counted"

@@ -16,28 +16,28 @@ if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
-# Up to texels of 2^LOCAL_LEVELS pixels the farthest is preferred if it is LEAST_LOCAL of what
-# borders on holes below a texel. Above that it must be LEAST_BORDER of it, and no longer takes the
-# place of what is nearer by. What borders on cracks alone counts CRACK_BORDER.
+# Up to texels of 2^LOCAL_LEVELS pixels, the farthest surface is preferred if it makes up
+# LEAST_LOCAL of the hole borders below a texel. Above that it must make up LEAST_BORDER, and no
+# longer replaces nearer surfaces. Borders of cracks weigh CRACK_BORDER.
 LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER = 6, 2.0**-10, 0.23, 2.0**-20
-NEVER = 1e6  # no share of holes is as large
+NEVER = 1e6  # a threshold that no share of holes reaches
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
 _FILLED, _FILLED_DEPTH = 0, 5
 
 
 @attrs.frozen
 class PyramidSettings:
-    """When the background is preferred.
+    """When to prefer the background.
 
-    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    Inverse depths belong to one surface if they differ by at most tolerance * (the smaller one +
     floor).
     """
 
     # Share of empty pixels in a part of the picture from which on the background is preferred to
-    # what is closer by.
+    # nearer surfaces.
     holes: float = 0.4
     tolerance: float = 0.2
     floor: float = 0.02  # 1/m
@@ -55,7 +55,7 @@ class _Level:
 
     size: tuple[int, int]
     colour: moderngl.Texture  # rgba16f colour and weight
-    # rgba32f: inverse depth (-1: none), share of empty pixels, and how much borders on them.
+    # rgba32f: inverse depth (-1: none), share of empty pixels, and weight of the hole borders.
     depth: moderngl.Texture
     framebuffer: moderngl.Framebuffer
 
@@ -74,7 +74,7 @@ class _Level:
 
 @fills.register
 class Pyramid(Fill):
-    """Averages what borders on holes to ever coarser levels, which fill the holes, of any width.
+    """Average the pixels at hole borders to ever coarser levels, which fill holes of any width.
 
     The farther side is preferred.
     """
@@ -123,7 +123,7 @@ class Pyramid(Fill):
 
     def _pull_all(self, picture: ShownPicture) -> None:
         first = self._levels[0]
-        first.framebuffer.clear()  # what is not stored below has no hole and no weight
+        first.framebuffer.clear()  # pixels not stored below have no hole and no weight
         picture.colour.texture.bind_to_image(_FIRST[0], read=True, write=False)
         picture.depth.bind_to_image(_FIRST[1], read=True, write=False)
         self._write_level(self._first_pull, self.shown_size, first)

@@ -1,4 +1,4 @@
-"""The client draws its model without light, and the light of the shown picture falls on it."""
+"""Draw the client's model without light, and light it from the shown picture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
-from ..picture import ShownPicture
+from ..shown_picture import ShownPicture
 from . import fills
 from ._base import Fill
 from .model import share_of_triangles
@@ -22,14 +22,14 @@ LIGHT = (4, "f4")  # rgba32f, PARTS texels a block
 PARTS = 3
 SEED = 0.5
 SAME_DEPTH = SAME_SURFACE = (
-    0.05  # the model's surfaces lie off by a few hundredths; less would leave curved things without light
+    0.05  # the model's surfaces are off by a few hundredths; a smaller tolerance leaves curved objects unlit
 )
 NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
-# What the model's own light weighs, by what the model is drawn with. Best by FLIP is 0.03 to 0.1
-# unlit and 0.003 baked (`room`, `walk` and `look-around`, 400 ms); ten times less or more costs 1
-# to 2 %. After warp `mesh`, whose holes are wide, unlit is 0.3 % worse than fill `model` by FLIP,
-# baked 0.9 % better; after `forward` 1.5 and 5 % better.
+# Weight of the model's own light, by the light that the model is drawn with. Best by FLIP is 0.03
+# to 0.1 unlit and 0.003 baked (`room`, `walk` and `look-around`, 400 ms); ten times less or more
+# costs 1 to 2 %. After warp `mesh`, whose holes are wide, unlit is 0.3 % worse than fill `model` by
+# FLIP, and baked 0.9 % better; after `forward`, they are 1.5 and 5 % better.
 MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 
 
@@ -39,12 +39,12 @@ class RelightSettings:
 
     # Share of the scene's triangles that the client draws, 0 to 1.
     share: float = share_of_triangles()
-    samples: int = 32  # Places from which a hole's pixel takes light.
-    reach: float = 0.25  # Farthest of them, in widths of the picture.
+    samples: int = 32  # Places from which a pixel of a hole takes light.
+    reach: float = 0.25  # The farthest of them, in picture widths.
     # The model's own light. none: all light comes from the picture. baked: the baked light is
     # divided out with the albedo and multiplied on again, so that only the difference from it is
-    # carried over; that is better wherever light is still as baked, or has changed far and wide
-    # alike.
+    # transferred; that is better wherever light is still as baked, or has changed evenly over a
+    # wide area.
     light: Literal["baked", "none"] = "baked"
 
     def __attrs_post_init__(self) -> None:
@@ -55,10 +55,10 @@ class RelightSettings:
 
 
 def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
-    """Return (count, 2) pixels in a disc of that radius, denser towards the middle.
+    """Return (count, 2) pixel offsets in a disc of that radius, denser towards the middle.
 
-    They are the same for every pixel and picture. A pattern of its own for every pixel would be
-    grain that crawls when the head moves; with one for all, light changes only as its samples do.
+    They are the same for every pixel and picture. A separate pattern for every pixel would be grain
+    that crawls when the head moves; with a common one, light changes only as its samples do.
     Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
     """
     plastic = 1.32471795724474602596
@@ -69,13 +69,13 @@ def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
 
 @fills.register
 class Relight(Fill):
-    """Fills holes with the model, lit by the shown picture.
+    """Fill holes with the model, lit by the shown picture.
 
     Light is the shown colour over the model's albedo (times its baked light, if it has that) where
-    both show the same surface. Holes take it from places that are near them in space, lie in their
-    plane and face their way, so from the background. As albedo is divided out first, no texture is
-    copied. The model's own baked light weighs a little too: where nothing like the hole is in
-    sight, it is all there is.
+    both show the same surface. A hole takes light from places that are near in space, lie in its
+    plane and face its way, so from the background. Because albedo is divided out first, no texture
+    is copied. The model's own baked light has a small weight: it remains where no similar surface
+    is in view.
     """
 
     name = "relight"

@@ -1,4 +1,4 @@
-"""Draws the background into the hole from the side on which it was hidden."""
+"""Stretch the background into the hole from the side on which it was occluded."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
-LEAST_PARALLAX = 0.25  # pixels at 1 m; with less no hole is a pixel wide unless a thing is nearer than 25 cm
+LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unless an object is nearer than 25 cm
 _FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image units
 
 
@@ -28,8 +28,8 @@ class StretchSettings:
     floor).
     """
 
-    # Pixels of smoothing for each pixel from where the streak starts, if that is at least one
-    # pixel; 0: none.
+    # Pixels of smoothing per pixel of distance from the start of the streak, if that is at least
+    # one pixel; 0: none.
     spread: float = 0.1
     tolerance: float = 0.1
     floor: float = 0.02  # 1/m
@@ -41,12 +41,11 @@ class StretchSettings:
 
 @fills.register
 class Stretch(Fill):
-    """Follows the epipolar line of an empty pixel to both edges of the hole.
+    """Follow the epipolar line of an empty pixel to both edges of the hole.
 
-    The farther one's colour.
-
-    It is smoothed inside the hole alone. What lies outside of the rendered picture stays empty: it
-    was not hidden, and its line leads nowhere. `stretch+pyramid` fills it too.
+    It takes the farther one's colour, smoothed inside the hole alone. Pixels outside the rendered
+    picture stay empty: they were not occluded, and their line leads nowhere. `stretch+pyramid`
+    fills them too.
     """
 
     name = "stretch"

@@ -1,4 +1,4 @@
-"""A second, wide and coarse view of the rendered eye continues the picture at its border."""
+"""A second, wide and coarse view from the rendered eye extends the picture beyond its border."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ._base import Fill
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
-    from ..picture import ShownPicture
+    from ..shown_picture import ShownPicture
 
 
 @fills.register
 class Wide(Fill):
-    """Gathers from the wide view where the warp left holes.
+    """Gather from the wide view where the warp left holes.
 
-    They lie at the border first of all, and beside edges where the wide view saw more.
+    They lie mostly at the border, and at edges where the wide view saw more.
     """
 
     name = "wide"

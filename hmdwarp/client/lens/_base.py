@@ -20,30 +20,30 @@ TEXELS_UNIT = 7
 
 
 def panel_defines(gpu: Gpu) -> dict[str, object]:
-    """Return how a program that includes lib/panel.glsl handles its pixels on this device.
+    """Return the defines of a program that includes lib/panel.glsl on this device.
 
     ROWS: pixels of a column per invocation. TEXELS: image loads instead of the sampler. On llvmpipe
-    32 rows take 0.8 of the time of 8, because the ends of the visible part are computed once, and a
-    blind neighbourhood costs one row in 32. A GPU needs many invocations.
+    32 rows take 0.8 of the time of 8, because the ends of the visible part are computed once per
+    column. A GPU needs many invocations.
     """
     return {"ROWS": 32, "TEXELS": 1} if gpu.is_software else {"ROWS": 4}
 
 
 def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
-    """Bind the picture that a program for the panel reads by image loads, if it does."""
+    """Bind the picture that a panel program reads by image loads, if it uses them."""
     if program.uniforms.declares("rendered_texels"):
         picture.bind_to_image(TEXELS_UNIT, read=True, write=False)
         program.uniforms.set(rendered_texels=TEXELS_UNIT)
 
 
 class LensPass(ABC):
-    """Distorts the shown picture so that the headset's lens undoes it."""
+    """Distort the shown picture so that the headset's lens undoes it."""
 
     name: ClassVar[str]
     summary: ClassVar[str]
     source: ClassVar[str]
     reads: ClassVar[tuple[str, ...]] = ("shown.colour",)
-    is_pass: ClassVar[bool] = True  # False where nothing is to be done.
+    is_pass: ClassVar[bool] = True  # False if there is nothing to do.
     # The shader library with `prepare_lens`, `vec3 lens_scales(vec2 on_lens)` and their uniforms; a
     # gather warp that is fused with the lens includes it too. "" if there is none.
     library: ClassVar[str] = ""
@@ -73,5 +73,5 @@ class LensPass(ABC):
 
     @classmethod
     def bytes_moved(cls, panel_pixels: int) -> int:
-        """Return the bytes that one eye's panel must at least move: one colour each way."""
+        """Return the least bytes that one eye's panel moves: one colour each way."""
         return 16 * panel_pixels

@@ -10,7 +10,7 @@ from ._base import LensPass
 
 @lenses.register
 class NoLens(LensPass):
-    """No distortion; the plan leaves this pass out."""
+    """Leave the picture undistorted; the plan leaves this pass out."""
 
     name = "none"
     summary = "no distortion: for flat screens and for runtimes that distort by themselves"

@@ -1,4 +1,4 @@
-"""A lens whose distortion is a polynomial in the squared distance from its axis, one per colour."""
+"""A lens with polynomial distortion in the squared distance from its axis, one per channel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._base import LensPass
 
 @lenses.register
 class Radial(LensPass):
-    """Samples once per colour for each panel pixel, so that the lens's colour fringes cancel."""
+    """Sample once per channel for each panel pixel, which cancels the lens's colour fringes."""
 
     name = "radial"
     summary = "radial polynomial of the headset's lens, one per colour"

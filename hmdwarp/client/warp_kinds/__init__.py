@@ -1,4 +1,4 @@
-"""Kinds of warps: base classes and passes on which warps, fills and effects are built."""
+"""Kinds of warps: base classes and passes that warps, fills and effects build on."""
 
 from .composite import CompositeWarp, DepthPicture
 from .gather import GatherWarp, bind_rendered_colour

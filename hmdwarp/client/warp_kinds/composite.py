@@ -1,6 +1,6 @@
-"""The kind of warps that put several pictures with depth together.
+"""The kind of warps that combine several pictures with depth.
 
-The shown rays are intersected with one picture after the other; one hit stays per pixel.
+The shown rays are intersected with one picture after the other; the best hit stays per pixel.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
 
 _COLOUR = 1  # texture unit
-_RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; 3 and on are the warp's own
+_RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; from 3 on they are the warp's own
 _GUESSES = 3
 
 
@@ -60,10 +60,10 @@ class CompositeWarp(Warp):
 
     @abstractmethod
     def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
-        """Return the pictures to put together, in the order of preference between equals."""
+        """Return the pictures to combine, the preferred of equals first."""
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
-        """Return what the warp's own shader reads besides, by uniform name."""
+        """Return further uniforms of the warp's own shader, by name."""
         return {}
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:

@@ -30,10 +30,9 @@ class GatherWarp(Warp):
     It returns the colour of the shown pixel at `shown`. `base + parallax * inverse_depth` is the
     rendered pixel (homogeneous) of a point at that inverse depth in the shown view.
 
-    The shader samples by `sampled(p)` of lib/gather.glsl, the quicker one of sampler and image
-    loads. If it defines PREPARE, the name of a function, before it includes OUTPUT, that function
-    runs once
-    before the loop over rows: for copies of uniforms.
+    The shader samples by `sampled(p)` of lib/gather.glsl, which uses the sampler or image loads,
+    whichever is faster. If the shader defines PREPARE as the name of a function before it includes
+    OUTPUT, that function runs once before the loop over rows, for copies of uniforms.
     """
 
     kind = "gather"
@@ -59,7 +58,7 @@ class GatherWarp(Warp):
         return WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
 
     def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
-        """Bind the colour and the result, set map and sizes, and run for every output pixel."""
+        """Bind the colour and the result, set maps and sizes, and run over every output pixel."""
         maps = self.maps(inputs)
         self.bind_colour(inputs, _COLOUR, maps)
         into.bind_for_writing()
@@ -77,7 +76,7 @@ class GatherWarp(Warp):
         return inputs.rendered.colour
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
-        """Bind that texture for the sampler."""
+        """Bind that texture to the sampler."""
         exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
         bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
@@ -93,7 +92,7 @@ class GatherWarp(Warp):
         """Return H and e; with scan-out their parabola through three instants, t from 0 to 1.
 
         t = 0 at the first row, 1 past the last. A head that turns by an angle a during scan-out
-        leaves the parabola by at most a^3 / (72 sqrt 3) rad, in the middle of either half: 5
+        deviates from the parabola by at most a^3 / (72 sqrt 3) rad, in the middle of either half: 5
         degrees (300 a second, 16.7 ms) are 5e-6, half a hundredth of a pixel at 1000 pixels a
         radian. It follows translation exactly. Derived in tests/reference/scanout.py.
         """
@@ -108,7 +107,7 @@ class GatherWarp(Warp):
 
 
 def bind_rendered_colour(rendered: EyeImage, unit: int, *, whole_pixels: bool) -> None:
-    """Bind the rendered colour for bilinear samples, or nearest ones if all fall on pixel centres.
+    """Bind the rendered colour for bilinear samples, or nearest ones if all lie on pixel centres.
 
     Bilinear hardware computes the centre's coordinate with an error of up to 1e-4 pixels (llvmpipe)
     or 1/512 (GPUs), enough to change the last bit of a dark pixel beside a bright one. Nearest

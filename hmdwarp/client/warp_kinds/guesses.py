@@ -1,4 +1,4 @@
-"""First guesses for gathers from pictures with depth, and the list of pieces they still run on."""
+"""First guesses for gathers from pictures with depth, and the list of pieces still to process."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 PIECE_ROWS = 4
 # Pixels of a piece (lib/hole_pieces.glsl) and invocations of a work group (lib/rows.glsl).
 _PIECE, _GROUP = 8, 64
-_HEADER_BYTES = 16  # of a list: three counts of work groups and one of pieces
+_HEADER_BYTES = 16  # of a list: three work-group counts and one count of pieces
 
 
 class DepthGuesses:
@@ -30,7 +30,7 @@ class DepthGuesses:
         self._keys = gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
 
     def empty(self, pieces: moderngl.Buffer) -> None:
-        """Forget all guesses and empty the list; both stay bound."""
+        """Clear all guesses and the list; both stay bound."""
         self._keys.bind_to_storage_buffer(0)
         pieces.bind_to_storage_buffer(1)
         self._empty.uniforms.set(quads=self._quads)
@@ -59,7 +59,7 @@ def piece_list(gpu: Gpu, user: str, shown_size: tuple[int, int]) -> moderngl.Buf
     """Return an empty list with room for every piece of the shown picture.
 
     user: for the message. Errors: InputError where the indirect dispatch over all pieces would
-    exceed the GL limit, and be dropped without a message.
+    exceed the GL limit, and be dropped silently.
     """
     pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // PIECE_ROWS)
     most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
@@ -71,5 +71,5 @@ def piece_list(gpu: Gpu, user: str, shown_size: tuple[int, int]) -> moderngl.Buf
 
 
 def no_pieces(gpu: Gpu) -> moderngl.Buffer:
-    """Return a list without room, for guesses whose pieces are listed elsewhere."""
+    """Return a list of zero capacity, for guesses whose pieces are listed elsewhere."""
     return gpu.gl.buffer(bytes(_HEADER_BYTES))

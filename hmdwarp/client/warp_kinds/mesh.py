@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
 
 VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound
-MOST_SIDE = 2**14 - 2  # a cell's index has 14 bits a side, and there is one more than pixels
+MOST_SIDE = 2**14 - 2  # a cell's index has 14 bits a side, and there is one more cell than pixels
 QUADS = 2**14  # in one draw: a corner's index has 16 bits
 GROUP, BLOCK, SHIFT = 16, 4, 15  # as in shaders/warps/mesh_surface.glsl
 BLOCK_BYTES, CALL_BYTES = 24, 20
@@ -51,7 +51,7 @@ class MeshWarp(Warp):
 
     @property
     def cuts(self) -> tuple[bool, bool]:
-        """Whether sheets are cut by slope, and by vertex identity."""
+        """Whether sheets between surfaces are cut by slope, and by vertex identity."""
         return True, False
 
     @property
@@ -179,7 +179,7 @@ class MeshWarp(Warp):
         }
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
-            gl.depth_func = ">"  # the depth written is larger where it is nearer
+            gl.depth_func = ">"  # larger depth values are nearer
             for draw, array, calls, count in zip(
                 (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
             ):
@@ -195,9 +195,9 @@ class MeshWarp(Warp):
 
 
 def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
-    """Return the most by which a plane's inverse depth changes from pixel to pixel, on each axis.
+    """Return the largest change of a plane's inverse depth from pixel to pixel, on each axis.
 
-    It is a share of the inverse depth itself, for a plane seen `angle_deg` from facing. A plane's
+    It is relative to the inverse depth itself, for a plane seen `angle_deg` from facing. A plane's
     inverse depth is linear in the tangent of the view; facing the eye at the middle of the picture
     it grows by tan(angle) of itself for each 1 of tangent.
     """
@@ -207,7 +207,7 @@ def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[f
 
 
 def reach(forward: WarpMap, shown_size: tuple[int, int]) -> float:
-    """Return the most shown pixels by which a point moves for 1/m more.
+    """Return the largest motion of a point, in shown pixels, per 1/m of inverse depth.
 
     At equal depths in both views its place P moves along e - P e_z.
     """
@@ -225,7 +225,7 @@ def overlap(tolerance: float) -> float:
 
 
 def _check_machine(name: str, info: dict[str, Any]) -> None:
-    """Raise MachineError where vertex shaders cannot read buffers; GL 4.3 does not promise it."""
+    """Raise MachineError if vertex shaders cannot read buffers, which GL 4.3 does not guarantee."""
     blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
     if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
         found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"

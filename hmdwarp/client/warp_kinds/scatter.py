@@ -1,4 +1,4 @@
-"""The kind of warps in which rendered pixels move, and the keys that decide which one stays."""
+"""The kind of warps in which rendered pixels move, and the keys that decide which one wins."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ class ScatterWarp(Warp):
         program.uniforms.set_declared(**more)
 
     def empty_keys(self, words: int = 1) -> moderngl.Buffer:
-        """Return a key of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
+        """Return keys of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
 
-        Errors: InputError for a picture beyond the GPU's room.
+        Errors: InputError for a picture beyond the GPU's buffer size.
         """
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES * words)
         buffer = self.gpu.gl.buffer(reserve=KEY_BYTES * words * self.shown_size[0] * self.shown_size[1])
@@ -60,10 +60,10 @@ class ScatterWarp(Warp):
 
 
 class OrderedScatter(ScatterWarp):
-    """A scatter in which the rendered pixel that is last in some order stays.
+    """A scatter in which the last rendered pixel in some order wins.
 
-    The shader `warps/NAME.comp` computes the order. Execution may run in any order: each rendered
-    pixel offers its rank, the largest stays. The pass that copies the colours empties the keys
+    The shader `warps/NAME.comp` computes the order. Invocations may run in any order: each rendered
+    pixel offers its rank, and the largest wins. The pass that copies the colours clears the keys
     again.
     """
 
@@ -83,7 +83,7 @@ class OrderedScatter(ScatterWarp):
 
     @abstractmethod
     def order(self, inputs: PassInputs) -> dict[str, object]:
-        """Return the uniforms that the order needs."""
+        """Return the uniforms that define the order."""
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         forward, order = self.forward_map(inputs), self.order(inputs)
@@ -105,7 +105,7 @@ class OrderedScatter(ScatterWarp):
 
 
 def check_room(gpu: Gpu, name: str, size: tuple[int, int], bytes_per_pixel: int, header: int = 0) -> None:
-    """Raise InputError if one shader buffer has no room for so many bytes per shown pixel."""
+    """Raise InputError if one shader buffer cannot hold so many bytes per shown pixel."""
     pixels = (gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] - header) // (4 * bytes_per_pixel) * 4
     if size[0] * size[1] > pixels:
         wanted = f"a shown picture of {size[0]}x{size[1]}: '{name}' keeps {bytes_per_pixel} bytes a pixel"

@@ -1,6 +1,6 @@
 """First guesses for gathers that search the rendered depth.
 
-A forward splat of that depth at a quarter of the resolution, nearest first.
+A forward splat of that depth at a quarter of the resolution, the nearest wins.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
 
 
 class Seeds:
-    """Rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
+    """The rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
 
     def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
         self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size

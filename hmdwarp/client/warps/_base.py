@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
     from ..lens import LensPass
 
-# What one pixel weighs: rgba16f colour, r32f inverse depth, 32-bit key.
+# Bytes of one pixel: rgba16f colour, r32f inverse depth, 32-bit key.
 COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES = 8, 4, 4
 
 
 @attrs.frozen(eq=False)
 class Output:
-    """What a warp writes."""
+    """The kind of output that a warp writes."""
 
     # The lens that the warp applies itself (one resample from the rendered picture to the panel);
     # None for the shown view before the lens.
@@ -33,7 +33,7 @@ class Output:
 
 
 class Warp(ABC):
-    """Turns one eye's rendered picture into the shown view; coverage is 0 where nothing is known.
+    """Warp one eye's rendered picture to the shown view; coverage is 0 where nothing is known.
 
     The object owns its programs and buffers for one pair of sizes. It serves both eyes in turn.
     """
@@ -42,9 +42,9 @@ class Warp(ABC):
     summary: ClassVar[str]
     # Gather: each shown pixel finds where it was rendered. Scatter: rendered pixels move.
     kind: ClassVar[Literal["gather", "scatter"]]
-    reads: ClassVar[tuple[str, ...]]  # What it needs, by the names of client/plan.py.
+    reads: ClassVar[tuple[str, ...]]  # Layers that it reads, by the names of client/plan.py.
     exact_when: ClassVar[str]  # When the result equals the truth, for tables.
-    gets_wrong: ClassVar[str]  # What it shows wrongly, for tables.
+    gets_wrong: ClassVar[str]  # Its artefacts, for tables.
     source: ClassVar[str]
     # An attrs class of the settings, each with a default (`mesh:cut=slope`).
     Settings: ClassVar[type] = NoSettings
@@ -84,7 +84,7 @@ class Warp(ABC):
         """Write the shown view's colour and coverage into `into` (rgba16f, shown_size)."""
 
     def close(self) -> None:  # noqa: B027 (most warps own no buffers)
-        """Free the buffers, if there are any."""
+        """Free the buffers, if any."""
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
@@ -93,14 +93,14 @@ class Warp(ABC):
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the bytes that one eye's picture must at least read and write, each byte once.
+        """Return the least bytes that one eye's picture reads and writes, each byte once.
 
-        The bench compares times with this bound. By default that of a gather: for each shown pixel
-        one colour and one of each depth it reads, and the result.
+        The bench compares times with this bound. By default that of a gather: for each shown pixel,
+        one colour, one of each depth that it reads, and the result.
         """
         depths = sum(name.endswith("inverse_depth") for name in cls.reads)
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES * depths)
 
     def set_sizes(self, program: Compute) -> None:
-        """Set the uniforms that stay the same as long as the sizes do."""
+        """Set the uniforms that depend on the sizes alone."""
         program.uniforms.settle(self._size_uniforms)

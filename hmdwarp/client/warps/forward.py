@@ -1,4 +1,4 @@
-"""Forward warping by points: every rendered pixel moves, the nearest wins."""
+"""Forward warping by points: every rendered pixel moves, and the nearest wins."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ATOMIC64 = ("GL_NV_shader_atomic_int64", "GL_ARB_gpu_shader_int64")  # extension
 
 @attrs.frozen
 class ForwardSettings:
-    """Which atomics to use; both give the same picture, bit for bit."""
+    """Which atomics to use; the pictures are bit-identical."""
 
     # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
     # the driver has it.
@@ -83,7 +83,7 @@ def _one_pass(gpu: Gpu, path: str) -> bool:
 
 
 class _Portable:
-    """Two 32-bit atomic passes, and three more, dispatched by the GPU itself, where keys tie."""
+    """Two 32-bit atomic passes, and three more, dispatched indirectly, where keys tie."""
 
     def __init__(self, warp: Forward) -> None:
         shaders, gl = warp.gpu.shaders, warp.gpu.gl
@@ -116,7 +116,7 @@ class _Portable:
 
 
 class _OnePass:
-    """One 64-bit atomic pass; the pass that copies the colours empties the keys again."""
+    """One 64-bit atomic pass; the pass that copies the colours clears the keys again."""
 
     def __init__(self, warp: Forward) -> None:
         self._warp = warp

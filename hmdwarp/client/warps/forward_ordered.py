@@ -1,4 +1,4 @@
-"""Forward warping without depth comparison: the epipole alone says which surface hides which."""
+"""Forward warping without depth comparison: the epipole decides which surface is in front."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ FARTHEST = 2.0**20
 class ForwardOrderedSettings:
     """The order in which rendered pixels are visited."""
 
-    # rings: squares around the epipole, so that pixels of like distance are compared. rows:
+    # rings: squares around the epipole, so that pixels of similar distance are compared. rows:
     # McMillan's quadrants, row by row.
     sheets: Literal["rings", "rows"] = attrs.field(default="rings", validator=attrs.validators.in_(("rings", "rows")))
 
 
 @warps.register
 class ForwardOrdered(OrderedScatter):
-    """Scatters pixels as if one after the other.
+    """Scatter pixels as if one after the other.
 
-    They run towards the epipole when the eye has moved ahead, and away from it when it has moved
+    They run towards the epipole when the eye has moved forward, and away from it when it has moved
     back.
     """
 
@@ -71,7 +71,7 @@ def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
     1: the shown eye lies ahead of the rendered one (run towards it); -1: behind.
     e: the shown eye in homogeneous pixels, WarpMap.between(shown, rendered).e. An epipole at
     infinity or beyond FARTHEST pixels is put that far away in its direction. Without a baseline any
-    order will do, and the picture's middle is as good as another.
+    order is right, and the picture's middle is used.
     """
     middle = np.array(size) / 2
     sense = -1 if e[2] < 0 else 1
@@ -81,12 +81,12 @@ def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
         offset = offset / length * FARTHEST
     elif depth > 0:
         offset = offset / depth
-    # An epipole on the border between two pixels counts to the upper one, however it was computed.
+    # An epipole on the border between two pixels counts to the upper one, despite rounding.
     return np.floor(middle + offset + 1e-6).astype(np.int64), sense
 
 
 def _start(pixel: NDArray[np.int64], sense: int, size: tuple[int, int], rings: bool) -> tuple[int, int]:
-    """Return what ranks count from: the greatest distance, or minus the least when running away."""
+    """Return the origin of the ranks: the greatest distance, or minus the least if running away."""
     to_low, to_high = -pixel, np.array(size) - 1 - pixel
     greatest = np.maximum(np.abs(to_low), np.abs(to_high))
     least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))

@@ -1,4 +1,4 @@
-"""Forward warping without a depth test, to show what goes wrong then."""
+"""Forward warping without a depth test, to show its artefacts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @warps.register
 class ForwardRaster(OrderedScatter):
-    """Scatters pixels as if one after the other, in raster order; the last stays.
+    """Scatter pixels as if one after the other, in raster order; the last one wins.
 
     Raster order runs row by row from the top of the picture, each from left to right.
     """

@@ -18,7 +18,7 @@ MOST_STEPS = 64
 
 @attrs.frozen
 class IterativeSettings:
-    """How guesses start, continue and end.
+    """How guesses start, converge and end.
 
     Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
     + floor).
@@ -30,12 +30,12 @@ class IterativeSettings:
         default="forward", validator=attrs.validators.in_(("forward", "rotation"))
     )
     steps: int = 3  # Samples of the rendered depth.
-    # How many of the last steps use the slope of the surface; each costs three plain ones and gains
-    # most where near things pass by.
+    # How many of the last steps use the slope of the surface; each costs three plain ones and helps
+    # most for near objects that pass by.
     slanted: int = 1
     tolerance: float = DEPTH_TOLERANCE
     floor: float = DEPTH_FLOOR  # 1/m
-    converged: float = 0.75  # Pixels by which the last guess may be off; else the pixel is a hole.
+    converged: float = 0.75  # Pixels by which the last guess may be off; beyond that the pixel is a hole.
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
@@ -48,9 +48,9 @@ class IterativeSettings:
 
 @warps.register
 class Iterative(GatherWarp):
-    """A gather by fixed point on the rendered depth, started by a low-resolution forward splat.
+    """A gather by fixed point on the rendered depth, seeded by a low-resolution forward splat.
 
-    What does not converge is a hole.
+    Pixels that do not converge are holes.
     """
 
     name = "iterative"

@@ -1,4 +1,4 @@
-"""Layered depth: the server also sends surfaces behind the visible ones, which edges uncover."""
+"""Layered depth: the server also sends the surfaces that edges uncover."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class LayeredSettings:
 
 @warps.register
 class Layered(CompositeWarp):
-    """All layers warped together, the nearest surface wins: real content behind edges."""
+    """Warp all layers together, the nearest surface wins: real content behind edges."""
 
     name = "layered"
     summary = "warps two to four depth layers of the server together: real content behind edges"

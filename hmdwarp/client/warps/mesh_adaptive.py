@@ -17,7 +17,7 @@ BLOCKS = (1, 2, 4, 8, 16)
 class MeshAdaptiveSettings:
     """How far cells are merged."""
 
-    # Shown pixels by which merging may move a point.
+    # Shown pixels by which merging may displace a point.
     tolerance: float = attrs.field(default=0.05, validator=attrs.validators.ge(0))
     # Pixels on a side of the largest cell: 1, 2, 4, 8 or 16.
     block: int = attrs.field(default=16, validator=attrs.validators.in_(BLOCKS))

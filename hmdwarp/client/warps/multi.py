@@ -1,4 +1,4 @@
-"""Several rendered pictures: the other eye's and older ones show what an edge hides from one."""
+"""Several rendered pictures: the other eye's and older ones show what the newest cannot see."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ MOST_FRAMES = 8
 
 @attrs.frozen
 class MultiSettings:
-    """Which pictures are used beside the newest."""
+    """The pictures to use besides the newest."""
 
     frames: int = 2  # Past frames of the same eye.
-    spacing: float = 300.0  # Least milliseconds between them.
-    # Whether the other eye's picture is used too, or only the eye's own.
+    spacing: float = 300.0  # Least milliseconds between two of them.
+    # Whether to use the other eye's picture too, or only the eye's own.
     eye: Literal["other", "own"] = attrs.field(default="other", validator=attrs.validators.in_(("other", "own")))
 
     def __attrs_post_init__(self) -> None:
@@ -37,7 +37,7 @@ class MultiSettings:
 
 @warps.register
 class Multi(CompositeWarp):
-    """The newest frame first, then the other eye's, then past ones.
+    """Combine the newest frame, then the other eye's, then past ones.
 
     Each adds what those before it could not see.
     """
@@ -63,8 +63,7 @@ class Multi(CompositeWarp):
     def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         """Return the newest picture and the others.
 
-        The newest alone for an eye that has not moved and sees no more than it did: nothing can be
-        added.
+        The newest alone for an eye that has not moved and sees no more than before.
         """
         rendered = inputs.rendered
         back = self._newest(inputs)

@@ -1,4 +1,4 @@
-"""No warp: what a headset shows without compensation."""
+"""No warp: the picture of a headset without compensation."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from . import warps
 
 @warps.register
 class NoWarp(HomographyWarp):
-    """The rendered picture at the same place in the field of view, as if the head had not moved.
+    """Show the rendered picture at its place in the field of view, as if the head had not moved.
 
     A guard band is cut off.
     """

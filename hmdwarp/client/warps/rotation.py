@@ -9,7 +9,7 @@ from . import warps
 
 @warps.register
 class Rotation(HomographyWarp):
-    """Turns the picture with the head, ignores how the eye moved (asynchronous time warp)."""
+    """Rotate the picture with the head; ignore the eye's translation (asynchronous time warp)."""
 
     name = "rotation"
     summary = "turns the picture with the head, ignores how the eye moved"

@@ -29,7 +29,7 @@ class SearchSettings:
 
     steps: int = 512  # Cells that a ray may pass before it ends in a hole.
     # Pixels by which a ray may miss the end of a surface and still meet it, so that steep surfaces
-    # keep together.
+    # stay connected.
     gap: float = 0.05
     tolerance: float = DEPTH_TOLERANCE
     floor: float = DEPTH_FLOOR  # 1/m
@@ -43,9 +43,9 @@ class SearchSettings:
 
 @warps.register
 class Search(GatherWarp):
-    """A gather to the first hit along the epipolar segment, skipping by a pyramid of bounds.
+    """A gather to the first hit along the epipolar segment, which skips by a pyramid of bounds.
 
-    Rays that meet nothing are holes.
+    Rays that hit nothing are holes.
     """
 
     name = "search"

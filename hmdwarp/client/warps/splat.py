@@ -1,4 +1,4 @@
-"""Forward warping by footprints: every rendered pixel covers what its square becomes."""
+"""Forward warping by footprints: every rendered pixel covers the image of its square."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class SplatSettings:
 
     tolerance: float = attrs.field(default=0.03, validator=attrs.validators.ge(0))
     floor: float = attrs.field(default=0.02, validator=attrs.validators.ge(0))  # 1/m
-    # Pixels that a footprint may extend from its middle. What is magnified more than twice that
-    # much shows gaps; one rendered pixel costs at most (2 reach + 1)^2 tests.
+    # Pixels that a footprint may extend from its middle. Beyond twice that magnification gaps
+    # appear; one rendered pixel costs at most (2 reach + 1)^2 tests.
     reach: int = attrs.field(default=16, validator=[attrs.validators.ge(1), attrs.validators.le(256)])
     # Rendered pixels by which each square is larger on each side, against cracks on curved
     # surfaces.
@@ -81,7 +81,7 @@ class Splat(ScatterWarp):
 
 
 def _exact(warp_map: WarpMap) -> tuple[np.ndarray, np.ndarray]:
-    """Return H and e; a map that moves whole pixels loses its rounding errors.
+    """Return H and e, free of rounding errors for a map that moves whole pixels.
 
     So each pixel is fetched from its very centre.
     """

@@ -14,5 +14,5 @@ from .opening import choose_library as choose_library
 from .opening import variant as variant
 from .pacing import UNSYNCED as UNSYNCED
 from .pacing import Pacer as Pacer
-from .views import WindowView as WindowView
-from .views import window_view as window_view
+from .window_views import WindowView as WindowView
+from .window_views import window_view as window_view

@@ -1,4 +1,4 @@
-"""The window as a display.
+"""The desktop window as a display.
 
 Pictures in it, a head moved by mouse and keys, commands by keys and control panel.
 """
@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 from ...gpu.context import Gpu
 from ...headsets import load_headset
 from ...poses import PoseSource
-from ...poses.desktop import Walker
 from ...poses.looped import LoopedSource
+from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Tick
 from ..status import Status
 from .control_panel import column_width
 from .opening import start
 from .pacing import Pacer
-from .views import OfViews
 from .window import Window
+from .window_views import SwitchableView
 
 if TYPE_CHECKING:
     from .. import Picture
@@ -30,10 +30,10 @@ TITLE = "hmdwarp"
 MINIMISED_S = 0.1
 
 
-class DesktopDisplay(OfViews):
-    """display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
+class DesktopDisplay(SwitchableView):
+    """A display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
 
-    Errors: MachineError that says why there is no window; InputError for an unknown headset.
+    Errors: MachineError with the reason why there is no window; InputError for an unknown headset.
     """
 
     name = "desktop"
@@ -88,7 +88,7 @@ class DesktopDisplay(OfViews):
         }
 
     def _source(self, options: DisplayOptions, walker: Walker) -> PoseSource:
-        from .input import WalkerSource
+        from .window_input import WalkerSource
 
         if options.trace is not None:
             return LoopedSource(options.trace, self.now_ns)
@@ -96,7 +96,7 @@ class DesktopDisplay(OfViews):
 
     @property
     def rate_hz(self) -> float:
-        """Rate of the screen the window is on; 60 where it does not say."""
+        """Refresh rate of the window's screen; 60 where unknown."""
         return self._pacer.rate_hz
 
     def now_ns(self) -> int:
@@ -124,7 +124,7 @@ class DesktopDisplay(OfViews):
         self._screens.update(self.now_ns())
         now = self.now_ns()
         due = self._pacer.due(now)
-        if due > now:  # a sleep of nothing takes 60 us
+        if due > now:  # even a sleep of zero takes 60 us
             time.sleep((due - now) * 1e-9)
         self._begun_ns = self.now_ns()
         return Tick(self._pacer.expect(self._begun_ns), self._pacer.period_ns, missed=self._pacer.missed())
@@ -143,14 +143,14 @@ class DesktopDisplay(OfViews):
         return handed_over_ns
 
     def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
-        """Return the text panel's (u, v) at a position in the window's own units."""
+        """Return (u, v) on the text panel of a position in the window's own units."""
         return self._painter.uv_at(*self._window.pixel_of(x, y))
 
     def commands(self) -> Sequence[Command]:
-        """Return the requests that change the run; the window has handled its own."""
+        """Return the commands that change the run; the window has handled its own."""
         return self._commands.take()
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show a Status in the title line and the control panel."""
         self._status.update(status, shows_help=self._painter.help)
 
@@ -159,5 +159,5 @@ class DesktopDisplay(OfViews):
         return False
 
     def close(self) -> None:
-        """Release everything, in the opposite order."""
+        """Release everything, in reverse order."""
         self._closers.close()

@@ -1,4 +1,4 @@
-"""Keys of a glfw window to commands, also for the window beside a headset."""
+"""Map keys of a glfw window to commands, also for the window beside a headset."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ MOVES = {
     glfw.KEY_Q: (0, -1, 0),
 }
 STEPS_BACK = ("choice", "number")
-HELD = ("number", "step")  # go on while their key is held
+HELD = ("number", "step")  # repeat while their key is held
 FASTER = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
 _OTHERS = glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER
 
 
 def token(name: str) -> int:
-    """Return glfw's number of a key as controls write it."""
+    """Return glfw's number for a key's name in the controls."""
     return _NAMED[name] if name in _NAMED else getattr(glfw, f"KEY_{name.upper().replace(' ', '_')}")
 
 
@@ -44,11 +44,11 @@ class Keys:
                 self._of_key[token(control.back)] = (control, True)
 
     def command_of(self, key: int, action: int, mods: int) -> Command | None:
-        """Return what a key event requests, None for nothing.
+        """Return the command for a key event, None for none.
 
-        Arguments as glfw's callback has them. Numbers and steps repeat while their key is held;
-        everything else acts once a press. Shift steps back, where no key of its own does. With
-        Ctrl, Alt or Super a key belongs to the desktop.
+        Arguments as in glfw's callback. Numbers and steps repeat while their key is held;
+        everything else acts once a press. Shift steps back, unless the control has a key for that.
+        With Ctrl, Alt or Super a key belongs to the desktop.
         """
         if key not in self._of_key or mods & _OTHERS or action == glfw.RELEASE:
             return None
@@ -69,9 +69,9 @@ class Keys:
         return [f"{'click to look, ' if looks else ''}{(named or label)(help_.key)} for help"]
 
     def help_text(self, named: Callable[[str], str] | None = None) -> str:
-        """Return every way to move and every control, a line each: keys, tab, what they do.
+        """Return every way to move and every control, a line each: keys, tab, description.
 
-        named: what the user calls a key.
+        named: maps a key to the user's name for it.
         """
         named = named or label
         rows = [
@@ -94,7 +94,7 @@ def prints(key: int) -> bool:
 
 
 def label(name: str) -> str:
-    """Return what the user's keyboard has printed on that key. glfw must be running."""
+    """Return the user's keyboard label of that key. glfw must be running."""
     printed = glfw.get_key_name(token(name), 0) if len(name) == 1 else None
     return printed.upper() if printed else name
 

@@ -1,4 +1,4 @@
-"""Where in a window each eye's picture goes, and how large a window should be."""
+"""Layout of the eyes' pictures in a window, and the size of a new window."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ Size = tuple[int, int]
 Rectangle = tuple[int, int, int, int]
 
 FLAT_AREA_PX = 800 * 600
-_LEAST_HEIGHT, _SHARE = 480, 0.9  # of a new window: readable pixels, and how much of the room it takes
-WHOLE = 8  # pictures of whole work groups, and what video encoders like
+_LEAST_HEIGHT, _SHARE = 480, 0.9  # of a new window: readable pixels, and its share of the free area
+WHOLE = 8  # pictures of whole work groups, which also suit video encoders
 
 
 def viewports(framebuffer: Size, count: int, aspect: float) -> tuple[Rectangle, ...]:
-    """Return (x, y, w, h) of `count` equal pictures side by side, as large as they fit, centred.
+    """Return (x, y, w, h) of `count` equal pictures side by side, as large as fits, centred.
 
     The left eye comes first.
     framebuffer: (w, h) in pixels, not in the window's units. aspect: width over height of one
@@ -33,9 +33,9 @@ def flat_size(aspect: float) -> Size:
 
 
 def beside(framebuffer: Size, column: int) -> Size:
-    """Return what a panel of that many columns at the right leaves for pictures.
+    """Return the size that a panel of that many columns at the right leaves for pictures.
 
-    Where that were less than half, the pictures lie under it.
+    If that is less than half, the panel covers the pictures instead.
     """
     width, height = framebuffer
     return (width - column, height) if 2 * column <= width else framebuffer
@@ -44,7 +44,7 @@ def beside(framebuffer: Size, column: int) -> Size:
 def window_size(wanted: Size, room: Size, column: int = 0) -> Size:
     """Return the size of a new window for pictures of `wanted` pixels and a panel beside them.
 
-    It is no smaller than is readable, and within most of the room on the screen; the pictures'
+    It is large enough to read, and within most of the free area of the screen; the pictures'
     aspect is kept.
     """
     width, height = wanted

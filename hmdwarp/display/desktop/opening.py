@@ -1,4 +1,4 @@
-"""Start of glfw, with an error that says why there is no window."""
+"""Start glfw; an error says why there is no window."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ REMEDY = (
 def variant(environ: Mapping[str, str]) -> str:
     """Return which of glfw's two libraries fits, "x11" or "wayland".
 
-    "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone. A session of the one kind may offer
-    only the other's display: ssh -X, Xvfb and containers do.
+    "" leaves it to glfw, which goes by XDG_SESSION_TYPE alone. A session of one kind may offer only
+    the other kind of display, as under ssh -X, Xvfb and in containers.
     """
     wayland, x11 = environ.get("WAYLAND_DISPLAY"), environ.get("DISPLAY")
     if "PYGLFW_LIBRARY_VARIANT" in environ or bool(wayland) == bool(x11):
@@ -54,23 +54,23 @@ def _load_the_glfw_of_imgui() -> None:
 
 
 def start() -> ModuleType:
-    """Return glfw, running. Errors: MachineError that says why not."""
+    """Return the running glfw. Errors: MachineError with the reason."""
     if platform.system() == "Linux":
         if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             raise MachineError(f"no window: neither DISPLAY nor WAYLAND_DISPLAY is set; {REMEDY}")
         choose_library()
     try:
         import glfw
-    except Exception as error:  # its loader raises what it likes where a library is missing
+    except Exception as error:  # its loader may raise anything where a library is missing
         raise MachineError(f"no window: glfw cannot be loaded ({error}); pip install glfw") from error
-    glfw.ERROR_REPORTING = "log"  # else every refusal (a window's place under Wayland) is a warning on stderr
+    glfw.ERROR_REPORTING = "log"  # else every refusal (a window position under Wayland) is a warning on stderr
     if not glfw.init():
         raise MachineError(f"no window: {last_error(glfw)}; {REMEDY}")
     return glfw
 
 
 def last_error(glfw: ModuleType) -> str:
-    """Return why glfw refused the last call."""
+    """Return glfw's reason for refusing the last call."""
     code, message = glfw.get_error()
     words = message.decode(errors="replace") if isinstance(message, bytes) else str(message or "no reason given")
     return f"{' '.join(words.split())}" if code else "no reason given"

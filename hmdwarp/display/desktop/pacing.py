@@ -1,4 +1,4 @@
-"""When the next picture will be seen, from when the last ones were."""
+"""Prediction of when the next picture will be seen, from the last ones."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections import deque
 from statistics import median
 
 UNKNOWN_HZ = 60.0
-REMEMBERED = 16  # refreshes; a change of scene or size counts no more after a quarter of a second
-UNSYNCED = 8  # pictures in a row faster than the screen, after which the driver counts as not waiting
+REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
+UNSYNCED = 8  # consecutive pictures faster than the screen, after which vsync counts as off
 TOO_FAST = 0.7  # of a period
 
 
@@ -17,11 +17,11 @@ def known_rate(rate_hz: float) -> float:
 
 
 class Pacer:
-    """Estimates display times from when pictures were begun and when their swaps returned.
+    """Estimate display times from when pictures were begun and when their swaps returned.
 
     All times in ns on one clock. waits: whether the driver should wait for the screen (vsync).
     Where it does not (software drivers, a user's setting), `paced` turns true and the caller waits
-    until `due` instead: else a window would make pictures that are never visible.
+    until `due` instead; otherwise a window would make pictures that are never visible.
     """
 
     def __init__(self, rate_hz: float, waits: bool) -> None:
@@ -31,7 +31,7 @@ class Pacer:
         self.set(rate_hz, waits)
 
     def set(self, rate_hz: float, waits: bool) -> None:
-        """Follow another screen or setting. rate_hz: as known_rate takes it."""
+        """Use another screen or setting. rate_hz: as known_rate returns it."""
         self.rate_hz = known_rate(rate_hz)
         self.period_ns = round(1e9 / self.rate_hz)
         self.waits = waits
@@ -40,14 +40,14 @@ class Pacer:
         self.pause()
 
     def pause(self) -> None:
-        """Note a deliberate pause: no refresh was missed, and earlier durations say nothing."""
+        """Note a deliberate pause: no refresh was missed, and earlier durations are void."""
         self._last_ns: int | None = None
         self._missed = 0
         self._intervals.clear()
         self._works.clear()
 
     def swapped(self, begun_ns: int, back_ns: int) -> None:
-        """Note that a picture begun then is on its way, and that its swap was done at `back_ns`."""
+        """Note the swap of a picture begun at `begun_ns`; the swap returned at `back_ns`."""
         self._works.append(back_ns - begun_ns)
         if self._last_ns is not None:
             interval = back_ns - self._last_ns
@@ -62,7 +62,7 @@ class Pacer:
             self.paced = self._too_fast >= UNSYNCED
 
     def due(self, now_ns: int) -> int:
-        """Return when to begin the next picture: now, unless we wait in the driver's place."""
+        """Return when to begin the next picture: now, unless we pace in place of the driver."""
         if not self.paced or self._last_ns is None:
             return now_ns
         work = int(median(self._works))
@@ -73,9 +73,9 @@ class Pacer:
 
         Pictures keep their order.
 
-        With a driver that waits: at the swap as many whole periods after the last one as pictures
-        take. Else: when it is done, plus half a period, the screen's mean time to the middle of the
-        picture.
+        With a driver that waits: at the swap that follows the last one by as many whole periods as
+        a picture takes. Otherwise: when it is done, plus half a period, the screen's mean time to
+        the middle of the picture.
         """
         self._expected_ns = max(self._guess(now_ns), self._expected_ns + 1)
         return self._expected_ns

@@ -1,4 +1,4 @@
-"""Contents of a window: the eyes' pictures, black around them, and text over them."""
+"""The contents of a window: the eyes' pictures, black around them, and text over them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..controls import Control, help_closes
 from ..notice import Notice
 from ..present import Presenter
 from .layout import Rectangle, Size, beside, viewports
-from .views import WindowView
+from .window_views import WindowView
 
 REMARK_NS = 4_000_000_000  # how long a remark stays
 
@@ -32,8 +32,8 @@ class Painter:
     ) -> None:
         self._screen, self._presenter, self._now_ns = gpu.gl.screen, presenter, now_ns
         self._controls, self._help_text = controls, help_text
-        self.help = False  # whether the keys are explained over the picture, in place of any other text
-        self._labels: list[tuple[Rectangle, Notice]] = []  # where the label lies over which viewport
+        self.help = False  # whether the help covers the picture, in place of any other text
+        self._labels: list[tuple[Rectangle, Notice]] = []  # the label's place over each viewport
         self._remark, self._until_ns = "", 0
 
     def say(self, text: str) -> None:
@@ -43,15 +43,15 @@ class Painter:
     def draw(self, canvases: Sequence[Canvas], view: WindowView, size: Size, column: int, label: Label) -> None:
         """Draw into the window's framebuffer, (w, h) pixels.
 
-        canvases: the eyes' pictures, none for black. column: width left to the control panel at the
-        right. label: over each picture; no remark appears beside a text panel.
+        canvases: the eyes' pictures, none for black. column: width of the control panel at the
+        right. label: over each picture; remarks are hidden beside a text panel.
         """
         self._screen.scissor = None  # type: ignore[assignment]  # moderngl annotates the getter alone
         self._screen.clear(0.0, 0.0, 0.0, 1.0)
         remark = self._remark if self._now_ns() < self._until_ns else ""
         notice = self._presenter.notice("\n".join(filter(None, (label, remark))) if isinstance(label, str) else label)
         self.help = self.help and not help_closes(self._controls, has_text_panel=not isinstance(label, str))
-        # The help over the first eye alone: the other one shows what the keys do.
+        # The help covers the first eye alone: the other one shows the effect of the keys.
         notices = (self._presenter.notice(self._help_text()) if self.help else notice, notice)
         pictures = canvases or (None,) * view.count
         places = viewports(beside(size, column), len(pictures), view.aspect)
@@ -62,7 +62,7 @@ class Painter:
         ]
 
     def uv_at(self, x: float, y: float) -> tuple[float, float] | None:
-        """Return (u, v) of the label over the pictures at a framebuffer pixel; None beside it.
+        """Return (u, v) on the label of a framebuffer pixel; None outside it.
 
         x, y: from the bottom left, like (u, v).
         """

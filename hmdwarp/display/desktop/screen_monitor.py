@@ -1,4 +1,4 @@
-"""Screens that come and go, and their rates."""
+"""Follow screens as they are plugged in and out, and their refresh rates."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CHECK_NS = 1_000_000_000  # between two checks of which screen the window is on
 
 
 class ScreenMonitor:
-    """Keeps the pacer at the rate of the screen that the window is on."""
+    """Keep the pacer at the refresh rate of the window's screen."""
 
     def __init__(self, glfw: ModuleType, window: Window, pacer: Pacer) -> None:
         self._window, self._pacer = window, pacer
@@ -22,7 +22,7 @@ class ScreenMonitor:
         self._changed = True
 
     def update(self, now_ns: int) -> None:
-        """Check the screen, if one was plugged or unplugged or the last check is a second ago."""
+        """Check the screen, if one was plugged or unplugged or the last check is a second old."""
         if not self._changed and now_ns - self._checked_ns < CHECK_NS:
             return
         self._checked_ns = now_ns

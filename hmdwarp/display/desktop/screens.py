@@ -1,4 +1,4 @@
-"""The screen a window is on, and that screen's mode."""
+"""The window's screen, and that screen's mode."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ UNKNOWN = "none"
 
 
 def screen_of(glfw: ModuleType, handle: WindowHandle) -> ScreenHandle | None:
-    """Return the screen a window fills, else the one that most of it lies on; None without any."""
+    """Return the screen that a window fills, or that most of it lies on; None without any."""
     filled = glfw.get_window_monitor(handle)
     if filled:
         return filled
-    x, y = glfw.get_window_pos(handle)  # (0, 0) under Wayland, which does not say
+    x, y = glfw.get_window_pos(handle)  # (0, 0) under Wayland, which does not report it
     w, h = glfw.get_window_size(handle)
     return max(glfw.get_monitors() or [], key=lambda screen: _shared(glfw, screen, (x, y, w, h)), default=None)
 
 
 def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, int, int]) -> int:
-    """Return the area of a rectangle that lies on the screen."""
+    """Return the area of the rectangle on the screen."""
     mode = glfw.get_video_mode(screen)
     if mode is None:
         return 0
@@ -34,7 +34,7 @@ def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, i
 
 
 def mode_of(glfw: ModuleType, screen: ScreenHandle | None) -> VideoMode | None:
-    """Return size and refresh_rate of a screen as it is now; None without one."""
+    """Return size and refresh_rate of a screen; None without one."""
     return glfw.get_video_mode(screen) if screen else None
 
 

@@ -1,4 +1,4 @@
-"""Title line and control panel of a window, which show the run's status."""
+"""Title and control panel of a window, which show the run's status."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from .control_panel.panel import ControlPanel
 
 NO_PANEL = f"no control panel: {PANEL_REMEDY}"
-TITLE_NS = 250_000_000  # a title that changes more often cannot be read, and costs a round trip to the window manager
+TITLE_NS = 250_000_000  # a title that changes more often is unreadable, and each change costs a round trip
 
 
 class StatusViews:
-    """The places of a window that show a status."""
+    """The parts of a window that show the status."""
 
     def __init__(self, window: Window, controls: Sequence[Control]) -> None:
         self._window, self._controls = window, tuple(controls)
         self._status = Status()
         self._written_ns = 0
-        self.panel: ControlPanel | None = None  # None until it is opened, and where its package is missing
+        self.panel: ControlPanel | None = None  # None until it is opened, and if its package is missing
 
     def update(self, status: Status, *, shows_help: bool) -> None:
-        """Show this status from now on, with the state of the window's own switches."""
+        """Show this status, with the state of the window's own switches."""
         self._status = status
         status.values.update(
             full_screen=self._window.fills_screen,
@@ -43,12 +43,12 @@ class StatusViews:
         return self.panel.column if self.panel is not None else 0
 
     def open_panel(self) -> ControlPanel | None:
-        """Open the control panel; None where its package is missing."""
+        """Open the control panel; None if its package is missing."""
         self.panel = make_control_panel(self._window.handle, self._window.gl, controls=self._controls)
         return self.panel
 
     def draw_panel(self) -> list[Command]:
-        """Draw the control panel over the window; return its requests."""
+        """Draw the control panel over the window; return its commands."""
         return self.panel.draw(self._status, self._window.framebuffer_size) if self.panel is not None else []
 
     def write_title(self, now_ns: int) -> None:
@@ -58,7 +58,7 @@ class StatusViews:
             self._window.title(self._status.title())
 
     def close(self) -> None:
-        """Close the control panel. May be called twice."""
+        """Close the control panel. Safe to call twice."""
         panel, self.panel = self.panel, None
         if panel is not None:
             panel.close()

@@ -1,6 +1,6 @@
-"""A window with an OpenGL 4.3 core context: made, resized, full screen and back, swapped.
+"""A window with an OpenGL 4.3 core context: creation, size, full screen, swaps.
 
-Knows nothing of what is shown in it.
+It does not depend on the pictures shown in it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .x_connection import XConnection
 if TYPE_CHECKING:
     from .window_types import VideoMode, WindowHandle
 
-FALLBACK_ROOM = (1280, 800)  # where no screen says how large it is
+FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 _NO_ERROR = 0  # GL_NO_ERROR
 
 
@@ -44,14 +44,14 @@ class WindowContext:
         self._glfw.make_context_current(None)
 
     def release(self) -> None:
-        """Do nothing: the window goes with its context."""
+        """Do nothing: the context goes with its window."""
 
 
 class Window:
     """A window for pictures of (w, h) `wanted` pixels, with a column beside them.
 
     column: its width in pixels at a content scale of 1.
-    Errors: MachineError that says why there is no window or no OpenGL 4.3 in it.
+    Errors: MachineError with the reason why there is no window, or no OpenGL 4.3 in it.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Window:
         self.handle, self.api = _create(glfw, title, _units(glfw, wanted, column))
         self._closed = False
         self._connection = XConnection(glfw)
-        self._place: tuple[int, int, int, int] | None = None  # where it was before it filled the screen
+        self._place: tuple[int, int, int, int] | None = None  # its place before it filled the screen
         if full_screen:
             self.fill_screen(True)
         self._show()
@@ -79,7 +79,7 @@ class Window:
 
     def _show(self) -> None:
         glfw = self._glfw
-        # Callbacks instead of a query at every picture: an answer of the X server takes 50 us.
+        # Callbacks instead of a query at every picture: a round trip to the X server takes 50 us.
         self._minimised = False
         glfw.set_framebuffer_size_callback(self.handle, self._resized)
         glfw.set_window_iconify_callback(self.handle, self._iconified)
@@ -89,7 +89,7 @@ class Window:
         glfw.focus_window(self.handle)
 
     def _context(self, vsync: bool) -> moderngl.Context:
-        # moderngl's annotation knows no context objects, its manual does
+        # moderngl's annotation omits context objects, its manual does not
         context: Any = WindowContext(self._glfw, self.handle)
         context.__enter__()
         self.wait_for_screen(vsync)
@@ -118,7 +118,7 @@ class Window:
 
     @property
     def rate_hz(self) -> float:
-        """Refreshes a second of the screen it is on; 0 where that is unknown (virtual screens)."""
+        """Refresh rate of its screen; 0 where unknown (virtual screens)."""
         mode: VideoMode | None = mode_of(self._glfw, screen_of(self._glfw, self.handle))
         return float(mode.refresh_rate) if mode is not None else 0.0
 
@@ -127,7 +127,7 @@ class Window:
         return screen_text(self._glfw, screen_of(self._glfw, self.handle))
 
     def pixel_of(self, x: float, y: float) -> tuple[float, float]:
-        """Return framebuffer pixels from the bottom left of a position as glfw reports it.
+        """Return framebuffer pixels, from the bottom left, of a position that glfw reports.
 
         x, y: from the top left, in the window's own units, which on some desktops are not pixels.
         """
@@ -154,16 +154,16 @@ class Window:
         self._glfw.poll_events()
 
     def wait_events(self, seconds: float) -> None:
-        """Process the window's events; wait for some at most that long."""
+        """Process the window's events; wait for some, but no longer than that."""
         self._glfw.wait_events_timeout(seconds)
 
     @property
     def fills_screen(self) -> bool:
-        """Whether it has a screen for itself."""
+        """Whether it is in full screen."""
         return bool(self._glfw.get_window_monitor(self.handle))
 
     def fill_screen(self, on: bool) -> None:
-        """Fill the screen it is on, or go back to where it was.
+        """Fill its screen, or return to its earlier place.
 
         Without any screen it stays a window.
         """
@@ -184,17 +184,17 @@ class Window:
     def screens_changed(self) -> bool:
         """Handle a screen that was plugged or unplugged.
 
-        Return whether the window had filled one that is gone, and is a window again.
+        Return whether the screen that the window filled is gone, so that it is a window again.
         """
-        # glfw itself has taken the window off a screen that is gone; only where it was before is
-        # ours to know.
+        # glfw itself has moved the window off a screen that is gone; only its earlier place is left
+        # for us to restore.
         if self._place is None or self.fills_screen:
             return False
         self._leave_screen()
         return True
 
     def wait_for_screen(self, on: bool) -> None:
-        """Set whether a swap waits for the screen. The context must be current."""
+        """Set whether swaps wait for the screen. The context must be current."""
         self.vsync = on
         self._glfw.swap_interval(1 if on else 0)
 
@@ -205,19 +205,19 @@ class Window:
             self._glfw.set_window_title(self.handle, text)
 
     def swap(self) -> None:
-        """Show what was drawn.
+        """Swap the buffers.
 
-        Returns when the screen has it: no second picture waits in the driver, growing old.
+        Returns when the screen has the picture, so that no second one ages in the driver's queue.
         """
         self.send()
         self.gl.finish()
 
     def send(self) -> None:
-        """Show what was drawn, without waiting for the screen."""
+        """Swap the buffers without waiting for the screen."""
         self._glfw.swap_buffers(self.handle)
 
     def over(self) -> str:
-        """Return why nothing can be shown in it any more, in words; "" while it can."""
+        """Return the reason why nothing can be shown in it any more; "" while it works."""
         if self._connection.broken:
             return "the connection to the screen broke: the window is gone"
         if self._glfw.window_should_close(self.handle):
@@ -232,11 +232,11 @@ class Window:
         return ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
 
     def end(self) -> None:
-        """Have it closed at the next chance."""
+        """Request that it is closed at the next opportunity."""
         self._glfw.set_window_should_close(self.handle, True)
 
     def close(self) -> None:
-        """Destroy it, and end glfw. May be called twice."""
+        """Destroy it, and end glfw. Safe to call twice."""
         if not self._closed and not self._connection.broken:
             self._glfw.destroy_window(self.handle)
             self._glfw.terminate()
@@ -251,17 +251,17 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
     screen = glfw.get_primary_monitor()
     room = glfw.get_monitor_workarea(screen)[2:] if screen else FALLBACK_ROOM
     content = (glfw.get_monitor_content_scale(screen)[0] if screen else 0.0) or 1.0
-    # The room is in pixels everywhere; a unit is a pixel under X11, and `content` of them under
-    # Wayland.
+    # The free area is in pixels everywhere; a unit is a pixel under X11, and `content` of them
+    # under Wayland.
     unit = content if glfw.get_platform() == glfw.PLATFORM_WAYLAND else 1.0
     width, height = window_size(wanted, tuple(room), round(column * content))
     return max(1, round(width / unit)), max(1, round(height / unit))
 
 
 def _create(glfw: ModuleType, title: str, size: Size) -> tuple[WindowHandle, str]:
-    """Make a hidden window; return it and the interface its context was made by.
+    """Make a hidden window; return it and the interface that its context was made with.
 
-    EGL where the system's own way (GLX) has none.
+    EGL where the native interface (GLX) offers none.
     """
     failures = []
     for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
@@ -285,7 +285,7 @@ def _hints(glfw: ModuleType, api: int) -> dict[int, int]:
         glfw.CONTEXT_VERSION_MAJOR: WANTED // 100,
         glfw.CONTEXT_VERSION_MINOR: WANTED // 10 % 10,
         glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
-        # A notice of resets; drivers without one ignore this.
+        # Report resets of the GPU; drivers without this ignore it.
         glfw.CONTEXT_ROBUSTNESS: glfw.LOSE_CONTEXT_ON_RESET,
         glfw.DEPTH_BITS: 0,
         glfw.STENCIL_BITS: 0,

@@ -1,21 +1,21 @@
-"""Commands by keys, mouse and control panel of a window; it handles some of them itself."""
+"""Commands from keys, mouse and control panel of a window, which handles some of them itself."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from ...poses.desktop import Walker
+from ...poses.walker import Walker
 from .. import Command
-from .input import WindowInput
 from .keys import Keys
 from .pacing import Pacer
 from .painter import Painter
 from .status_views import NO_PANEL, StatusViews
 from .window import Window
+from .window_input import WindowInput
 
 
 class WindowCommands:
-    """Gathers requests, and handles those of controls that belong to the display."""
+    """Collect commands, and handle those of controls that belong to the display."""
 
     def __init__(
         self,
@@ -43,23 +43,23 @@ class WindowCommands:
         self._handlers = {one.name: handlers[one.name] for one in keys.controls if one.of_display}
 
     def read(self) -> int:
-        """Read mouse and keys, move the walker, and return this instant."""
+        """Read mouse and keys, move the walker, and return the time."""
         self._window.poll_events()
         self.input.walk()
         return self._now_ns()
 
     def handle_keys(self) -> None:
-        """Handle the window's own requests at once; keep the others for the run."""
+        """Handle the window's own commands at once; keep the others for the run."""
         commands, self.input.commands = self.input.commands, []
         self.pending += self._others(commands)
 
     def take(self) -> list[Command]:
-        """Return the requests for the run since the last call."""
+        """Return the commands for the run since the last call."""
         commands, self.pending = self.pending, []
         return self._others(commands)
 
     def _others(self, commands: Iterable[Command]) -> list[Command]:
-        """Handle the window's own requests; return the others."""
+        """Handle the window's own commands; return the others."""
         others = []
         for command in commands:
             handler = self._handlers.get(command.control)

@@ -1,4 +1,4 @@
-"""Types of glfw, which is loaded late, for annotations only."""
+"""Types of glfw, which is imported late, for annotations only."""
 
 from __future__ import annotations
 

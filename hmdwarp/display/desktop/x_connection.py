@@ -1,4 +1,4 @@
-"""The connection to an X server, which notices a break where Xlib would end the program."""
+"""The connection to the X server; detects a break that would make Xlib exit the program."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class XConnection:
     """
 
     def __init__(self, glfw: ModuleType) -> None:
-        # Whether the server is gone. Then nothing of the window may be touched, even to free it.
+        # Whether the server is gone. Then no part of the window may be used, not even to free it.
         self.broken = False
-        # Kept here: Xlib holds the pointers alone.
+        # Kept referenced here: Xlib stores only the pointers.
         self._handlers = _ErrorHandler(lambda _: 0), _ExitHandler(self._note)
         if glfw.get_platform() == glfw.PLATFORM_X11:
             self._listen(ctypes.cast(glfw.get_x11_display(), ctypes.c_void_p))

@@ -1,4 +1,4 @@
-"""A headset through OpenXR. The binding loads with the first name: it needs libGL and a moment."""
+"""A headset through OpenXR. The binding loads with the first name: it needs libGL and some time."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
-    from .head import OpenXrHead
     from .openxr_display import OpenXrDisplay
+    from .openxr_head import OpenXrHead
 
 __all__ = [
     "INSTALL",
@@ -25,14 +25,14 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Load the binding. Errors: MachineError where it does not load."""
+    """Load the binding. Errors: MachineError if it does not load."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .binding import load_binding
 
     load_binding()
     if name == "OpenXrHead":
-        from .head import OpenXrHead
+        from .openxr_head import OpenXrHead
 
         return OpenXrHead
     from .openxr_display import OpenXrDisplay

@@ -1,6 +1,6 @@
-"""Controllers by OpenXR's actions.
+"""Controllers through OpenXR actions: one action set, suggested for every kind of controller.
 
-One set, offered for every kind of controller, read once a refresh.
+It is read once a refresh.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import xr
 from ...errors import MachineError
 from .. import Command
 from ..controls import Control
+from .button_repeat import ButtonRepeat
 from .calls import Calls
 from .instance import Instance
-from .pressing import Pressing
 from .profiles import AXES, BUTTONS, HANDS, PROFILES
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
         is_active: bool
 
 
-# Otherwise the session lacks the focus (XR_SESSION_NOT_FOCUSED), and no button counts.
+# Any other result means that the session lacks the focus (XR_SESSION_NOT_FOCUSED), and buttons are
+# ignored.
 _SYNCED = xr.Result.SUCCESS.value
 _WORDS = {
     "across": "stick, across",
@@ -40,60 +41,60 @@ _WORDS = {
 
 
 class Actions:
-    """Actions of one session, made before it begins; they go with the instance.
+    """Actions of one session, created before it begins; they are destroyed with the instance.
 
-    controls: of those with the same button, the first one is requested.
+    controls: of several with the same button, the first one is requested.
     """
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
         self._calls, self._session = calls, session
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
-        self._pressing, self._commands = Pressing(), list[Command]()
-        handle = calls.ask(
+        self._repeat, self._commands = ButtonRepeat(), list[Command]()
+        handle = calls.call_once(
             xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0)
         )
         hands = [self._path(instance, path) for path in HANDS]
         actions = {name: self._create(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
         actions |= {name: self._create(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
         self._suggest(instance, actions)
-        calls.ask(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
-        # Kept: the next line only points at it.
+        calls.call_once(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
+        # Kept referenced: the next line only points to it.
         self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
         self._buttons = {name: _Query(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
-        # Each hand by itself: read at once, Monado 25 reports 0 where one stick is at -1 and the
-        # other at 0.
+        # Each hand separately: with both in one query, Monado 25 reports 0 where one stick is at -1
+        # and the other at 0.
         self._axes = {name: [_Query(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
 
     def _create(self, handle: xr.ActionSet, name: str, kind: xr.ActionType, hands: list[int]) -> xr.Action:
         info = xr.ActionCreateInfo(name, kind, len(hands), hands or None, _WORDS.get(name, name))
-        return self._calls.ask(xr.create_action, handle, info)
+        return self._calls.call_once(xr.create_action, handle, info)
 
     def _suggest(self, instance: Instance, actions: dict[str, xr.Action]) -> None:
-        self.refused: list[str] = []  # profiles of controllers that the runtime does not know
+        self.refused: list[str] = []  # controller profiles that the runtime does not know
         for profile, pairs in PROFILES.items():
             paths = [(actions[name], self._path(instance, path)) for name, path in pairs]
             suggested = [xr.ActionSuggestedBinding(action, path) for action, path in paths]
             info = xr.InteractionProfileSuggestedBinding(self._path(instance, profile), len(suggested), suggested)
             try:
-                self._calls.ask(xr.suggest_interaction_profile_bindings, instance.handle, info)
-            except MachineError:  # not one of its own
+                self._calls.call_once(xr.suggest_interaction_profile_bindings, instance.handle, info)
+            except MachineError:  # the controller has no such input
                 self.refused.append(profile)
 
     def _path(self, instance: Instance, text: str) -> int:
-        return self._calls.ask(xr.string_to_path, instance.handle, text)
+        return self._calls.call_once(xr.string_to_path, instance.handle, text)
 
     def sync(self, now_ns: int) -> None:
         """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""
         if self._calls("xrSyncActions", self._session, ctypes.byref(self._sync)) != _SYNCED:
-            self._pressing.forget()
+            self._repeat.forget()
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
         axes = {
             name: max((self._state("xrGetActionStateFloat", one) for one in ones), key=abs)
             for name, ones in self._axes.items()
         }
-        for button in self._pressing.step(buttons, axes, now_ns):
+        for button in self._repeat.step(buttons, axes, now_ns):
             control = self._controls.get(button)
             if control is not None:
                 self._commands.append(Command(control.name, control.value))
@@ -103,7 +104,7 @@ class Actions:
         return one.state.current_state if one.state.is_active else 0
 
     def commands(self) -> list[Command]:
-        """Return the requests since the last call."""
+        """Return the commands since the last call."""
         commands, self._commands = self._commands, []
         return commands
 
@@ -120,7 +121,7 @@ class _Query:
 
 
 def open_actions(calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> Actions | None:
-    """Open the actions, or return None where no control has a button: then nothing is read.
+    """Open the actions, or return None if no control has a button.
 
     Errors: MachineError.
     """

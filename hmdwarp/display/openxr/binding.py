@@ -1,4 +1,4 @@
-"""Loads pyopenxr late: it needs libGL at once and takes a quarter of a second."""
+"""Load pyopenxr late: it needs libGL at once and takes a quarter of a second."""
 
 from __future__ import annotations
 
@@ -9,14 +9,11 @@ from .diagnosis import diagnose
 
 
 def load_binding() -> None:
-    """Load pyopenxr, or say why not. Errors: MachineError.
+    """Import pyopenxr. Errors: MachineError with the reason.
 
-    Without libGL the import is an AttributeError, with a foreign loader an OSError: catch
-    everything.
+    Without libGL the import raises AttributeError, with a foreign loader OSError: catch everything.
     """
-    os.environ.setdefault(
-        "XR_LOADER_DEBUG", "none"
-    )  # else the loader prints what we say in words of our own, in five lines
+    os.environ.setdefault("XR_LOADER_DEBUG", "none")  # else the loader prints five lines on what our own error says
     try:
         import xr  # noqa: F401
     except Exception as error:

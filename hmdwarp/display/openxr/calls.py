@@ -1,7 +1,4 @@
-"""Every call into the runtime: watched, because a hung service never answers.
-
-Results become errors.
-"""
+"""Calls into the runtime: watched, because a hung service never answers; results become errors."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ from ...errors import HmdwarpError, MachineError
 from .. import Lost
 from .diagnosis import LOST, diagnose, manifest_text
 
-# What only a caller who does not keep to the specification gets.
+# Results that only a caller who violates the specification gets.
 _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "TimeInvalid", "ValidationFailure")
 
 
@@ -35,11 +32,11 @@ class Calls:
         self.begin()
 
     def begin(self) -> None:
-        """Start over."""
+        """Reset the stage."""
         self.stage, self.name = "runtime", "the runtime"
 
-    def ask(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a pyopenxr function, for one-time calls.
+    def call_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a pyopenxr function that is used once.
 
         Errors: MachineError; Lost during a session.
         """
@@ -53,7 +50,7 @@ class Calls:
     def __call__(self, call: str, *arguments: Any) -> int:
         """Call a loader function by its C name, at every refresh: 2 us instead of 10.
 
-        Returns its result, 0 or above. Errors: as ask.
+        Returns its result, 0 or above. Errors: as call_once.
         """
         function = self._functions.get(call) or self._load(call)
         with self._watching(call):
@@ -65,7 +62,7 @@ class Calls:
     def _load(self, call: str) -> Any:
         """Return a function pointer of our own.
 
-        pyopenxr's makes an enum of every result, and fails on results it does not know.
+        pyopenxr's wraps every result in an enum, and fails on results that it does not know.
         """
         function = raw_functions.openxr_loader_library[call]
         function.restype, function.argtypes = ctypes.c_int, getattr(raw_functions, call).argtypes

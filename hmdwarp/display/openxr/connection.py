@@ -1,4 +1,4 @@
-"""Everything that lives and dies with the runtime's service, from the instance to the pictures."""
+"""Everything that is lost with the runtime's service, from the instance to the swapchains."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from .eyes import COUNT, RuntimeEyes
 from .frame_calls import FrameCalls
 from .graphics import Graphics, check_requirements
 from .instance import DEPTH_EXTENSION, WITH_PICTURES, Instance, open_instance
-from .layer import Projection
-from .session import Session
+from .openxr_session import Session
+from .projection_layer import Projection
 from .swapchain import Swapchain, colour_format, depth_format
 from .tracking import HeadTracker, Spaces
 
-READY_S = 5.0  # for a session that was just made to become ready; runtimes take fractions of a second
-IDLE_S = 0.01  # between two looks at a session that does not run
-SEEN = 4  # frames with should_render on; before that the period is a guess (Monado: 16 ms for up to two of them)
-UNSEEN_S = 1.0  # a headset that is not worn may never ask for a picture
+READY_S = 5.0  # for a new session to become ready; runtimes take fractions of a second
+IDLE_S = 0.01  # between two polls of a session that is not running
+SEEN = 4  # frames with should_render before the period counts as known (Monado reports 16 ms for up to two of them)
+UNSEEN_S = 1.0  # a headset that is not worn may never request a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
 @attrs.frozen(eq=False)
 class Pictures:
-    """The runtime's pictures of both eyes, and the layer that hands them over."""
+    """The swapchains of both eyes, and the layer that submits them."""
 
     colours: list[Swapchain]
-    depths: list[Swapchain]  # empty where the runtime takes none
+    depths: list[Swapchain]  # empty where the runtime accepts none
     layer: Projection
 
 
 @attrs.define(eq=False)
 class Connection:
-    """A session with its pictures. Close it in any state: errors no longer matter then."""
+    """A session with its swapchains. Safe to close in any state: errors are then ignored."""
 
     instance: Instance
     session: Session
@@ -56,7 +56,7 @@ class Connection:
     _pictures: Pictures | None = attrs.field(default=None, init=False)
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
-        """Go through the first frames, empty, until session, period and eyes are known.
+        """Submit empty frames until session, period and eyes are known.
 
         Errors: MachineError if that takes too long.
         """
@@ -80,7 +80,7 @@ class Connection:
             seen += self.frames.state.should_render
 
     def make_pictures(self, calls: Calls, graphics: Graphics, size: tuple[int, int], with_depth: bool) -> None:
-        """Make pictures of that size for each eye.
+        """Create swapchains of that size for each eye.
 
         Errors: InputError for a size too large for the runtime.
         """
@@ -94,7 +94,7 @@ class Connection:
         self._pictures = Pictures(colours, depths, Projection(self.spaces.world, colours, depths))
 
     def pictures(self) -> Pictures:
-        """Return the pictures that make_pictures() made."""
+        """Return the swapchains that make_pictures() created."""
         if self._pictures is None:
             raise HmdwarpError("the session has no pictures: make_pictures() first")
         return self._pictures
@@ -130,9 +130,9 @@ def _unready(name: str, running: bool) -> str:
 def connect(
     calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
 ) -> Connection:
-    """Return a session with pictures.
+    """Return a session with swapchains.
 
-    graphics_for: returns the graphics for a runtime. controls: those of them with buttons are read.
+    graphics_for: returns the graphics for a runtime. controls: those with buttons are read.
     Errors: MachineError.
     """
     with ExitStack() as stack:
@@ -140,12 +140,12 @@ def connect(
         stack.callback(instance.destroy)
         graphics = graphics_for(instance)
         check_requirements(calls, instance, graphics.gpu)
-        views = calls.ask(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
+        views = calls.call_once(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
         if len(views) != COUNT:
             raise MachineError(f"{calls.name} has {len(views)} views: expected {COUNT}")
         modes = [
             int(mode)
-            for mode in calls.ask(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
+            for mode in calls.call_once(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
         ]
         opaque = xr.EnvironmentBlendMode.OPAQUE.value
         session = Session(calls, instance, graphics.binding)
@@ -154,7 +154,7 @@ def connect(
         spaces = Spaces(calls, instance, session.handle)
         tracker.attach(calls, instance, spaces)
         frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
-        formats = [int(one) for one in calls.ask(xr.enumerate_swapchain_formats, session.handle)]
+        formats = [int(one) for one in calls.call_once(xr.enumerate_swapchain_formats, session.handle)]
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
         largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
         has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None

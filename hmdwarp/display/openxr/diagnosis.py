@@ -7,7 +7,7 @@ import platform
 from collections.abc import Mapping
 from pathlib import Path
 
-RUNTIME_LABEL = "the OpenXR runtime"  # what corrects the lens and takes depth, for a plan
+RUNTIME_LABEL = "the OpenXR runtime"  # named in plans as what corrects the lens and reads depth
 INSTALL = "Debian, Ubuntu: sudo apt-get install"
 A_BINDING = f"{INSTALL} libgl1, and pip install pyopenxr"
 A_RUNTIME = (
@@ -67,8 +67,8 @@ def diagnose(
     """Return what happened and what to do about it.
 
     stage: one of STAGES. error: the name of pyopenxr's exception, "died" for a process that never
-    came back, or of whatever was raised while the binding loaded. message: what the error said.
-    name: the runtime's, where known. active: which runtime the loader takes (manifest_text).
+    returned, or of the exception raised while the binding loaded. message: the text of the error.
+    name: the runtime's, where known. active: the runtime that the loader chooses (manifest_text).
     """
     words = _one_line(message)
     if stage == "binding":
@@ -85,9 +85,9 @@ def diagnose(
 
 
 def missing_extensions(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
-    """Return what the runtime lacks for live pictures, or for the head alone, and what to do.
+    """Return the extensions that the runtime lacks for live pictures, or for head poses alone.
 
-    ("", "") if nothing.
+    With what to do; ("", "") if none is missing.
     """
     missing = [] if not pictures or set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
     missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
@@ -95,9 +95,9 @@ def missing_extensions(name: str, extensions: list[str], pictures: bool = True) 
 
 
 def manifest(environ: Mapping[str, str]) -> Path | None:
-    """Return the runtime manifest that the OpenXR loader would take.
+    """Return the runtime manifest that the OpenXR loader would choose.
 
-    None where it finds none to try.
+    None where it finds none.
 
     The file may not exist.
     Source: OpenXR loader design, "Runtime discovery" on Linux.
@@ -112,7 +112,7 @@ def manifest(environ: Mapping[str, str]) -> Path | None:
 
 
 def manifest_text(environ: Mapping[str, str]) -> str:
-    """Return which manifest is active and what is wrong with it, in a few words."""
+    """Return the active manifest and its fault, if any, in a few words."""
     path = manifest(environ)
     if path is None:
         return "XR_RUNTIME_JSON is not set and there is no active_runtime.json"

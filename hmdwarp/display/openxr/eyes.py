@@ -1,4 +1,4 @@
-"""Where the eyes sit in the head and what each sees, as the runtime has it now."""
+"""Eye poses and fields of view, as the runtime reports them now."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ COUNT = 2
 
 
 class RuntimeEyes:
-    """geometry.Eyes that follow the runtime.
+    """A geometry.Eyes that follows the runtime.
 
-    A new eye distance gives new views at the next refresh.
+    A new eye distance takes effect at the next refresh.
     """
 
     def __init__(self) -> None:
@@ -41,9 +41,9 @@ class RuntimeEyes:
         return bool(self._known)
 
     def locate(self, calls: Calls, session: xr.Session, head: xr.Space, time: int) -> None:
-        """Read the eyes in head space, for an instant of the runtime's clock.
+        """Locate the eyes in head space at an instant of the runtime's clock.
 
-        Ignore invalid values.
+        Invalid values are ignored.
         Errors: Lost.
         """
         self._info.display_time, self._info.space = time, head
@@ -57,7 +57,7 @@ class RuntimeEyes:
     def _update(self, raw: bytes) -> None:
         try:
             self._known = tuple((pose_of(view.pose), _fov_of(view.fov)) for view in self._views)
-        except InputError:  # no field of view yet, or a lost service's zeros
+        except InputError:  # no field of view yet, or zeros from a lost service
             return
         self._bytes = raw
 
@@ -67,7 +67,7 @@ class RuntimeEyes:
 
 
 def pose_of(pose: xr.Posef) -> Pose:
-    """Return the runtime's pose as ours. Errors: InputError for numbers that are no pose."""
+    """Convert the runtime's pose to ours. Errors: InputError for numbers that are no pose."""
     at, turned = pose.position, pose.orientation
     return Pose((at.x, at.y, at.z), (turned.x, turned.y, turned.z, turned.w))
 

@@ -1,6 +1,6 @@
-"""The three calls of a frame, never out of step.
+"""The three calls of a frame, kept in order.
 
-One left open makes the next xrWaitFrame block forever.
+A frame left open makes the next xrWaitFrame block forever.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 class FrameCalls:
     """Frame calls of one session. state: result of the last xrWaitFrame.
 
-    blend_mode: how the picture meets the room. A frame counts as waited for from before xrWaitFrame
-    until after xrBeginFrame, and as open until after xrEndFrame, because Ctrl-C may come between
-    any call and the next line. Beginning or ending a frame that is not open is refused and
-    harmless.
+    blend_mode: how the picture blends with the surroundings. A frame counts as waited for from
+    before xrWaitFrame until after xrBeginFrame, and as open until after xrEndFrame, because Ctrl-C
+    may come between any call and the next line. Beginning or ending a frame that is not open is
+    refused and harmless.
     """
 
     def __init__(self, calls: Calls, session: xr.Session, blend_mode: int) -> None:
@@ -42,7 +42,7 @@ class FrameCalls:
         self._waited = False
 
     def end(self, layer: ctypes.Structure | None = None) -> None:
-        """Hand the frame over, with this layer or with none. Errors: Lost."""
+        """Submit the frame, with this layer or with none. Errors: Lost."""
         end = self._end
         end.display_time, end.layer_count = self.state.predicted_display_time, 0
         if layer is not None:

@@ -1,4 +1,4 @@
-"""The OpenGL context whose pictures the runtime takes, and its description for the runtime."""
+"""The OpenGL context that a runtime takes pictures from, and its description for the runtime."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
 from .instance import Instance
 
 if TYPE_CHECKING:
-    from .mirror import Mirror
+    from .mirror_window import Mirror
 
 VARIABLE = "HMDWARP_OPENXR_GRAPHICS"
 GLX, EGL = "glx", "egl"
@@ -27,11 +27,11 @@ _CONFIG_ID, _FBCONFIG_ID, _VISUAL_ID, _NONE = 0x3028, 0x8013, 0x800B, 0
 
 @attrs.define(eq=False)
 class Graphics:
-    """A context for a runtime."""
+    """An OpenGL context for a runtime."""
 
     gpu: Gpu  # with its context current
     name: str  # "GLX" or "EGL"
-    binding: ctypes.Structure  # that context, as the runtime wants it
+    binding: ctypes.Structure  # that context as a runtime expects it
     mirror: Mirror | None = None  # the window, if any
 
     def close(self) -> None:
@@ -44,9 +44,9 @@ class Graphics:
 def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
     """Return the ways to draw for that runtime here, the best first.
 
-    GLX: a window's context, which mirrors the left eye on the desktop; EGL: one without a window.
-    The environment's HMDWARP_OPENXR_GRAPHICS, egl or glx, allows only that one.
-    Errors: InputError for another word there; MachineError if none is left.
+    GLX: a window's context, which mirrors the left eye on the desktop. EGL: one without a window.
+    The environment variable HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one.
+    Errors: InputError for another value of it; MachineError if none is left.
     """
     requested = environ.get(VARIABLE, "").lower()
     if requested not in ("", EGL, GLX):
@@ -70,9 +70,9 @@ def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
 
 
 def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) -> Graphics:
-    """Open the first of `kinds` that works. Errors: MachineError that says why none does.
+    """Open the first of `kinds` that works.
 
-    controls: of the window, where there is one.
+    controls: of the window, if there is one. Errors: MachineError with the reasons why none works.
     """
     failures = []
     for kind in kinds(instance.extensions, os.environ):
@@ -84,13 +84,13 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
 
 
 def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
-    """Ask the runtime which OpenGL it needs, as required before every session.
+    """Query which OpenGL the runtime needs, as required before every session.
 
     Errors: MachineError if it needs a newer one.
     """
     if GLX_EXTENSION not in instance.extensions:
         return
-    needs = calls.ask(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
+    needs = calls.call_once(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
     least = xr.Version(needs.min_api_version_supported)
     found = gpu.gl.version_code
     if least.major * 100 + least.minor * 10 > max(found, WANTED):
@@ -102,8 +102,8 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
 def _windowed(controls: tuple[Control, ...]) -> Graphics:
     os.environ.setdefault(
         "PYGLFW_LIBRARY_VARIANT", "x11"
-    )  # GLX is X11's; read when glfw is first imported, which is now
-    from .mirror import Mirror
+    )  # GLX belongs to X11; this is read when glfw is first imported, which is now
+    from .mirror_window import Mirror
 
     mirror = Mirror(controls)
     try:
@@ -180,7 +180,7 @@ _NONE_EGL = 0x3038
 
 
 def _put(binding: ctypes.Structure, **pointers: int | None) -> None:
-    """Write addresses into fields, whose types are pyopenxr's, PyOpenGL's or plain, by machine."""
+    """Write addresses into fields, whose types differ: pyopenxr's, PyOpenGL's or plain."""
     for name, value in pointers.items():
         field = getattr(type(binding), name)
         size = ctypes.sizeof(ctypes.c_uint32) if name == "visualid" else ctypes.sizeof(ctypes.c_void_p)

@@ -1,4 +1,4 @@
-"""The runtime and its headset, before anything is drawn."""
+"""The OpenXR instance and its system, before anything is drawn."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NS = 1_000_000_000
 def offered_extensions(calls: Calls) -> list[str]:
     """Return the runtime's extensions. Errors: MachineError where there is no runtime."""
     calls.begin()
-    return sorted(_text(entry.extension_name) for entry in calls.ask(xr.enumerate_instance_extension_properties))
+    return sorted(_text(entry.extension_name) for entry in calls.call_once(xr.enumerate_instance_extension_properties))
 
 
 @attrs.define(eq=False)
@@ -36,7 +36,7 @@ class Instance:
 
     handle: xr.Instance
     system: int
-    extensions: frozenset[str]  # those that are on
+    extensions: frozenset[str]  # the enabled ones
     about: dict[str, str]  # runtime, runtime_version, headset
     _convert: Callable[..., int]  # xrConvertTimespecTimeToTimeKHR
     _timespec: xr.timespec
@@ -64,7 +64,7 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     """Connect to the runtime's service and find the headset.
 
     wanted: extensions to enable if offered.
-    Errors: MachineError that says what is missing.
+    Errors: MachineError naming what is missing.
     """
     offered = offered_extensions(calls)
     words, remedy = missing_extensions(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
@@ -75,7 +75,7 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
     application = xr.ApplicationInfo(
         application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0)
     )
-    handle = calls.ask(
+    handle = calls.call_once(
         xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on)
     )
     try:
@@ -86,15 +86,15 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
 
 
 def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
-    properties = calls.ask(xr.get_instance_properties, handle)
+    properties = calls.call_once(xr.get_instance_properties, handle)
     runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
     calls.stage, calls.name = (
         "headset",
         runtime if version in runtime else f"{runtime} {version}",
-    )  # Monado's name says it
-    system = calls.ask(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
-    headset = _text(calls.ask(xr.get_system_properties, handle, system).system_name)
-    pointer = calls.ask(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
+    )  # Monado's name includes it
+    system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+    headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
+    pointer = calls.call_once(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
     convert = ctypes.cast(pointer, xr.PFN_xrConvertTimespecTimeToTimeKHR)
     calls.stage = "session"
     about = {"runtime": runtime, "runtime_version": version, "headset": headset}

@@ -1,6 +1,6 @@
 """A headset as a display.
 
-The runtime says when, where and what each eye sees, and gets the pictures.
+The runtime determines refresh times and eye views, and receives the pictures.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from .diagnosis import RUNTIME_LABEL
 from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
 from .instance import Instance
-from .layer import NEAR_M
+from .projection_layer import NEAR_M
 from .swapchain import Swapchain
 from .tracking import HeadTracker
 
 if TYPE_CHECKING:
     from .. import EyePicture, Picture
-    from .mirror import Mirror
+    from .mirror_window import Mirror
 
 LOST = "tracking lost"
 
 
 @attrs.frozen(eq=False)
 class Drawing:
-    """What draws the pictures. It outlasts a runtime that goes away."""
+    """GPU objects that draw the pictures. They outlast a lost runtime."""
 
     graphics: Graphics
     presenter: Presenter
@@ -50,11 +50,10 @@ class Drawing:
 class OpenXrDisplay(Connected):
     """display.Display for the headset of the active OpenXR runtime.
 
-    Times are CLOCK_MONOTONIC's, which outlives the runtime's service; the runtime's own instants
-    are converted. With an X display it has a window of its own that mirrors the left eye;
-    HMDWARP_OPENXR_GRAPHICS=egl or glx in the environment insists on one of the two ways to draw.
-    Errors: MachineError that says which of loader, runtime, service, headset or extension is
-    missing.
+    Times are on CLOCK_MONOTONIC, which outlives the runtime's service; the runtime's own times are
+    converted. With an X display it has a window that mirrors the left eye; the environment variable
+    HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one way to draw.
+    Errors: MachineError naming which of loader, runtime, service, headset or extension is missing.
     """
 
     # Thirteen attributes, seven of them members of Display.
@@ -108,7 +107,7 @@ class OpenXrDisplay(Connected):
         return self._opened().graphics.mirror
 
     def now_ns(self) -> int:
-        """Return this instant."""
+        """Return the current time."""
         return time.monotonic_ns()
 
     def wait(self) -> Tick | None:
@@ -135,14 +134,14 @@ class OpenXrDisplay(Connected):
     def _missed(self, shown_ns: int) -> int:
         """Return missed refreshes of the display.
 
-        A runtime may report a longer period to slow programs (Monado does); those refreshes go by
+        A runtime may report a longer period to slow programs (Monado does); those refreshes pass
         all the same.
         """
         last, self._last_shown_ns = self._last_shown_ns, shown_ns
         return max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
-        """Hand over as Display.show; returns when xrEndFrame has returned."""
+        """Submit as Display.show; returns when xrEndFrame has returned."""
         frames, presenter = self._connected().frames, self._opened().presenter
         if frames.state.should_render and (refresh is not None or label):
             frames.end(self._draw(refresh, label))
@@ -154,7 +153,7 @@ class OpenXrDisplay(Connected):
         return submitted_ns
 
     def _draw(self, refresh: Picture | None, label: Label) -> ctypes.Structure:
-        """Draw both eyes; return the layer for the runtime."""
+        """Draw both eyes; return the layer to submit."""
         pictures, notice = self._connected().pictures(), self._opened().presenter.notice(label)
         for eye, view in enumerate(self._views(refresh)):
             result = refresh.eyes[eye] if refresh is not None else None
@@ -172,37 +171,37 @@ class OpenXrDisplay(Connected):
             result.panel if result else None,
             colour.acquire(),
             (0, 0, *colour.size),
-            hardware_srgb=True,  # a float format holds linear light, which the switch leaves alone
+            hardware_srgb=True,  # a float format stores linear light and ignores the switch
             notice=notice,
             eye=view,
         )
         colour.release()
 
     def _views(self, refresh: Picture | None) -> Sequence[View]:
-        """Return the views the pictures were made for; for a black picture, this refresh's."""
+        """Return the views of the pictures; for a black picture, this refresh's."""
         if refresh is not None:
             return [eye.view for eye in refresh.eyes]
         return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
 
-    def look(self, view: str) -> None:
+    def set_view(self, view: str) -> None:
         """Do nothing: a headset has one view."""
 
     def restart(self) -> None:
         """Do nothing: the head is live."""
 
     def commands(self) -> Sequence[Command]:
-        """Return the window's keys, where there is one, and the controllers' buttons."""
+        """Return the commands of the window's keys, if there is one, and of the controllers."""
         made, mirror = self._connection, self._mirror
         by_controllers = made.actions.commands() if made is not None and made.actions is not None else ()
         return [*(mirror.commands() if mirror is not None else ()), *by_controllers]
 
-    def tell(self, status: Status) -> None:
+    def show_status(self, status: Status) -> None:
         """Show the status in the mirror's title."""
         if self._mirror is not None:
-            self._mirror.tell(status)
+            self._mirror.show_status(status)
 
     def reopen(self) -> bool:
-        """Release the old session and try again, as Display.reopen.
+        """Release the old session and connect again, as Display.reopen.
 
         Errors: Closed, for a closed window.
         """

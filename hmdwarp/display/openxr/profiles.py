@@ -1,8 +1,8 @@
-"""Which button of which controller does what, for every kind of controller in OpenXR's core.
+"""Button bindings of every kind of controller in OpenXR's core.
 
 Names of buttons: "left", "right", "up", "down", "confirm", "menu", as
 display.controls.Control.buttons has them. A stick is two axes of -1..1, "across" and "along"; a
-pad's count only while it is pressed ("pad"), as a thumb rests on it.
+pad's axes count only while it is pressed ("pad"), because a thumb rests on it.
 
 Source: OpenXR 1.0 specification, section 6.4, Interaction Profile Paths.
 """
@@ -25,16 +25,16 @@ _STICK = (("across", "thumbstick/x"), ("along", "thumbstick/y"))
 _TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", "trackpad/click"))
 
 PROFILES: dict[str, Bindings] = {
-    # Two buttons a hand and no stick: each hand's main one moves the marker its own way; of the
-    # others the right hand's confirms, as most write with it, and the left hand's is the menu.
-    # How long one is held means nothing: in a headset that cannot be learnt.
+    # Two buttons a hand and no stick: each hand's main one moves the marker to its own side. Of the
+    # others, the right hand's confirms, the one most people write with, and the left hand's is the
+    # menu. Long presses mean nothing: nobody would discover them in a headset.
     "/interaction_profiles/khr/simple_controller": (
         ("left", f"{_LEFT}/select/click"),
         ("right", f"{_RIGHT}/select/click"),
         ("confirm", f"{_RIGHT}/menu/click"),
         ("menu", f"{_LEFT}/menu/click"),
     ),
-    # The right hand's menu button is the system's own.
+    # The right hand's menu button is reserved by the system.
     "/interaction_profiles/oculus/touch_controller": (
         *_both(*_STICK, ("confirm", "trigger/value")),
         ("confirm", f"{_LEFT}/x/click"),

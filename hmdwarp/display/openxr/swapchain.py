@@ -1,4 +1,4 @@
-"""The runtime's pictures, as framebuffers to draw into."""
+"""The runtime's swapchain images, as framebuffers to draw into."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from ...gpu.raw_gl import depth_framebuffer
 from .calls import Calls
 
 SRGB8_A8, RGBA16F, RGBA8 = 0x8C43, 0x881A, 0x8058
-# The best first. All of them are taken as linear light by the runtime once they are read: only the
-# first stores it encoded.
+# The best first. The runtime reads all of them as linear light; only the first stores it encoded.
 COLOURS = {SRGB8_A8: "f1", RGBA16F: "f2", RGBA8: "f1"}
 DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16 = 0x8CAC, 0x8CAD, 0x81A6, 0x88F0, 0x81A5
 DEPTHS = (DEPTH_32F, DEPTH_32F_STENCIL, DEPTH_24, DEPTH_24_STENCIL, DEPTH_16)
@@ -27,7 +26,7 @@ _DEPTH = xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsage
 def colour_format(offered: list[int]) -> int:
     """Return the best colour format.
 
-    Errors: MachineError if the runtime has none that we can draw into.
+    Errors: MachineError if the runtime offers none that we can draw into.
     """
     for one in COLOURS:
         if one in offered:
@@ -40,12 +39,12 @@ def colour_format(offered: list[int]) -> int:
 
 
 def depth_format(offered: list[int]) -> int | None:
-    """Return the best depth format, None if the runtime has none."""
+    """Return the best depth format, None if the runtime offers none."""
     return next((one for one in DEPTHS if one in offered), None)
 
 
 class Swapchain:
-    """Pictures of one eye, (w, h) each, passed between runtime and client."""
+    """Images of one eye, (w, h) each, passed between runtime and client."""
 
     def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, size: tuple[int, int], kind: int) -> None:
         self._calls, self.size = calls, size
@@ -54,11 +53,11 @@ class Swapchain:
             usage_flags=_DEPTH if self.is_depth else _DRAWN, format=kind, sample_count=1,
             width=size[0], height=size[1], face_count=1, array_size=1, mip_count=1,
         )  # fmt: skip
-        self.handle = calls.ask(xr.create_swapchain, session, info)
+        self.handle = calls.call_once(xr.create_swapchain, session, info)
         self._textures: list[moderngl.Texture] = []
         self._framebuffers: list[moderngl.Framebuffer] = []
         try:
-            for image in calls.ask(xr.enumerate_swapchain_images, self.handle, xr.SwapchainImageOpenGLKHR):
+            for image in calls.call_once(xr.enumerate_swapchain_images, self.handle, xr.SwapchainImageOpenGLKHR):
                 self._framebuffers.append(self._framebuffer(gpu, image.image, kind))
         except BaseException:
             self.destroy()
@@ -74,22 +73,22 @@ class Swapchain:
         return gpu.gl.framebuffer([self._textures[-1]])
 
     def whole(self) -> xr.SwapchainSubImage:
-        """All of a picture, for a layer."""
+        """Return the whole of an image, for a layer."""
         rectangle = xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*self.size))
         return xr.SwapchainSubImage(self.handle, rectangle, 0)
 
     def acquire(self) -> moderngl.Framebuffer:
-        """Return the next picture to draw into, once the runtime has released it. Errors: Lost."""
+        """Return the next image to draw into, once the runtime has released it. Errors: Lost."""
         self._calls("xrAcquireSwapchainImage", self.handle, None, self._index_pointer)
         self._calls("xrWaitSwapchainImage", self.handle, self._wait)
         return self._framebuffers[self._index.value]
 
     def release(self) -> None:
-        """Hand the picture back. Errors: Lost."""
+        """Release the image to the runtime. Errors: Lost."""
         self._calls("xrReleaseSwapchainImage", self.handle, None)
 
     def destroy(self) -> None:
-        """Destroy our names for the pictures first, then the runtime's pictures."""
+        """Destroy our references to the images first, then the runtime's images."""
         for framebuffer in self._framebuffers:
             framebuffer.release()
         for texture in self._textures:

@@ -1,4 +1,4 @@
-"""The head, as the runtime tracks it."""
+"""Head tracking through the runtime."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _Flags = xr.SpaceLocationFlags
 _TURN_VALID, _TURN_TRACKED = _Flags.ORIENTATION_VALID_BIT.value, _Flags.ORIENTATION_TRACKED_BIT.value
 _PLACE_VALID = _Flags.POSITION_VALID_BIT.value
 _Space = xr.ReferenceSpaceType
-EYE_HEIGHT_M = 1.6  # of someone standing, where the runtime does not know the floor
+EYE_HEIGHT_M = 1.6  # of a standing person, where the runtime does not know the floor
 STANDING = Pose((0.0, EYE_HEIGHT_M, 0.0))
 
 
@@ -26,14 +26,14 @@ class Spaces:
     """Reference spaces of a session."""
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
-        offered = {int(one) for one in calls.ask(xr.enumerate_reference_spaces, session)}
+        offered = {int(one) for one in calls.call_once(xr.enumerate_reference_spaces, session)}
         self.name, kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
         self.world = self._made(calls, session, kind, -height)
         self.head = self._made(calls, session, _Space.VIEW, 0.0)
 
     def _made(self, calls: Calls, session: xr.Session, kind: xr.ReferenceSpaceType, y: float) -> xr.Space:
         origin = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, y, 0))
-        return calls.ask(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, origin))
+        return calls.call_once(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, origin))
 
 
 def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, float]:
@@ -48,10 +48,10 @@ def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, 
 class HeadTracker:
     """A PoseSource on CLOCK_MONOTONIC.
 
-    A lost head is HELD: where the runtime last knew it, if it still says so (valid, not tracked:
-    the specification's way of losing track), else where it was here. Tracked poses of the past are
-    MEASURED, of the future PREDICTED. Only the orientation counts: an invalid position, as of 3-DoF
-    headsets, is held while the orientation is tracked.
+    While tracking is lost the head is HELD: at the runtime's last known pose, if it still reports
+    that (valid but not tracked, as the specification has it), else at the last pose read here.
+    Tracked poses of the past are MEASURED, of the future PREDICTED. Only the orientation counts: an
+    invalid position, as of 3-DoF headsets, is held while the orientation is tracked.
     Source: OpenXR 1.0, XrSpaceLocationFlagBits.
     """
 
@@ -68,7 +68,7 @@ class HeadTracker:
         self.offset_ns = instance.offset_ns()
 
     def start(self) -> None:
-        """Do nothing: it runs already."""
+        """Do nothing: it is already running."""
 
     def head_at(self, time_ns: int) -> PoseSample:
         """Return the head as PoseSource.head_at. Errors: Lost."""
@@ -85,7 +85,7 @@ class HeadTracker:
     def _located(self, flags: int) -> Pose | None:
         try:
             pose = pose_of(self._location.pose)
-        except InputError:  # not a number, or no turn at all: some runtimes call even that valid
+        except InputError:  # NaN, or a zero quaternion: some runtimes call even that valid
             return None
         return pose if flags & _PLACE_VALID else Pose(self._last.position_m, pose.orientation_xyzw)
 

@@ -6,8 +6,8 @@ from .coder import Encoder as Encoder
 from .coder import Packet as Packet
 from .coder import Picture as Picture
 from .coding import Coding as Coding
-from .depth import STEP as STEP
-from .depth import DepthDecoder as DepthDecoder
-from .depth import DepthEncoder as DepthEncoder
-from .errors import Undecodable as Undecodable
-from .layers import packed_bytes as packed_bytes
+from .depth_codec import STEP as STEP
+from .depth_codec import DepthDecoder as DepthDecoder
+from .depth_codec import DepthEncoder as DepthEncoder
+from .packed_layers import packed_bytes as packed_bytes
+from .undecodable import Undecodable as Undecodable

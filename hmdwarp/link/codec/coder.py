@@ -13,10 +13,10 @@ from ...colour import linear_from_srgb
 from ...errors import InputError
 from .codecs import Codec, codecs
 from .coding import check_quality
-from .depth import DepthDecoder, DepthEncoder
-from .errors import Undecodable
+from .depth_codec import DepthDecoder, DepthEncoder
 from .holes import covered
 from .stream import ColourDecoder, ColourEncoder
+from .undecodable import Undecodable
 
 
 @attrs.frozen
@@ -54,12 +54,12 @@ class Picture:
 
 
 class Encoder:
-    """Makes the packets of one eye.
+    """Encode the frames of one eye into packets.
 
     size: (w, h) of its frames. crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of
     its colour; neither: the codec's own crf. key_every_s: a key frame at least that often; None:
-    the first, and those requested. Depth has no part in the reference chain: each is packed by
-    itself. Errors: InputError for numbers that cannot be meant, or codec "none", which encodes
+    the first, and those requested. Depth takes no part in the reference chain: each frame's is
+    packed by itself. Errors: InputError for numbers out of range, or codec "none", which encodes
     nothing; MachineError as ColourEncoder.
     """
 
@@ -84,7 +84,7 @@ class Encoder:
         self._key_wanted = True
 
     def request_key(self) -> None:
-        """Make the next frame a key frame: one before it went missing."""
+        """Make the next frame a key frame, because an earlier one is missing."""
         self._key_wanted = True
 
     def encode(self, colour_srgb: NDArray[np.uint8], inverse_depth: NDArray[np.float32]) -> Packet:
@@ -104,7 +104,7 @@ class Encoder:
 
 
 class Decoder:
-    """Makes pictures of one eye's packets.
+    """Decode packets into pictures of one eye.
 
     They must come in the order of encoding; some may be missing.
     """
@@ -118,8 +118,8 @@ class Decoder:
     def decode(self, packet: Packet) -> Picture:
         """Return the frame as the client sees it.
 
-        Errors: Undecodable for one that builds on a frame that never came, from there to the next
-        key frame, and for damaged bytes.
+        Errors: Undecodable for damaged bytes, and for every frame from a missing one to the next
+        key frame.
         """
         if packet.key:
             self._colour.restart()

@@ -14,8 +14,8 @@ _CRFS = (0, 51)
 class Coding(Declared):
     """Codec and quality. With neither crf nor bitrate_mbit, the codec's own quality.
 
-    Errors: InputError for a quality or a rate without a codec, for both at a time, or for one that
-    is out of bounds.
+    Errors: InputError for a quality or a rate without a codec, for both together, or for one out of
+    bounds.
     """
 
     # A name of codecs.
@@ -33,7 +33,7 @@ class Coding(Declared):
 
 
 def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
-    """Check the numbers. Errors: InputError for both at a time, or one that is out of bounds."""
+    """Check the numbers. Errors: InputError for both together, or one out of bounds."""
     if crf is not None and bitrate_mbit is not None:
         raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: expected a quality or a rate, not both")
     if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:

@@ -1,4 +1,4 @@
-"""Colours for the video where nothing was drawn."""
+"""Colours to put into holes before video encoding."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 def covered(colour: NDArray[np.uint8], inverse_depth: NDArray[np.float32]) -> NDArray[np.uint8]:
     """Return the picture with each hole coloured like the covered pixel before it in its row.
 
-    At the start of a row, like the first after it. A black hole would bleed into the pixels beside
-    it, by the code's blocks and by chroma of half the resolution, and cost bytes. The depth says
-    where the holes are; the decoder empties them. Without holes the picture itself is returned.
+    At the start of a row, like the first covered one after it. A black hole would bleed into
+    neighbouring pixels, through the codec's blocks and half-resolution chroma, and cost bytes. The
+    depth marks the holes; the decoder clears them again. Without holes the picture itself is
+    returned.
     """
     hole = inverse_depth < 0
     if not hole.any():

@@ -3,9 +3,9 @@
 A picture in, its bytes out at once; and back.
 
 8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709,
-limited range (luma 16 to 235): what every decoder in hardware takes. Both ends say so instead of
-trusting defaults, which differ between programs. The values are sRGB's, and the stream's tags say
-that too.
+limited range (luma 16 to 235): which every hardware decoder supports. Both ends state this instead
+of trusting defaults, which differ between programs. The values are sRGB-encoded, and the stream is
+tagged so.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import Codec
-from .errors import Undecodable
+from .undecodable import Undecodable
 
 _BT709, _SRGB, _LIMITED = 1, 13, 1  # FFmpeg's numbers: matrix and primaries, transfer, range
-_SMALLEST = 64  # x265 takes no picture smaller than a block
-# How many pictures' worth of bits the encoder may be ahead of its rate: the jitter that adds.
+_SMALLEST = 64  # x265 rejects pictures smaller than a block
+# How many pictures' worth of bits the encoder may run ahead of its rate: this bounds the jitter.
 _VBV_FRAMES = 4
 
 
@@ -36,10 +36,10 @@ def coded_size(size: tuple[int, int]) -> tuple[int, int]:
 
 
 class ColourEncoder:
-    """Pictures of one size in, bytes out, each before the next goes in.
+    """Encode pictures of one size, each before the next goes in.
 
     crf: constant quality, lower is better; or bitrate_mbit: that many Mbit/s, kept to within 4
-    pictures. Errors: MachineError if the encoder cannot be had or does not open.
+    pictures. Errors: MachineError if the encoder is missing or does not open.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class ColourEncoder:
             packets = self._context.encode(frame)
         except (OSError, av.FFmpegError) as error:
             raise MachineError(f"encoder '{self._codec.encoder}' failed ({error})") from error
-        if len(packets) != 1:  # the settings are for a picture at a time
+        if len(packets) != 1:  # the settings promise one packet per picture
             raise MachineError(
                 f"encoder '{self._codec.encoder}' gave {len(packets)} packets for one picture: "
                 "it does not run without delay"
@@ -90,7 +90,7 @@ class ColourEncoder:
 
 
 class ColourDecoder:
-    """Bytes in, pictures of `size` out."""
+    """Decode bytes into pictures of `size`."""
 
     def __init__(self, codec: Codec, size: tuple[int, int]) -> None:
         import av
@@ -98,7 +98,7 @@ class ColourDecoder:
         codec.check()
         self.size = size
         context = av.CodecContext.create(codec.decoder, "r")
-        # Frame threads would hold pictures back.
+        # Frame threads would delay pictures.
         context.thread_type, context.thread_count = "SLICE", 2
         self._context: Any = context
 
@@ -115,7 +115,7 @@ class ColourDecoder:
         return _from_yuv(frames[0], self.size)
 
     def restart(self) -> None:
-        """Forget all pictures before a key frame."""
+        """Drop all pictures before a key frame."""
         self._context.flush_buffers()
 
 
@@ -158,7 +158,9 @@ def _from_yuv(frame: Any, size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def _exact() -> Any:
-    """Return how chroma is interpolated: 10 ms for 1280x800 instead of 5, 1.8 dB better, unbiased.
+    """Return the flags for exact chroma interpolation: 1.8 dB better, and unbiased.
+
+    They take 10 ms for 1280x800 instead of 5.
 
     Without the two flags all colours come back 1 to 1.5 levels too dark. An older PyAV may lack
     them.

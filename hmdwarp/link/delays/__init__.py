@@ -1,4 +1,4 @@
-"""How long the network takes for a frame: one file per model."""
+"""Delay models of the network: one file each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every delay model has in common."""
+"""The base class of delay models."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ...errors import InputError
 if TYPE_CHECKING:
     import numpy as np
 
-LONGEST_MS = 60_000.0  # more is another unit by mistake, such as microseconds
+LONGEST_MS = 60_000.0  # more is probably another unit, such as microseconds
 
 
 class DelayModel(abc.ABC):
-    """Delays around a latency; the same seed makes the same ones.
+    """Delays around a latency; reproducible by seed.
 
     Models are attrs.frozen classes.
     """
@@ -26,13 +26,13 @@ class DelayModel(abc.ABC):
     @classmethod
     @abc.abstractmethod
     def parse(cls, argument: str) -> Self:
-        """Parse what follows the name and a colon on the command line, "" for nothing.
+        """Parse the text after the name and a colon on the command line, "" for nothing.
 
         Errors: InputError.
         """
 
     def check(self, latency_ns: int) -> None:
-        """Check the latency. Errors: InputError if there are no such delays around it."""
+        """Check the latency. Errors: InputError if the model cannot be applied to it."""
         if not 0 <= latency_ns < math.inf:  # NaN too
             raise InputError(f"latency {latency_ns / 1e6:g} ms: expected 0 or more")
 
@@ -46,11 +46,14 @@ class DelayModel(abc.ABC):
 
     @abc.abstractmethod
     def samples(self, latency_ns: int, rng: np.random.Generator) -> Iterator[int]:
-        """Yield the delay of each frame in ns, 0 or more, without end."""
+        """Yield the delay of each frame in ns, 0 or more, endlessly."""
 
 
 def milliseconds(what: str, text: str) -> float:
-    """Parse a number of ms from 0 to LONGEST_MS. Errors: InputError that begins with `what`."""
+    """Parse a number of ms from 0 to LONGEST_MS.
+
+    Errors: InputError whose message starts with `what`.
+    """
     try:
         value = float(text)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Every frame takes the same time."""
+"""A constant delay."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @delay_models.register
 @attrs.frozen
 class ConstantDelay(DelayModel):
-    """The latency and nothing else."""
+    """The latency alone."""
 
     name = "constant"
 

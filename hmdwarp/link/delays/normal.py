@@ -19,8 +19,8 @@ _REACH = 6.0  # standard deviations: one frame in 1e9 lies beyond, and memory ne
 class NormalJitter(DelayModel):
     """A normal distribution around the latency, truncated at 0 and at 6 deviations above it.
 
-    Truncated, not clipped: no delay becomes more likely. Where the latency is less than some
-    deviations the mean is larger.
+    Truncated, not clipped, so that no probability piles up at the ends. For a latency of few
+    deviations the mean is above it.
     """
 
     name = "normal"
@@ -49,7 +49,7 @@ class NormalJitter(DelayModel):
     def samples(self, latency_ns: int, rng: np.random.Generator) -> Iterator[int]:
         unit, deviation = NormalDist(), self._deviation_ns
         low = unit.cdf(-min(latency_ns / deviation, _REACH)) if deviation else 0.5
-        high, least = unit.cdf(_REACH), 2.0**-60  # inv_cdf takes what lies between 0 and 1 only
+        high, least = unit.cdf(_REACH), 2.0**-60  # inv_cdf accepts only values strictly between 0 and 1
         longest = self.longest_ns(latency_ns)
         while True:
             share = max(low + (high - low) * rng.random(), least)

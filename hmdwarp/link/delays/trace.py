@@ -19,9 +19,9 @@ _MOST_LINES = 10_000_000  # 80 MB; a day of frames at 90 Hz is 7.8 million
 @delay_models.register
 @attrs.frozen
 class DelayTrace(DelayModel):
-    """The delays of a file, one for each frame, from the start again when they end.
+    """The delays of a file, one for each frame, repeated when they end.
 
-    The latency plays no part.
+    The latency is ignored.
     """
 
     name = "trace"

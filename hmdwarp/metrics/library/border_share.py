@@ -1,4 +1,4 @@
-"""Holes at the border: the part of the holes that no warp could have known."""
+"""Holes at the border: the part that no warp could have filled from the frame."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def border_share(
     """Return the share of pixels, 0..hole_share, that are holes beyond the rendered field of view.
 
     The truth says what belongs there. Each hole's pixel and its true inverse depth go through the
-    warp map to the rendered view. Beyond the edges of that picture, or beside or behind its eye
-    (w <= 0), no frame could have held it. The other holes are disocclusions and gaps between
-    stretched pixels.
+    warp map to the rendered view. Beyond the edges of that picture, or beside or behind its eye (w
+    <= 0), no frame could have held it. The other holes are disocclusions and gaps between stretched
+    pixels.
 
     coverage, truth_inverse_depth: (h, w), top row first; the latter in 1/m in the shown view, 0 (or
     NaN) = infinitely far. rendered_size: (w, h) of the late frame.

@@ -1,4 +1,4 @@
-"""Flicker: error that changes from frame to frame. The eye sees it long before constant error."""
+"""Flicker: error that changes from frame to frame, which is more visible than constant error."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..metric_inputs import Input
 def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: View) -> float | None:
     """Return the mean absolute change, 0..1, of the signed error between neighbouring frames.
 
-    The two are compared at the same shown view direction: the homography of the rotation alone
-    turns the previous error to the present view (sampled bilinearly, in float64). Error that is
-    fixed to a direction in the world does not count as flicker while the head turns; error that
-    jumps does. Pixels whose direction is outside the previous picture are left out; None if none
-    remains. Interpolation softens the previous error under rotation, so pixel-sharp error counts a
-    little even when it is steady.
+    The two are compared at the same shown view direction: the homography of the rotation alone maps
+    the previous error to the current view (sampled bilinearly, in float64). Error that is fixed to
+    a direction in the world does not count as flicker while the head turns; error that jumps does.
+    Pixels whose direction is outside the previous picture are left out; None if none remains.
+    Interpolation softens the previous error under rotation, so pixel-sharp error counts a little
+    even when it is steady.
 
     error, previous_error: (h, w, 3), top row first, from error_image.
     Errors: InputError if either is not (h, w, 3); the two may differ in size.

@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metric import Metric, metrics
-from ..pictures import check_pair, db_of
+from ..picture_pairs import check_pair, db_of
 
 
 def psnr_db(shown: NDArray, truth: NDArray) -> float:
     """Return the ratio in dB over all pixels and channels, at most 100 dB (identical pictures too).
 
-    shown, truth: (h, w, 3), as metrics.pictures. For uint8 the squared error is summed in integers,
-    so the figure is exact and independent of the order of summation.
+    shown, truth: (h, w, 3), as metrics.picture_pairs. For uint8 the squared error is summed in
+    integers, so the figure is exact and independent of the order of summation.
     Errors: InputError for pictures that cannot be compared.
     """
     check_pair(shown, truth)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metric import Metric, metrics
-from ..pictures import check_pair
+from ..picture_pairs import check_pair
 
 SSIM_SIGMA = 1.5
 SSIM_WINDOW = 11
@@ -15,7 +15,7 @@ SSIM_WINDOW = 11
 def ssim(shown: NDArray, truth: NDArray) -> float:
     """Return the mean structural similarity, at most 1, over all pixels and the three channels.
 
-    shown, truth: (h, w, 3), as metrics.pictures.
+    shown, truth: (h, w, 3), as metrics.picture_pairs.
     Window: Gaussian of sigma 1.5 pixels, 11x11, population covariance, as in the paper. The mean
     includes the border (mirrored), which scikit-image leaves out: the border is where late pictures
     have their holes.

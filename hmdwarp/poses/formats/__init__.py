@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...registry import Registry
-from ._base import TraceFormat, ordered
+from ._base import TraceFormat, column_of, ordered
 
 formats: Registry[TraceFormat] = Registry("trace format", __name__)
 
-__all__ = ["TraceFormat", "formats", "ordered"]
+__all__ = ["TraceFormat", "column_of", "formats", "ordered"]

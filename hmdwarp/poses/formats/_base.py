@@ -1,4 +1,4 @@
-"""What every trace format is made of: recognise it, find its columns, perhaps write it."""
+"""The base class of trace formats: detect one, find its columns, optionally write it."""
 
 from __future__ import annotations
 
@@ -6,42 +6,54 @@ from typing import IO, TYPE_CHECKING
 
 import attrs
 
-from ...errors import TraceError
+from ...errors import InputError, TraceError
 from ..defects import Defect
 from ..options import TraceOptions
 from ..reading.columns import Columns, find_columns
+from ..reading.file_head import is_number
 
 if TYPE_CHECKING:
     from ..reading.cleaning import Cleaned
-    from ..reading.head import Head
-    from ..reading.rows import Layout
+    from ..reading.file_head import Head
+    from ..reading.rows import Euler, Layout
     from ..track import PoseTrack
+
+
+_ORDER_ASSUMED = Defect(
+    "order-assumed",
+    "nothing in the file says whether w comes first or last in its quaternions",
+    "w last taken, as in TUM files; --quat-order wxyz says otherwise",
+)
 
 
 class TraceFormat:
     """One layout of head-motion files. A new one is one file in this package."""
 
-    name = ""  # as the file is called
+    name = ""  # the name of the format
     summary = ""  # one line for people
     writes = False  # whether `write` works
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        """Return how surely the file is of this format: 0 not at all, 100 certainly.
+        """Return how likely the file is of this format: 0 not at all, 100 certainly.
 
         The highest wins.
         """
         raise NotImplementedError
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        """Return which columns hold what. Errors: TraceError when a needed one is missing."""
+        """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
         raise NotImplementedError
 
     def read(self, head: Head, options: TraceOptions) -> Cleaned:
         """Return the clean track of a file. Errors: TraceError, InputError."""
         from ..reading.cleaning import Cleaner
-        from ..reading.rows import RowReader
+        from ..reading.rows import BY_FILE, RowReader
 
         layout = self.layout(head, options)
+        layout = with_stated_columns(head, layout, options)
+        stated = axes_stated(head)
+        if stated is not None:
+            layout = attrs.evolve(layout, axes=stated, axes_by=BY_FILE)
         if layout.time is None and options.rate is None:
             raise TraceError(f"{head.path} has no time ({head.describe()}): give the samples per second with --rate")
         if options.rate is not None:
@@ -53,12 +65,51 @@ class TraceFormat:
         return cleaner.clean(head.path.stem, self.origin(head))
 
     def origin(self, head: Head) -> str:
-        """Return where the motion comes from, if the file says so."""
+        """Return the origin of the motion, if the file states it."""
         return ""
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         """Write a track so that reading it gives the same poses bit for bit."""
         raise TraceError(f"format {self.name} is read, not written")
+
+
+def axes_stated(head: Head) -> str | None:
+    """Return the axes that a comment of the file states, as `parse_axes` takes them.
+
+    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
+    """
+    from ..reading.axes import OPENXR, parse_axes
+
+    for _, text in head.comments:
+        key, _, value = text.partition(":")
+        if key.strip().lower() != "axes":
+            continue
+        if OPENXR in value.lower():
+            return OPENXR
+        try:
+            parse_axes(value)
+        except InputError:
+            continue
+        return value
+    return None
+
+
+def column_of(head: Head, word: str) -> int:
+    """Return the index of a column by name, or by number from 1. Errors: InputError."""
+    word = word.strip()
+    index = head.column(word)
+    if index is None and word.isdigit() and 1 <= int(word) <= head.width:
+        index = int(word) - 1
+    if index is None:
+        raise InputError(f"{head.path} has no column '{word}' ({head.describe()}); numbers count from 1")
+    return index
+
+
+def with_stated_columns(head: Head, layout: Layout, options: TraceOptions) -> Layout:
+    """Return the layout with the clock of --time-column, if there is one."""
+    if options.time_column is None:
+        return layout
+    return attrs.evolve(layout, time=column_of(head, options.time_column), unit=options.time_unit, nanoseconds=None)
 
 
 def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
@@ -73,20 +124,31 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = find_columns(head.names)
-    orientation = found.orientation
-    if orientation is None:
+    orientation: tuple[int, ...] | None = found.orientation
+    euler = None
+    if orientation is None and options.euler is not None and found.angles is not None:
+        euler = parse_euler(options.euler)
+        orientation = tuple(found.angles["xyz".index(axis)] for axis in euler.order)
+    elif orientation is None and found.matrix is not None:
+        orientation = found.matrix
+    elif orientation is None:
         raise _no_quaternion(head, found)
-    if found.numbered:
+    elif found.numbered:
         orientation = ordered(head, orientation, options.quat_order)
     elif options.quat_order is not None:
         known["caveats"] = (*known.get("caveats", ()), _order_ignored(options.quat_order))
+    time, unit = _finest(head, found.clocks)
     facts = {
-        "time": found.time,
-        "unit": found.time_unit,
+        "time": time,
+        "unit": unit,
+        "nanoseconds": found.nanoseconds,
         "orientation": orientation,
+        "euler": euler,
+        "matrix": orientation is found.matrix,
         "position": found.position,
         "device": found.device,
         "scale": found.length_m or 1.0,
+        "gravity_down": _mean_of(head, found.gravity),
     }
     return Layout(**(facts | known))
 
@@ -94,8 +156,8 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
 def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
     """Return the layout of time, position and quaternion in this order, without a header.
 
-    Asked for by name, the file is what the format says, with w in that order; found by its shape
-    alone, the order has to be told.
+    Named as a format, the file has w in that order. Blank-separated it is TUM's, w last, as evo and
+    others write and read it; otherwise the order must be stated.
     Errors: TraceError for fewer columns, or an unknown order.
     """
     from ..reading.rows import Layout
@@ -105,7 +167,41 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
             f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: time, position and quaternion"
         )
     known = options.quat_order or (order if options.format == name else None)
-    return Layout(time=0, position=(1, 2, 3), orientation=ordered(head, (4, 5, 6, 7), known), unit=unit)
+    assumed = known is None and head.separator is None
+    orientation = ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known)
+    caveats = (_ORDER_ASSUMED,) if assumed else ()
+    return Layout(
+        time=0, position=(1, 2, 3), orientation=orientation, unit=unit, order_assumed=assumed, caveats=caveats
+    )
+
+
+def _finest(head: Head, clocks: tuple[tuple[int, str | None], ...]) -> tuple[int | None, str | None]:
+    """Return the clock that takes the most values over the first rows, the likeliest of equals."""
+
+    def values(clock: tuple[int, str | None]) -> int:
+        return len({row[clock[0]] for row in head.rows if len(row) > clock[0] and row[clock[0]]})
+
+    return max(clocks, key=values, default=(None, None))
+
+
+def parse_euler(text: str) -> Euler:
+    """Parse `--euler`: the order of turns about the fixed axes, and deg or rad: "ZXY,deg".
+
+    Unity's Euler angles are ZXY,deg. Errors: InputError.
+    """
+    from ..reading.rows import Euler
+
+    order, _, unit = text.strip().lower().partition(",")
+    if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
+        raise InputError(f"euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
+    return Euler(order, unit.strip() == "deg")
+
+
+def _mean_of(head: Head, columns: tuple[int, int, int] | None) -> tuple[float, ...]:
+    """Return the mean of three columns over the first rows; zeros where one holds no number."""
+    rows = [[row[c] for c in columns] for row in head.rows if len(row) > max(columns)] if columns else []
+    numbers = [[float(f) for f in row] for row in rows if all(is_number(f) and "," not in f for f in row)]
+    return tuple(sum(column) / len(numbers) for column in zip(*numbers, strict=True)) if numbers else (0.0, 0.0, 0.0)
 
 
 def _order_ignored(order: str) -> Defect:
@@ -121,8 +217,7 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
         names = ", ".join(found.euler[:4])
         return TraceError(
             f"{head.path} gives Euler angles only ({names}): their order and signs differ "
-            "from device to device, and the file does not state them; convert them to quaternions with what you "
-            "know of the device"
+            "from device to device, and the file does not state them; --euler does (ZXY,deg is Unity's)"
         )
     return TraceError(
         f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"
@@ -145,10 +240,10 @@ def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[in
 
 
 def has(head: Head, *names: str) -> bool:
-    """Tell whether the header holds all these names."""
+    """Return whether the header has all these names."""
     return head.names is not None and set(names) <= set(head.names)
 
 
 def whole_number(field: str, digits: int) -> bool:
-    """Tell whether the field is an integer of exactly so many digits."""
+    """Return whether the field is an integer of exactly so many digits."""
     return len(field) == digits and field.isdigit()

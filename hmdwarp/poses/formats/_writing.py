@@ -14,7 +14,7 @@ _LARGEST_NS = 2**62  # what the readers accept
 
 
 def clock_offset_ns(track: PoseTrack) -> int:
-    """Return what to add to the track's time so that the file carries the recording's own clock.
+    """Return the offset to the track's time that restores the recording's own clock.
 
     0 where that does not fit into 2^62 ns.
     """
@@ -23,7 +23,7 @@ def clock_offset_ns(track: PoseTrack) -> int:
 
 
 def exact_text(values: Iterable[float], separator: str) -> str:
-    """Return numbers (Python's floats) in the shortest text that reads back as the same."""
+    """Return numbers (Python's floats) in the shortest text that reads back the same."""
     return separator.join(map(repr, values))
 
 

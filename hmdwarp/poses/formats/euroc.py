@@ -1,6 +1,6 @@
 """EuRoC (ASL) ground truth.
 
-Ns, position, quaternion with w first, perhaps velocities and biases.
+Columns: ns, position, quaternion with w first, optionally velocities and biases.
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.axes import OPENXR
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats
@@ -41,6 +42,7 @@ class Euroc(TraceFormat):
         return unnamed_layout(head, options, self.name, "wxyz", "ns" if options.format else None)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write(f"# axes: {OPENXR}\n")
         stream.write(HEADER + "\n")
         write_rows(track, stream, ",", stamp=str, order="wxyz")
 

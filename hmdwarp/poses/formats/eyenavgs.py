@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from ..defects import Defect
 from ..options import TraceOptions
-from ..reading.head import Head
-from ..reading.rows import Layout
+from ..reading.file_head import Head
+from ..reading.rows import BY_FORMAT, Layout
 from . import formats
 from ._base import TraceFormat, has, named_layout
 
@@ -32,7 +32,7 @@ class EyeNavGS(TraceFormat):
         return 90 if has(head, "ViewIndex", "FOV1", "PositionX", "QuaternionX", "GazePosX") else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="ms", caveats=(_EYES,))
+        return named_layout(head, options, unit="ms", axes_by=BY_FORMAT, caveats=(_EYES,))
 
 
 formats.register(EyeNavGS())

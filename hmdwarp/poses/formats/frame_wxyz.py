@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import TraceError
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from . import formats
 from ._base import TraceFormat, ordered
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 
 class FrameWxyz(TraceFormat):
-    """Six bare columns: the second a frame number that never falls, the last four of length 1.
+    """Six bare columns: the second a non-decreasing frame number, the last four of length 1.
 
-    Only the shape tells this format. Its order is w first by definition; a file of this shape whose
-    own motion contradicts that is refused.
+    Only this shape identifies the format. Its order is w first by definition; a file of this shape
+    whose own motion contradicts that is refused.
     Source: Corbillon et al. 2017, 360-degree video head movement dataset (MMSys).
     """
 
@@ -65,11 +65,11 @@ def _quaternion(row: list[str]) -> list[float]:
 
 
 def _hangs(track: PoseTrack) -> bool:
-    """Tell whether the head hangs upside down, but would be upright had w come last.
+    """Return whether the head hangs upside down, but would be upright had w come last.
 
     Upside down means a tenth of the time. The vertical part of the head's own up is 1 - 2 (x^2 +
-    y^2) in the file's axes. Read in the wrong order it swings with the heading instead: only a head
-    that has turned can give the order away.
+    y^2) in the file's axes. Read in the wrong order it swings with the heading instead, so only a
+    head that has turned reveals the order.
     """
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from ...errors import TraceError
 from ..options import TraceOptions
-from ..reading.head import Head
-from ..reading.rows import Layout
+from ..reading.file_head import Head
+from ..reading.rows import BY_FORMAT, Layout
 from . import formats
 from ._base import TraceFormat, has, named_layout
 
@@ -37,7 +37,7 @@ class MultiViewpoint(TraceFormat):
                 f"{head.path} gives Euler angles only, under a header that is mislabelled (its 'yaw' is the pitch): "
                 "read the twin of this file that holds quaternions"
             )
-        return named_layout(head, options, unit="s", axes=AXES)
+        return named_layout(head, options, unit="s", axes=AXES, axes_by=BY_FORMAT)
 
 
 formats.register(MultiViewpoint())

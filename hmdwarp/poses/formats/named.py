@@ -1,16 +1,16 @@
-"""Any file with a header that names its columns in one of the ways seen in the wild."""
+"""Any file whose header names its columns in one of the common ways."""
 
 from __future__ import annotations
 
 from ..options import TraceOptions
-from ..reading.head import Head
+from ..reading.file_head import Head
 from ..reading.rows import Layout
 from . import formats
 from ._base import TraceFormat, named_layout
 
 
 class Named(TraceFormat):
-    """Headers of the wild: qx..qw, QuaternionX..W, HeadOrientationW..Z, w x y z, head_rot_x..w."""
+    """Common headers: qx..qw, QuaternionX..W, HeadOrientationW..Z, w x y z, head_rot_x..w."""
 
     name = "named"
     summary = "any header that names time, position and quaternion (qx.., QuaternionX.., head_rot_x.., ..)"

@@ -1,4 +1,4 @@
-"""hmdwarp's own traces: CSV with a comment header that says where the motion comes from."""
+"""hmdwarp's own traces: CSV with a comment header that states the origin of the motion."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import IO, TYPE_CHECKING
 
 from ..options import TraceOptions
-from ..reading.head import Head
-from ..reading.rows import Layout
+from ..reading.file_head import Head
+from ..reading.rows import BY_FORMAT, Layout
 from ..track import PoseTrack
 from . import formats
 from ._base import TraceFormat, has, named_layout
@@ -30,7 +30,7 @@ class Native(TraceFormat):
         return 100 if has(head, *COLUMNS) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="ns")
+        return named_layout(head, options, unit="ns", axes_by=BY_FORMAT)
 
     def origin(self, head: Head) -> str:
         return next(
@@ -56,7 +56,7 @@ def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | 
 def header_text(origin: str, rate_hz: float, notes: Iterable[str] = ()) -> str:
     """Return everything above the rows.
 
-    origin: where the motion comes from, in words. notes: what a reader should know.
+    origin: of the motion, in words. notes: for readers of the file.
     """
     head = [TITLE, f"origin: {origin or 'not told'}", f"rate: {rate_hz:.6g} Hz", f"axes: {AXES}", *notes]
     # One line each: a note with a newline in it would become a row.
@@ -64,5 +64,5 @@ def header_text(origin: str, rate_hz: float, notes: Iterable[str] = ()) -> str:
 
 
 def row_text(time_ns: int, pose: Pose) -> str:
-    """Return one sample, every bit of it, for a trace that is written while it grows."""
+    """Return one sample in full precision, for a trace that is written while it grows."""
     return f"{time_ns},{exact_text((*pose.position_m.tolist(), *pose.orientation_xyzw.tolist()), ',')}\n"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..options import TraceOptions
-from ..reading.head import Head
-from ..reading.rows import Layout
+from ..reading.file_head import Head
+from ..reading.rows import BY_FORMAT, Layout
 from . import formats
 from ._base import TraceFormat, has, named_layout
 
@@ -23,7 +23,7 @@ class QuestSet(TraceFormat):
         return 90 if has(head, "HeadPosX", "HeadOrientationW", "LeftTouchPosX", "time") else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="s")
+        return named_layout(head, options, unit="s", axes_by=BY_FORMAT)
 
 
 formats.register(QuestSet())

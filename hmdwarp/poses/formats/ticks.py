@@ -6,7 +6,7 @@ Ticks of 100 ns since the year 1 (.NET) or 1601 (Windows).
 from __future__ import annotations
 
 from ..options import TraceOptions
-from ..reading.head import Head
+from ..reading.file_head import Head
 from ..reading.rows import Layout
 from . import formats
 from ._base import TraceFormat, has, named_layout, unnamed_layout, whole_number

@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import IO
 
 from ..options import TraceOptions
-from ..reading.head import Head, is_number
+from ..reading.axes import OPENXR
+from ..reading.file_head import Head, is_number
 from ..reading.rows import Layout
 from ..track import PoseTrack
 from . import formats
@@ -32,8 +33,7 @@ class Tum(TraceFormat):
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if has(head, *COLUMNS):
             return 90
-        # Eight bare numbers: the layout of a TUM file that has lost its comment, but w may as well
-        # come first.
+        # Eight bare numbers: the layout of a TUM file that has lost its comment.
         bare = (
             head.names is None
             and head.separator is None
@@ -48,6 +48,7 @@ class Tum(TraceFormat):
         return unnamed_layout(head, options, self.name, "xyzw", "s" if options.format else None)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
+        stream.write(f"# axes: {OPENXR}\n")
         stream.write("# " + " ".join(COLUMNS) + "\n")
         write_rows(track, stream, " ", stamp=_seconds, order="xyzw")
 

@@ -1,4 +1,4 @@
-"""Predictors: where the head will be, from what is known now. One file each."""
+"""Predictors of the head pose from known motion: one file each."""
 
 from __future__ import annotations
 

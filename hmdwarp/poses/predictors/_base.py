@@ -1,4 +1,4 @@
-"""What a predictor is, and what all of them fall back to."""
+"""The declaration of a predictor, and the fallback that all share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Constant velocity: the motion of the last 50 ms goes on."""
+"""Constant velocity: the motion of the last 50 ms continues."""
 
 from __future__ import annotations
 
@@ -41,9 +41,8 @@ def _window(track: PoseTrack, i: int) -> tuple[int, int]:
     q, p = track.orientation_xyzw, track.position_m
     last = i
     while last > 0 and not track.broken[last - 1] and (q[last] == q[last - 1]).all() and (p[last] == p[last - 1]).all():
-        last -= 1  # a repeated pose was measured when it first came
-    # A head that has stood still for the whole window is still: its velocity is not that of long
-    # ago.
+        last -= 1  # a repeated pose was measured at its first occurrence
+    # A head that has been still for the whole window has no velocity; an older one does not count.
     if track.time_ns[i] - track.time_ns[last] >= WINDOW_NS:
         return i, i
     first = last

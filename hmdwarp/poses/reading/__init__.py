@@ -1,1 +1,1 @@
-"""From bytes to a clean track, in steps: head (which kind of text), columns, rows, cleaning."""
+"""From bytes to a clean track, in steps: head (file type), columns, rows, cleaning."""

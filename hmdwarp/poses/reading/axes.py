@@ -3,62 +3,140 @@
 from __future__ import annotations
 
 import math
+import re
+import tomllib
+from pathlib import Path
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...registry import unknown_name
+from ...tables import Table
 from .. import quaternions
 
+OPENXR = "openxr"
+AUTO = "auto"  # --axes auto: those that fit the motion, where that is clear
+_PRESETS = Path(__file__).parents[1] / "presets"
 _AXES = {"x": (1.0, 0, 0), "y": (0, 1.0, 0), "z": (0, 0, 1.0)}
-# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves as
-# little else as it can.
+# right, up, forward of the turn by a quarter (or half) that lifts the named axis to +y and moves
+# everything else as little as possible.
 _LIFTS = {"y": "x,y,-z", "-y": "x,-y,z", "z": "x,z,y", "-z": "x,-z,-y", "x": "-y,x,-z", "-x": "y,-x,-z"}
+_SYNTAX = "a preset of 'hmdwarp list axes', or world=right,up,forward head=right,up,forward (world=x,z,y head=x,-y,z)"
+_PARTS = re.compile(r"\b(world|head)\s*=\s*([^\s;]+)")
 
 
 @attrs.frozen(eq=False)
 class Axes:
-    """Axes of a file, relative to OpenXR's."""
+    """Axes of a file, relative to OpenXR's, of the world and of the head.
 
-    # (3, 3), rows are OpenXR's right, up and back in the file's axes, for world and head alike
-    basis: NDArray[np.float64]
+    A rotation carries points of the head into the world in both, so both have the same handedness:
+    orientation_openxr = world @ orientation_file @ head.T, where both are matrices.
+    """
+
+    world: NDArray[np.float64]  # (3, 3), rows are OpenXR's right, up and back in the file's world axes
+    head: NDArray[np.float64]  # (3, 3), the same in the axes of the file's head
     # xyzw, a turn of the world alone that follows (gravity set upright; the head's own axes stay)
     tilt: NDArray[np.float64] | None = None
-    up: str = "y"  # which file axis is up
+    name: str = ""  # the preset they come from
+    metres_per_unit: float | None = None  # of files with these axes, if they state it
+
+    def __attrs_post_init__(self) -> None:
+        if np.linalg.det(self.world) * np.linalg.det(self.head) < 0:
+            raise InputError(
+                f"axes {self.words()}: one of the two is left-handed and the other right-handed; "
+                "a rotation keeps the hand, so turn one axis of either around"
+            )
+
+    def words(self) -> str:
+        """Return them as `parse_axes` takes them, for instance "world=x,z,y head=x,-y,z"."""
+        return f"world={_words_of(self.world)} head={_words_of(self.head)}"
+
+    def label(self) -> str:
+        """Return the preset's name, or the axes themselves."""
+        return f"{self.name} ({self.words()})" if self.name else self.words()
+
+    def has_up(self, word: str) -> bool:
+        """Tell whether the world's up is this axis, for instance "z"."""
+        return _words_of(self.world).split(",")[1] == word
+
+    def in_openxr(self, orientation: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return converted quaternions (n, 4)."""
+        converted = orientation.copy()
+        self.apply(None, converted)
+        return converted
 
     def apply(self, position: NDArray[np.float64] | None, orientation: NDArray[np.float64]) -> None:
         """Convert positions (n, 3) and quaternions (n, 4), in place.
 
         Under a change of basis B a rotation about v by an angle becomes one about B v by det(B)
-        times the angle; a left-handed file (det -1) needs no other treatment.
+        times the angle; a left-handed file (det -1) needs no other treatment. Where the head's
+        basis is another one, a fixed turn of the head follows.
         """
-        if not np.array_equal(self.basis, np.eye(3)):
-            orientation[:, :3] = orientation[:, :3] @ (round(np.linalg.det(self.basis)) * self.basis).T
+        if not np.array_equal(self.world, np.eye(3)):
+            orientation[:, :3] = orientation[:, :3] @ (round(np.linalg.det(self.world)) * self.world).T
             if position is not None:
-                position[:] = position @ self.basis.T
+                position[:] = position @ self.world.T
+        if not np.array_equal(self.world, self.head):
+            from scipy.spatial.transform import Rotation
+
+            turn = Rotation.from_matrix(self.world @ self.head.T).as_quat()
+            orientation[:] = quaternions.multiply(orientation, turn)
         if self.tilt is not None:
             orientation[:] = quaternions.multiply(self.tilt, orientation)
             if position is not None:
                 position[:] = quaternions.rotate(self.tilt, position)
 
 
-def from_words(text: str) -> Axes:
-    """Return the axes of "right,up,forward", for instance "-y,z,x": x points forward, z up."""
-    rows = []
-    for word in text.split(","):
-        sign, letter = (-1.0, word[1:]) if word.startswith("-") else (1.0, word.removeprefix("+"))
-        if letter not in _AXES:
-            raise InputError(f"axis '{word}': expected x, y or z, with or without a sign")
-        rows.append(np.array(_AXES[letter]) * sign)
-    basis = np.array(rows)
-    if basis.shape != (3, 3) or abs(abs(np.linalg.det(basis)) - 1) > 1e-9:
-        raise InputError(f"axes '{text}': expected three different ones, right,up,forward, for instance x,z,y")
-    basis[2] *= -1  # OpenXR's z points back
-    return Axes(basis, up=text.split(",")[1].removeprefix("+"))
+def preset_names() -> list[str]:
+    """Return the names of the presets, sorted."""
+    return sorted(p.stem for p in _PRESETS.glob("*.toml"))
+
+
+@attrs.frozen
+class Preset:
+    """Axes that many files share, by name."""
+
+    name: str
+    summary: str
+    axes: Axes
+    source: str
+
+
+def load_preset(name: str) -> Preset:
+    """Load axes by name. Errors: UnknownNameError with the nearest known name."""
+    if name not in preset_names():
+        raise unknown_name("axes preset", name, preset_names())
+    data = Table(tomllib.loads((_PRESETS / f"{name}.toml").read_text(encoding="utf-8")))
+    scale = data.number("metres_per_unit") if "metres_per_unit" in data else None
+    axes = Axes(_basis(str(data.text("world"))), _basis(str(data.text("head"))), name=name, metres_per_unit=scale)
+    preset = Preset(name, data.text("summary"), axes, data.text("source"))
+    data.refuse_unread()
+    return preset
 
 
 def parse_axes(text: str) -> Axes:
+    """Parse `--axes`: a preset, or "world=right,up,forward head=right,up,forward".
+
+    One of world and head, or three axes alone, hold for both.
+    Errors: InputError, UnknownNameError.
+    """
+    text = text.strip().lower()
+    found: dict[str, str] = dict(_PARTS.findall(text))
+    if found:
+        if _PARTS.sub("", text).strip(" ,;"):
+            raise InputError(f"axes '{text}': expected {_SYNTAX}")
+        world = _basis(found.get("world", found.get("head", "")))
+        return Axes(world, _basis(found.get("head", found.get("world", ""))))
+    if "," in text:
+        return Axes(_basis(text), _basis(text))
+    if not re.fullmatch(r"[a-z][a-z0-9 _-]*", text):
+        raise InputError(f"axes '{text}': expected {_SYNTAX}")
+    return load_preset(re.sub(r"[ _]", "-", text)).axes
+
+
+def parse_up(text: str) -> Axes:
     """Parse `--up`: an axis (y, z, -z, ..), three axes "right,up,forward", or three numbers.
 
     An axis: world and head are both turned so that it becomes +y; for z that is (x, y, z) -> (x, z,
@@ -69,26 +147,63 @@ def parse_axes(text: str) -> Axes:
     """
     text = text.strip().lower().removeprefix("+")
     if text in _LIFTS:
-        return from_words(_LIFTS[text])
+        return parse_axes(_LIFTS[text])
     fields = [f.strip() for f in text.split(",")]
+    if len(fields) != 3:
+        raise _no_up(text)
     try:
-        return _upright(np.array([float(f) for f in fields])) if len(fields) == 3 else _refuse(text)
+        direction = np.array([float(f) for f in fields])
     except ValueError:
-        return from_words(",".join(fields)) if len(fields) == 3 else _refuse(text)
+        return parse_axes(",".join(fields))
+    return Axes(np.eye(3), np.eye(3), tilt=_upright(direction))
 
 
-def _refuse(text: str) -> Axes:
-    raise InputError(
+def tilted(axes: Axes, text: str) -> Axes:
+    """Return the axes with the tilt of three numbers, as `--up` has them, after them."""
+    return attrs.evolve(axes, tilt=parse_up(text).tilt)
+
+
+def is_tilt(text: str) -> bool:
+    """Tell whether `--up` holds a direction in numbers, and no names of axes."""
+    return not re.search("[xyz]", text.lower())
+
+
+def _basis(words: str) -> NDArray[np.float64]:
+    rows = []
+    for word in words.split(","):
+        sign, letter = (-1.0, word[1:]) if word.startswith("-") else (1.0, word.removeprefix("+"))
+        if letter not in _AXES:
+            raise InputError(f"axis '{word}': expected x, y or z, with or without a sign")
+        rows.append(np.array(_AXES[letter]) * sign)
+    basis = np.array(rows)
+    if basis.shape != (3, 3) or abs(abs(np.linalg.det(basis)) - 1) > 1e-9:
+        raise InputError(f"axes '{words}': expected three different ones, right,up,forward, for instance x,z,y")
+    basis[2] *= -1  # OpenXR's z points back
+    return basis
+
+
+def _words_of(basis: NDArray[np.float64]) -> str:
+    return ",".join(axis_word(row) for row in (basis[0], basis[1], -basis[2]))
+
+
+def axis_word(direction: NDArray[np.float64]) -> str:
+    """Return the axis that a direction (3,) points along most, for instance "-z"."""
+    k = int(np.abs(direction).argmax())
+    return ("-" if direction[k] < 0 else "") + "xyz"[k]
+
+
+def _no_up(text: str) -> InputError:
+    return InputError(
         f"up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
         "(0.04,0.95,0.3)"
     )
 
 
-def _upright(up: NDArray[np.float64]) -> Axes:
+def _upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
     length = float(np.linalg.norm(up))
     if not (math.isfinite(length) and length > 1e-6):
         raise InputError(f"up {up.tolist()}: expected a direction that is not zero")
     up = up / length
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
-    return Axes(np.eye(3), tilt=half / np.linalg.norm(half))
+    return half / np.linalg.norm(half)

@@ -1,31 +1,40 @@
 """From rows to one clean track.
 
-Each step looks for one kind of defect, repairs or refuses it, and notes what it did.
+Each step looks for one kind of defect, repairs or refuses it, and records what it did.
 """
 
 from __future__ import annotations
+
+import math
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError
+from ...errors import InputError, TraceError
 from .. import quaternions
 from ..defects import Defect
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
-from .axes import Axes, parse_axes
-from .motion import find_jumps, gravity_axis
-from .rows import Layout, Rows
+from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
+from .columns import is_head
+from .motion_faults import find_jumps, gravity_axis
+from .plausibility import CLEAR, Evidence, Verdict, best_points, evidence_of, judge, place_fault, rate_fault
+from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
 COARSE_NORM = 1e-2
 WORST_NORM = 0.5
+# Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz.
+_NEARER = 8
+_PAIRED = 0.3  # share of steps
+_LEAST_PAIRS = 20
+_MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
 _DAY_S = 86400
 _TILT_SHOWN_DEG = 10.0
-_SEGMENTS_LISTED = 1000  # a clock that jitters can fall a million times
+_SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
 
 
 @attrs.frozen
@@ -37,7 +46,7 @@ class Segment:
     last_line: int
     rows: int
     duration_s: float
-    taken: bool  # whether it was chosen
+    taken: bool  # whether it was used
 
 
 @attrs.frozen(eq=False)
@@ -48,10 +57,11 @@ class Cleaned:
     defects: list[Defect]  # every defect, with its repair
     segments: list[Segment]  # recordings of the file
     time_unit: str  # of the file's clock, in words
+    axes: str  # of the file's world and head, who says so, and what the motion shows, in words
 
 
 class Cleaner:
-    """Runs the steps over the rows of one file; `where` names the file in messages."""
+    """Run the cleaning steps over the rows of one file; `where` names the file in messages."""
 
     def __init__(self, where: str, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
         self.where, self.rows, self.layout, self.options = where, rows, layout, options
@@ -59,10 +69,13 @@ class Cleaner:
         self.defects: list[Defect] = list(layout.caveats)
         self.segments: list[Segment] = []
         self.time_unit = ""
+        self.axes, self.axes_by = self._stated_axes()
+        self._axes_wrong = False
+        self.leaves_open = ""
         self.epoch_ns = 0
 
     def clean(self, name: str, origin: str) -> Cleaned:
-        """Run all steps, in the order in which each can trust the one before."""
+        """Run all steps, each after those that it relies on."""
         self.drop_cut_row()
         self.take_one_device()
         self.drop_zero_quaternions()
@@ -72,8 +85,9 @@ class Cleaner:
         time_ns = self.times()
         time_ns = self.trim_default_start(time_ns)
         time_ns = self.drop_duplicate_stamps(time_ns)
+        time_ns = self.join_pairs(time_ns)
         self.normalise()
-        self.turn_and_scale()
+        self.turn_and_scale(time_ns)
         self.join_hemispheres()
         self.report_repeats()
         self.report_gaps(time_ns)
@@ -93,10 +107,10 @@ class Cleaner:
             epoch_ns=self.epoch_ns,
             jumps=tuple(jumps),
         )
-        return Cleaned(track, self.defects, self.segments, self.time_unit)
+        return Cleaned(track, self.defects, self.segments, self.time_unit, self._axes_in_words())
 
     def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
-        """Note a defect and its repair."""
+        """Record a defect and its repair."""
         self.defects.append(Defect(kind, what, done, count, line))
 
     def _line(self, row: int) -> int:
@@ -117,7 +131,7 @@ class Cleaner:
     def drop_cut_row(self) -> None:
         """Drop a last line that ends in the middle of a number.
 
-        It lacks its newline, and its norm is off or its time falls.
+        It lacks its newline, and its norm is off or its time decreases.
         """
         rows = self.rows
         if not self.cut_possible or len(rows) < 2:
@@ -142,14 +156,25 @@ class Cleaner:
         """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
         device = self.rows.device
         if device is None:
+            if self.options.device is not None:
+                raise TraceError(f"{self.where} has no column that names devices: leave --device out")
             return
         names, first, counts = np.unique(device, return_index=True, return_counts=True)
+        texts = [n.decode("latin-1") for n in names]
+        stated = self.options.device
+        if stated is not None and stated not in texts:
+            raise TraceError(f"{self.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
         if len(names) < 2:
             return
-        texts = [n.decode("latin-1") for n in names]
-        heads = [i for i, t in enumerate(texts) if any(w in t.lower() for w in ("head", "hmd"))]
-        if heads:
+        tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
+        lost = [i for i, name in enumerate(names) if not tracked[device == name].any()]
+        heads = [i for i, t in enumerate(texts) if is_head(t) and i not in lost]
+        if stated is not None:
+            taken = texts.index(stated)
+        elif heads:
             taken = heads[0]
+        elif lost and len(lost) < len(names):
+            taken = min((i for i in range(len(names)) if i not in lost), key=lambda i: first[i])
         else:
             taken = (
                 min(range(len(texts)), key=lambda i: float(texts[i]))
@@ -160,7 +185,7 @@ class Cleaner:
         self.note(
             "devices-interleaved",
             f"rows of {len(names)} devices or eyes are interleaved ({', '.join(texts[:6])})",
-            f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out",
+            f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out; --device takes another",
             others,
             self._line(int(first[first != first[taken]].min())),
         )
@@ -205,9 +230,9 @@ class Cleaner:
         self.layout = attrs.evolve(self.layout, unit="ns")
 
     def take_one_segment(self) -> None:
-        """Cut where time falls; keep the longest recording, or the chosen one.
+        """Split where time decreases; keep the longest recording, or the chosen one.
 
-        Never sort across a fall.
+        Rows are never sorted across a split.
         """
         stamps = self._midnights(self._stamps)
         self.rows.stamps = stamps
@@ -252,7 +277,7 @@ class Cleaner:
             self.rows.keep(slice(starts[taken], ends[taken]))
 
     def _midnights(self, stamps: Stamps) -> Stamps:
-        """Unwrap a clock of day at midnight: it falls by a day and starts no new recording."""
+        """Unwrap a time-of-day clock at midnight, where it falls by a day in one recording."""
         if not stamps.clock:
             return stamps
         steps = np.diff(stamps.whole)
@@ -274,6 +299,8 @@ class Cleaner:
     def _unit(self, stamps: Stamps) -> str:
         if stamps.clock:
             return "s"
+        if self.options.time_unit is not None:
+            return self.options.time_unit
         unit = self.layout.unit
         if unit is None:
             steps = stamps.steps()
@@ -294,7 +321,7 @@ class Cleaner:
     def times(self) -> NDArray[np.int64]:
         """Return nanoseconds since the segment's first row.
 
-        That is subtracted before anything is scaled.
+        That row's time is subtracted before anything is scaled.
         """
         unit = self._unit(self._stamps)
         try:
@@ -306,11 +333,22 @@ class Cleaner:
         self.time_unit = UNIT_NAMES[unit] if not self._stamps.clock else "hours:minutes:seconds"
         if self.options.rate is not None:
             self.time_unit = f"row numbers at {self.options.rate:g} Hz"
+        elif len(time_ns) > 2:
+            self._check_rate(time_ns, unit)
         self.rows.stamps = None
         return time_ns
 
+    def _check_rate(self, time_ns: NDArray[np.int64], unit: str) -> None:
+        """Warn of a rate that no tracker has, with the unit that would make it one."""
+        steps = np.diff(time_ns)
+        step_ns = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+        remedy = rate_fault(step_ns, unit) if step_ns else ""
+        if remedy:
+            what = f"its clock, read as {UNIT_NAMES[unit]}, makes {BILLION / step_ns:.4g} Hz, which no tracker has"
+            self.note("rate-implausible", what, f"kept; {remedy}")
+
     def trim_default_start(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Drop the default pose that some recorders write until tracking begins."""
+        """Drop the default pose that some recorders write until tracking starts."""
         q, p = self.rows.orientation, self.rows.position
         differs = (q != q[0]).any(axis=1)
         if p is not None:
@@ -339,10 +377,12 @@ class Cleaner:
         return None if p is None else p[row - 1 : row + 1] * self._scale()
 
     def _scale(self) -> float:
-        return self.options.scale if self.options.scale is not None else self.layout.scale
+        if self.options.scale is not None:
+            return self.options.scale
+        return self.layout.scale if self.axes.metres_per_unit is None else self.axes.metres_per_unit
 
     def drop_duplicate_stamps(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Keep the last of several rows at one instant: it is the newest."""
+        """Keep the last of several rows at one instant, which is the newest."""
         same = np.diff(time_ns) == 0
         count = int(same.sum())
         if not count:
@@ -363,8 +403,26 @@ class Cleaner:
         rows.keep(keep)
         return time_ns[keep]
 
+    def join_pairs(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Keep the last of two rows at nearly one instant, where the file is made of such pairs."""
+        steps = np.diff(time_ns)
+        if len(steps) < _LEAST_PAIRS:
+            return time_ns
+        near = steps * _NEARER < np.quantile(steps, 0.9)
+        count = int(near.sum())
+        if count < _PAIRED * len(steps):
+            return time_ns
+        what = f"{count} rows come {np.median(steps[near]) / 1e6:.3g} ms before the next, at nearly the same instant"
+        self.note("paired-rows", what, "the last of each pair kept", count, self._line(int(near.argmax())))
+        keep = np.append(~near, True)
+        self.rows.keep(keep)
+        return time_ns[keep]
+
     def normalise(self) -> None:
-        """Normalise coarse values silently, bad ones with a warning; refuse hopeless ones."""
+        """Normalise quaternions: slightly off ones silently, bad ones with a warning.
+
+        Refuse the rest.
+        """
         q = self.rows.orientation
         norm = np.linalg.norm(q, axis=1)
         hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
@@ -373,6 +431,12 @@ class Cleaner:
             raise TraceError(
                 f"{self._at(row)}: a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}; "
                 "were the wrong columns read, or is the row damaged?"
+            )
+        median = float(np.median(norm))
+        if abs(median - 1) > _MEDIAN_NORM:
+            raise TraceError(
+                f"{self.where}: half of the quaternions are longer than {median:.3g}, expected 1: "
+                "were the wrong columns read? --columns names the right ones"
             )
         off = np.abs(norm - 1)
         bad = off > COARSE_NORM
@@ -388,28 +452,83 @@ class Cleaner:
             )
         q /= np.where(off > 4e-16, norm, 1.0)[:, None]
 
-    def turn_and_scale(self) -> None:
-        """Convert to OpenXR's axes and to metres."""
-        self.axes().apply(self.rows.position, self.rows.orientation)
+    def turn_and_scale(self, time_ns: NDArray[np.int64]) -> None:
+        """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
+        self._weigh_axes(time_ns)
+        self.axes.apply(self.rows.position, self.rows.orientation)
         scale = self._scale()
         if self.rows.position is None:
             self.note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
         elif scale != 1:
             self.rows.position *= scale
 
-    def axes(self) -> Axes:
-        """Return the format's own axes, unless --up says otherwise.
+    def _stated_axes(self) -> tuple[Axes, str]:
+        """Return the axes and who says so: --axes and --up before the file and its format.
 
         `--up z` for a format whose z is up changes nothing.
         """
         own = parse_axes(self.layout.axes)
-        if self.options.up is None:
-            return own
-        asked = parse_axes(self.options.up)
-        return own if self.options.up.strip().lower().removeprefix("+") == own.up else asked
+        stated, up = self.options.axes, self.options.up
+        if up is not None and is_tilt(up):
+            axes, by = (parse_axes(stated), BY_USER) if stated not in (None, AUTO) else (own, self.layout.axes_by)
+            return tilted(axes, up), by
+        if up is not None and stated is not None:
+            raise InputError(
+                "--axes and --up both name axes: say one; with --axes, --up may hold three numbers, a tilt"
+            )
+        if stated is not None and stated != AUTO:
+            return parse_axes(stated), BY_USER
+        if up is None or own.has_up(up.strip().lower().removeprefix("+")):
+            return own, self.layout.axes_by
+        return parse_up(up), BY_USER
+
+    def _weigh_axes(self, time_ns: NDArray[np.int64]) -> None:
+        """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
+        p = self.rows.position
+        metres = None if p is None else p * self._scale()
+        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
+        if what:
+            self.note("place-implausible", what, f"kept; {remedy}")
+        evidence = evidence_of(time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
+        if self.layout.order_assumed:
+            self._check_order(time_ns, evidence)
+        verdict = judge(evidence, self.axes)
+        self.leaves_open = verdict.leaves_open
+        auto = self.options.axes == AUTO
+        if verdict.world_alone and self._is_tilted():
+            return
+        if auto and verdict.better is not None and verdict.clear:
+            self.note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict), 1)
+            self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), BY_MOTION
+        elif verdict.faults:
+            what = f"read as {self.axes.label()}, {self.axes_by}: {', '.join(verdict.faults)}"
+            self.note("axes-contradicted", what, _advice(verdict, auto))
+            self._axes_wrong = True
+
+    def _check_order(self, time_ns: NDArray[np.int64], evidence: Evidence) -> None:
+        """Refuse an assumed order of quaternions if only the other one shows a person."""
+        other = evidence_of(time_ns, np.roll(self.rows.orientation, -1, axis=1), self.rows.position, evidence.gravity)
+        if best_points(other) > best_points(evidence) + CLEAR:
+            raise TraceError(
+                f"{self.where}: read with w last, as in TUM files, its quaternions make no person's motion; "
+                "with w first they do: say --quat-order wxyz, or xyzw if it is right as it is"
+            )
+
+    def _is_tilted(self) -> bool:
+        """Tell whether up lies between the file's axes: `report_tilt` then says by how much."""
+        axis = gravity_axis(self.axes.in_openxr(self.rows.orientation))
+        return axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
+
+    def _axes_in_words(self) -> str:
+        words = f"{self.axes.label()}, {self.axes_by}"
+        if self._axes_wrong:
+            return f"{words}; the motion contradicts them"
+        if self.axes_by != ASSUMED:
+            return words
+        return f"{words}; the motion {'does not show ' + self.leaves_open if self.leaves_open else 'agrees'}"
 
     def join_hemispheres(self) -> None:
-        """Make signs continuous: q and -q are one rotation, but not one to interpolate between."""
+        """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
         before = self.rows.orientation[:, 3].copy()
         count = quaternions.make_continuous(self.rows.orientation)
         if count:
@@ -440,7 +559,7 @@ class Cleaner:
             )
 
     def report_gaps(self, time_ns: NDArray[np.int64]) -> None:
-        """Report gaps in time, and steps so short that dividing by them gives nonsense."""
+        """Report gaps in time, and steps too short to divide by."""
         if len(time_ns) < 2:
             return
         steps = np.diff(time_ns)
@@ -466,7 +585,7 @@ class Cleaner:
             )
 
     def find_jumps(self, time_ns: NDArray[np.int64]) -> list[int]:
-        """Find teleports: steps no head can make."""
+        """Find teleports: steps that no head can make."""
         jumps = find_jumps(time_ns, self.rows.orientation, self.rows.position)
         if len(jumps):
             self.note(
@@ -479,7 +598,12 @@ class Cleaner:
         return [int(i) for i in jumps]
 
     def report_tilt(self) -> None:
-        """Report gravity that is not along +y, judged by how the head is held."""
+        """Report gravity that is not along +y, judged by how the head is held.
+
+        Wrong axes are another matter: turning the world alone would leave the head on its side.
+        """
+        if self._axes_wrong:
+            return
         axis = gravity_axis(self.rows.orientation)
         if axis is None:
             return
@@ -488,6 +612,27 @@ class Cleaner:
             shown = ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
             self.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
+
+
+def _advice(verdict: Verdict, auto: bool) -> str:
+    if verdict.better is None:
+        return "kept; nothing else fits better: look at the head with 'trace info --plot', and say --axes"
+    sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
+    also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
+    kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
+    own, better = verdict.points
+    return f"{kept}; --axes '{_stated(verdict.better)}' {sure}{also}: {better:.1f} points against {own:.1f}"
+
+
+def _chosen(verdict: Verdict) -> str:
+    assert verdict.better is not None
+    also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
+    own, better = verdict.points
+    return f"--axes auto takes {verdict.better.label()}: {better:.1f} points against {own:.1f}{also}"
+
+
+def _stated(axes: Axes) -> str:
+    return axes.name or axes.words()
 
 
 def _is_index(text: str) -> bool:

@@ -1,7 +1,7 @@
-"""Which column is which, by name and never by position.
+"""Meaning of columns, by name and never by position.
 
 A name is cut into words (`HeadOrientationW` -> head orientation w, `p_RS_R_x [m]` -> p rs r x m);
-the last of x y z w among them is the axis, the rest says whose position or orientation it is.
+the last of x y z w among them is the axis, the rest identifies the position or orientation.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import attrs
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
+_CELL = re.compile(r"(.*?)[._]([0-3])[._]([0-3])$")
 _NUMBERED = re.compile(r"q_?([0-3])$", re.IGNORECASE)
 
 _ROTATION = {"q", "quat", "quaternion", "quaternions", "orientation", "orient", "rot", "rotation", "attitude"}
@@ -51,8 +52,24 @@ _ELSEWHERE = {
         "righthand",
         "body",
     ),
+    *(
+        "hip",
+        "hips",
+        "pelvis",
+        "waist",
+        "wrist",
+        "chest",
+        "spine",
+        "shoulder",
+        "elbow",
+        "knee",
+        "ankle",
+        "foot",
+        "feet",
+    ),
+    *("tracker", "base", "basestation"),
 }
-_HEAD = {"head", "hmd", "camera", "headset"}
+_HEAD = {"head", "hmd", "camera", "headset", "centereye", "maincam", "xrcam", "cam"}
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
 _TIMES = {
     "time",
@@ -75,6 +92,10 @@ _TIME_UNITS = {
     **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
     **dict.fromkeys(("tick", "ticks"), "100ns"),
 }
+_WHOLE_SECONDS = {"sec", "secs"}
+_PARTS_OF_SECONDS = {"nanosec", "nanosecs", "nsec", "nsecs"}
+_STEPS = {"delta", "dt", "diff", "difference", "interval", "duration", "frametime"}  # times that are no clock
+_ANGLES = {"pitch": "x", "yaw": "y", "roll": "z"}
 _DEVICES = {
     "viewindex",
     "device",
@@ -94,28 +115,48 @@ _DEVICES = {
 class Columns:
     """Indices of the columns of one head."""
 
-    time: int | None = None
-    time_unit: str | None = None  # a key of `times.UNITS_NS` if the name says it
+    # Every clock, the likeliest first: its column, and its unit, a key of `times.UNITS_NS`, if the
+    # name says it.
+    clocks: tuple[tuple[int, str | None], ...] = ()
+    nanoseconds: int | None = None  # beside whole seconds
     orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
     numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None
     length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
     euler: tuple[str, ...] = ()
+    # Nine numbers of a rotation row by row, where names number a matrix (m.0.0 .. m.2.3).
+    matrix: tuple[int, ...] | None = None
+    angles: tuple[int, int, int] | None = None  # columns of the angles about x, y and z
+    gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
+
+
+def is_head(name: str) -> bool:
+    """Tell whether a name is a head's, and no hand's, hip's or controller's."""
+    found = set(words(name))
+    return bool(found & _HEAD) and not found & _ELSEWHERE
+
+
+def names_rotation(name: str) -> bool:
+    """Tell whether a name is that of an orientation."""
+    return bool(set(words(name)) & _ROTATION)
 
 
 def words(name: str) -> list[str]:
-    """Return the lower-case words of a column name."""
-    out = []
+    """Return the lower-case words of a column name; those of the eye between both are one word."""
+    out: list[str] = []
     for word in _WORD.findall(name):
         low = word.lower()
         glued = _GLUED.match(low)
+        if out and low == "eye" and out[-1] in ("center", "centre"):
+            out[-1] = "centereye"
+            continue
         out += list(glued.groups()) if glued else [low]
     return out
 
 
 def find_columns(names: list[str]) -> Columns:
-    """Return all that the names say."""
+    """Return everything that the names say."""
     split = [words(n) for n in names]
     groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
     lengths: dict[tuple[str, ...], float] = {}
@@ -142,21 +183,32 @@ def find_columns(names: list[str]) -> Columns:
         order = {m.group(1): i for i, n in enumerate(names) if (m := _NUMBERED.match(n.strip()))}
         if len(order) == 4:
             orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
-    time, unit = _find_time(split)
+    clocks, nanoseconds = _find_clocks(split)
+    matrix, translation = _find_matrix(names)
     position = None
     if position_key is not None:
         place = groups[position_key]
         position = place["x"], place["y"], place["z"]
+    elif translation is not None:
+        position = translation
     return Columns(
-        time=time,
-        time_unit=unit,
+        clocks=clocks,
+        nanoseconds=nanoseconds,
         orientation=orientation,
         numbered=numbered,
         position=position,
         length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
         euler=_find_euler(names, split, groups),
+        angles=_find_angles(split, groups),
+        matrix=matrix,
+        gravity=_find_gravity(groups),
     )
+
+
+def _find_gravity(groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
+    found = next((g for key, g in groups.items() if "gravity" in key and {"x", "y", "z"} <= set(g)), None)
+    return None if found is None else (found["x"], found["y"], found["z"])
 
 
 def _is_position(key: tuple[str, ...]) -> bool:
@@ -172,22 +224,54 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
     return min(heads, key=lambda k: (not set(k) & _HEAD, len(k)), default=None)
 
 
-def _find_time(split: list[list[str]]) -> tuple[int | None, str | None]:
-    candidates = []
+def _find_clocks(split: list[list[str]]) -> tuple[tuple[tuple[int, str | None], ...], int | None]:
+    """Return the columns that may be clocks, and one of nanoseconds that completes the first."""
+    seconds = {tuple(parts[:-1]): i for i, parts in enumerate(split) if parts[-1:] and parts[-1] in _WHOLE_SECONDS}
+    for i, parts in enumerate(split):
+        if parts and parts[-1] in _PARTS_OF_SECONDS and tuple(parts[:-1]) in seconds:
+            return ((seconds[tuple(parts[:-1])], "s"),), i
+    candidates: list[tuple[int, int, str | None]] = []
     for i, parts in enumerate(split):
         unit = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
         rest = parts[:-1] if unit else parts
         joined = "".join(rest)
-        if "date" in parts or set(parts) & _ELSEWHERE:
+        if "date" in parts or set(parts) & (_ELSEWHERE | _STEPS):
             continue
         if joined in _TIMES:
             candidates.append((0, i, unit))
         elif set(rest) & (_TIMES - {"t"}) or any(w in joined for w in ("timestamp", "timestep")):
             candidates.append((1, i, unit))
-    if not candidates:
+    return tuple((i, unit) for _, i, unit in sorted(candidates, key=lambda c: c[:2])), None
+
+
+def _find_matrix(names: list[str]) -> tuple[tuple[int, ...] | None, tuple[int, int, int] | None]:
+    """Return the columns of a rotation and of a translation among the numbered ones of a matrix."""
+    cells: dict[str, dict[tuple[int, int], int]] = defaultdict(dict)
+    for i, name in enumerate(names):
+        found = _CELL.match(name)
+        if found:
+            cells[found[1]][int(found[2]), int(found[3])] = i
+    one = next((c for c in cells.values() if {(r, k) for r in range(3) for k in range(4)} <= set(c)), None)
+    if one is None:
         return None, None
-    _, i, unit = min(candidates, key=lambda c: c[:2])
-    return i, unit
+    return tuple(one[r, k] for r in range(3) for k in range(3)), (one[0, 3], one[1, 3], one[2, 3])
+
+
+def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
+    """Return the columns of a head's angles about x, y and z.
+
+    Pitch is about x, yaw about y, roll about z.
+    """
+    named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
+    found = {
+        axis: named[word]
+        for word, axis in _ANGLES.items()
+        if word in named and not set(split[named[word]]) & _ELSEWHERE
+    }
+    if len(found) == 3:
+        return found["x"], found["y"], found["z"]
+    key = _best([k for k, g in groups.items() if set(k) & (_ROTATION | _EULER) and {"x", "y", "z"} <= set(g)])
+    return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
 
 
 def _find_euler(

@@ -1,7 +1,8 @@
 """From the text of a trace to columns of numbers.
 
-A fast C parser chunk by chunk, and a tolerant reader for the chunks it refuses. Memory stays at the
-size of the result plus one chunk. Every row keeps the number of its line, for messages.
+A fast C parser reads chunk by chunk, and a tolerant reader takes the chunks that it refuses. Memory
+stays at the size of the result plus one chunk. Every row keeps the number of its line, for
+messages.
 """
 
 from __future__ import annotations
@@ -17,25 +18,50 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from ..defects import Defect
-from .head import COMMENT_SIGNS, Head, is_number, split
+from .file_head import COMMENT_SIGNS, Head, is_number, open_trace, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024
+MOST_BAD_ROWS = 0.2  # share of rows without a pose (lost tracking, a line of text) that are dropped
+_REPAIR = "; repair or remove that line"
+_MATRIX_OFF = 0.05
 _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
 
+ASSUMED = "assumed"
+BY_FORMAT = "by the format"
+BY_FILE = "stated by the file"
+BY_USER = "as --axes or --up says"
+BY_MOTION = "by --axes auto, from the motion"
+
+
+@attrs.frozen
+class Euler:
+    """How three angles make an orientation."""
+
+    order: str  # turns about the fixed axes in the order they are applied, such as "zxy"
+    degrees: bool
+
+
 @attrs.frozen
 class Layout:
-    """Which columns to read, and what they mean."""
+    """Which columns to read, and their meaning."""
 
     time: int | None  # column index
-    orientation: tuple[int, int, int, int]  # columns of x y z w
+    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle a letter
+    orientation: tuple[int, ...]
+    matrix: bool = False
+    euler: Euler | None = None
+    nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
     position: tuple[int, int, int] | None = None  # columns of x y z
     unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
-    device: int | None = None  # a column that says which of several devices a row is of
-    axes: str = "y"  # what `parse_axes` takes
+    device: int | None = None  # column that identifies the device of each row
+    axes: str = "openxr"  # what `parse_axes` takes
+    axes_by: str = ASSUMED  # who says so
+    gravity_down: tuple[float, float, float] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
+    order_assumed: bool = False  # of the quaternions: w last, though nothing says so
     clock_ignored: bool = False  # --rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
@@ -54,7 +80,7 @@ class Rows:
         return len(self.line)
 
     def keep(self, which: NDArray[np.bool_] | slice) -> None:
-        """Keep only these rows, column by column so that no second copy of the whole lives."""
+        """Keep only these rows; one column at a time, to avoid a second copy of everything."""
         self.orientation = self.orientation[which]
         self.line = self.line[which]
         if self.stamps is not None:
@@ -81,6 +107,8 @@ class RowReader:
         self.defects: list[Defect] = []
         self.ends_with_newline = True
         self._repeated_headers: list[int] = []
+        self._bad_rows = 0
+        self._first_bad: tuple[int, TraceError] | None = None
         self._columns = [*layout.orientation, *(layout.position or ())]
         self._width = head.width
         names = head.names or []
@@ -98,7 +126,23 @@ class RowReader:
             self.defects.append(
                 Defect("header-repeated", f"the header comes again {len(lines)} times", "skipped", len(lines), lines[0])
             )
+        self._judge_bad_rows(sum(map(len, parts)))
         return self._joined(parts)
+
+    def _judge_bad_rows(self, good: int) -> None:
+        """Drop rows that hold no pose, up to a share; beyond it the file was misread.
+
+        Errors: TraceError of the first of them.
+        """
+        if self._first_bad is None:
+            return
+        line, error = self._first_bad
+        count, rows = self._bad_rows, self._bad_rows + good
+        if count > MOST_BAD_ROWS * rows:
+            raise TraceError(f"{error} ({count} of {rows} rows hold no pose)") from None
+        reason = str(error).removeprefix(f"{self.head.path}: line {line}: ").removesuffix(_REPAIR)
+        what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason})"
+        self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
 
     def _check_width(self) -> None:
         names, head = self.head.names, self.head
@@ -122,17 +166,16 @@ class RowReader:
                 f"{message}: it looks like decimal commas inside a comma-separated file, which cannot be told apart; "
                 "write decimal points, or separate the fields with ';'"
             )
-        return TraceError(f"{message}; repair or remove that line")
+        return TraceError(f"{message}{_REPAIR}")
 
     def _chunks(self) -> Iterator[_Chunk]:
         """Yield pieces of whole lines."""
         line, rest, newline = self.head.first_line, b"", self.head.newline
-        with self.head.path.open("rb") as file:
+        with open_trace(self.head.path) as file:
             file.seek(self.head.first_byte)
-            while True:
-                block = file.read(CHUNK_BYTES)
-                if not block:
-                    break
+            following = file.read(CHUNK_BYTES)
+            while following:
+                block, following = following, file.read(CHUNK_BYTES)
                 text = rest + block
                 cut = text.rfind(newline) + 1
                 if not cut and len(text) > _LONGEST_LINE:
@@ -143,7 +186,7 @@ class RowReader:
                 rest = text[cut:]
                 if cut:
                     count = text.count(newline, 0, cut)
-                    yield _Chunk(text[:cut], line, count, last=not rest and file.tell() >= self.head.size)
+                    yield _Chunk(text[:cut], line, count, last=not rest and not following)
                     line += count
         if rest.strip():
             self.ends_with_newline = False
@@ -164,7 +207,7 @@ class RowReader:
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
         """Parse the whole chunk by numpy's C parser.
 
-        Return None if anything about it is unusual.
+        Return None for anything unusual.
         """
         text, count = self._prepared(chunk.text), chunk.count
         if not self._regular(text, count):
@@ -172,7 +215,7 @@ class RowReader:
         layout = self.layout
         kinds: list[tuple] = [("v", np.float64, (len(self._columns),))]
         columns = list(self._columns)
-        for name, column in (("t", layout.time), ("d", layout.device)):
+        for name, column in (("t", layout.time), ("d", layout.device), ("n", layout.nanoseconds)):
             if column is not None:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
@@ -190,16 +233,19 @@ class RowReader:
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
                 return None
             stamps = parse_fields(table["t"]) if layout.time is not None else None
+            if stamps is not None and layout.nanoseconds is not None:
+                stamps.billionths += parse_fields(table["n"]).whole
         except (ValueError, OverflowError):
             return None
         values = table["v"]
-        position = None if layout.position is None else np.ascontiguousarray(values[:, 4:7])
+        turns = len(layout.orientation)
+        position = None if layout.position is None else np.ascontiguousarray(values[:, turns:])
         device = None if layout.device is None else np.ascontiguousarray(table["d"])
         line = np.arange(chunk.line, chunk.line + count, dtype=np.int32)
-        return Rows(stamps, np.ascontiguousarray(values[:, :4]), position, device, line)
+        return Rows(stamps, np.ascontiguousarray(values[:, :turns]), position, device, line)
 
     def _regular(self, text: bytes, count: int) -> bool:
-        """Tell whether every line has as many fields.
+        """Return whether every line has the same number of fields.
 
         loadtxt with usecols would not notice longer ones.
         """
@@ -223,7 +269,7 @@ class RowReader:
     def _read_slowly(self, chunk: _Chunk) -> Rows:
         """Parse line by line: skip comments, blank lines and repeated headers.
 
-        Drop a last line that was cut; name any other bad one.
+        Drop a last line that was cut; count any other bad one.
         """
         pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
         found = [
@@ -243,7 +289,9 @@ class RowReader:
                 row, time, device = self._parse_line(bare, number)
             except TraceError as error:
                 if not (chunk.last and k == len(found) - 1 and _looks_cut(bare)):
-                    raise
+                    self._bad_rows += 1
+                    self._first_bad = self._first_bad or (number, error)
+                    continue
                 reason = str(error).removeprefix(f"{self.head.path}: line {number}: ")
                 self.defects.append(Defect("last-row-cut", f"the last row is cut off ({reason})", "dropped", 1, number))
                 continue
@@ -263,9 +311,10 @@ class RowReader:
             whole = np.array([t[0] for t in times], dtype=np.int64)
             parts = np.array([t[1] for t in times], dtype=np.int64)
             stamps = Stamps(whole, parts, any(t[2] for t in times))
-        position = None if self.layout.position is None else table[:, 4:7].copy()
+        turns = len(self.layout.orientation)
+        position = None if self.layout.position is None else table[:, turns:].copy()
         device = None if self.layout.device is None else np.array(devices, dtype=f"S{WIDTH}")
-        return Rows(stamps, table[:, :4].copy(), position, device, np.array(lines, dtype=np.int32))
+        return Rows(stamps, table[:, :turns].copy(), position, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
         where = f"{self.head.path}: line {number}"
@@ -280,10 +329,10 @@ class RowReader:
             field = fields[self.layout.time]
             try:
                 time = parse_one(field.replace(",", ".") if self.head.decimal_comma else field)
+                if self.layout.nanoseconds is not None:
+                    time = (time[0], time[1] + parse_one(fields[self.layout.nanoseconds])[0], time[2])
             except ValueError as error:
-                raise TraceError(
-                    f"{where}: {self._names[self.layout.time]}: {error}; repair or remove that line"
-                ) from None
+                raise TraceError(f"{where}: {self._names[self.layout.time]}: {error}{_REPAIR}") from None
         device = b"" if self.layout.device is None else fields[self.layout.device].encode("utf-8", "replace")
         return row, time, device
 
@@ -294,9 +343,7 @@ class RowReader:
         if abs(value) < _FARTHEST:
             return value
         shown = f"'{field[:40]}'" if field else "empty"
-        raise TraceError(
-            f"{where}: {self._names[column]} is {shown}: expected a finite number; repair or remove that line"
-        )
+        raise TraceError(f"{where}: {self._names[column]} is {shown}: expected a finite number{_REPAIR}")
 
     def _joined(self, parts: list[Rows]) -> Rows:
         if not sum(map(len, parts)):
@@ -313,9 +360,28 @@ class RowReader:
         columns: dict[str, Any] = {}
         for name in ("orientation", "position", "device", "line"):
             columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
-            for p in parts:  # let go of the pieces at once: the peak is the result and one column
+            for p in parts:  # free the pieces at once: the peak is the result and one column
                 setattr(p, name, None)
+        columns["orientation"] = _quaternions(columns["orientation"], self.layout, self.head)
         return Rows(stamps, **columns)
+
+
+def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
+    """Return (n, 4) quaternions xyzw of what the file holds. Errors: TraceError."""
+    if not layout.matrix and layout.euler is None:
+        return numbers
+    from scipy.spatial.transform import Rotation
+
+    if layout.euler is not None:
+        return Rotation.from_euler(layout.euler.order, numbers, degrees=layout.euler.degrees).as_quat()
+    matrices = numbers.reshape(-1, 3, 3)
+    off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:
+        raise TraceError(
+            f"{head.path}: half of its matrices are no rotations (off by {np.median(off):.3g} from orthonormal, "
+            f"determinant {np.median(np.linalg.det(matrices)):.3g}): were the wrong columns read?"
+        )
+    return Rotation.from_matrix(matrices).as_quat()
 
 
 def _taken(parts: list[Rows], get) -> NDArray:
@@ -323,9 +389,9 @@ def _taken(parts: list[Rows], get) -> NDArray:
 
 
 def _looks_cut(text: str) -> bool:
-    """Tell whether a last line breaks off: fewer fields, or a field that ends in the middle.
+    """Return whether a last line is truncated: fewer fields, or a field that ends in the middle.
 
-    NaN and words are faults, not cuts.
+    NaN and words are faults, not truncation.
     """
     return not any(
         f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")

@@ -14,9 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 BILLION = 1_000_000_000
-WIDTH = 32  # bytes kept of a time field; anything longer is read the slow way
+WIDTH = 32  # bytes kept of a time field; longer ones take the slow path
 _LARGEST = 2**62
-_CLOCK = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d{1,2}):(\d\d):(\d\d)(?:[.,](\d+))?(?:Z|[+-]\d\d:?\d\d)?$")
+_CLOCK = re.compile(
+    r"(?:(\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4})[T _])?"
+    r"(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d+))?(?: ?([AP])M)?(?:Z|[+-]\d\d:?\d\d)?$",
+    re.IGNORECASE,
+)
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
 UNIT_NAMES = {
     "s": "seconds",
@@ -68,7 +72,7 @@ def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
 
 
 class BadStamp(ValueError):
-    """A time field that is none; `index` is its row."""
+    """A malformed time field; `index` is its row."""
 
     def __init__(self, index: int, why: str) -> None:
         super().__init__(why)
@@ -80,9 +84,9 @@ def parse_one(text: str) -> tuple[int, int, bool]:
     text = text.strip().strip('"').strip()
     clock = _CLOCK.match(text)
     if clock:
-        day, hours, minutes, seconds, fraction = clock.groups()
-        days = datetime.date.fromisoformat(day).toordinal() if day else 0
-        whole = ((days * 24 + int(hours)) * 60 + int(minutes)) * 60 + int(seconds)
+        day, hours, minutes, seconds, fraction, half = clock.groups()
+        hour = int(hours) % 12 + (12 if half in "pP" else 0) if half else int(hours)
+        whole = ((_days(day) * 24 + hour) * 60 + int(minutes)) * 60 + int(seconds)
         return whole, int((fraction or "0")[:9].ljust(9, "0")), True
     if "_" in text:
         raise ValueError(f"'{text}' is no time")
@@ -90,8 +94,7 @@ def parse_one(text: str) -> tuple[int, int, bool]:
         value = decimal.Decimal(text)
     except decimal.InvalidOperation:
         raise ValueError(f"'{text}' is no time") from None
-    # The exponent is looked at before anything is computed: int(Decimal("1e999999999")) would not
-    # end.
+    # Check the exponent before computing: int(Decimal("1e999999999")) would not end.
     if not value.is_finite() or value.adjusted() > 18:
         raise ValueError(f"'{text}' is no time")
     if value.adjusted() < -30:
@@ -102,6 +105,19 @@ def parse_one(text: str) -> tuple[int, int, bool]:
     if abs(whole) >= _LARGEST:
         raise ValueError(f"time '{text}' is beyond 2^62")
     return whole, parts, False
+
+
+def _days(day: str | None) -> int:
+    """Return the days of a date before a clock; 0 without one.
+
+    Where the year comes last, day and month are told apart by which is over 12, and taken as day
+    and month where neither is: only a recording over midnight would notice.
+    """
+    if not day:
+        return 0
+    a, b, c = map(int, re.split("[-/.]", day))
+    year, month, date = (a, b, c) if a > 31 else (c, a, b) if b > 12 else (c, b, a)
+    return datetime.date(year, month, date).toordinal()
 
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
@@ -121,7 +137,7 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
     for j, c in enumerate(text):
         if not c.any():
             break
-        digit = c - np.uint8(ord("0"))  # wraps: anything that is no digit is above 9
+        digit = c - np.uint8(ord("0"))  # wraps around: any non-digit is above 9
         is_digit = digit <= 9
         point = c == ord(".")
         if (point & pointed).any() or not (is_digit | point | (c == 0) | (negative if j == 0 else False)).all():
@@ -133,7 +149,7 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
         weight = np.where(after, weight // 10, weight)
         parts += np.where(after, weight * digit, 0)
         pointed |= point
-    # ".5" takes the slow way, and so does what might not fit: 19 digits (nanoseconds since 1970)
+    # ".5" takes the slow path, and so does what might overflow: 19 digits (nanoseconds since 1970)
     # wrap from 9.2e18 on.
     if (digits == 0).any() or (digits > 19).any() or ((digits == 19) & (negative | (text[0] > ord("3")))).any():
         return None
@@ -145,7 +161,7 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
 
 
 def guess_unit(stamps: Stamps, median_step: float) -> str:
-    """Return the unit whose implied rate is most like a tracker's.
+    """Return the unit whose implied rate is most plausible for a tracker.
 
     Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs).
     Otherwise the unit whose rate is nearest, as a ratio, to 75 Hz, the middle of what recorders

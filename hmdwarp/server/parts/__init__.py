@@ -1,4 +1,4 @@
-"""What frames have besides plain surfaces, one file each: in the picture, or as layers."""
+"""Content of frames besides plain surfaces, one file each: in the picture, or as layers."""
 
 from ...registry import Registry
 from ._base import DrawContext, Drawing, Part

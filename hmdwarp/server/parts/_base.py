@@ -1,4 +1,4 @@
-"""What every part of a picture is."""
+"""The base class of parts of a picture."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Drawing:
 
 @attrs.frozen(eq=False)
 class DrawContext:
-    """What parts draw with."""
+    """The resources that parts draw with."""
 
     gpu: Gpu
     scene: Scene
@@ -51,15 +51,15 @@ class DrawContext:
     # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
     # depth: with an r32f texture beside it.
     acquire: Callable[..., Target]
-    # draw(view, size, drawing): a whole picture of another view.
+    # draw(view, size, drawing): draws a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
 
 
 class Part(ABC):
-    """One kind of content, added to the picture that the parts of a lower `order` have left.
+    """One kind of content, added to the picture after the parts of a lower `order`.
 
     A part is made when a scene has any of its content, or when frames need a layer whose file names
-    it in `drawn_by`: then the layer is there, empty at worst, whatever the scene has.
+    it in `drawn_by`: then the layer is always there, if only empty.
     """
 
     name: ClassVar[str]
@@ -70,15 +70,15 @@ class Part(ABC):
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
-        """Return whether the picture itself shows any of it."""
+        """Return whether the scene has any of it in the picture itself."""
         return False
 
     @abstractmethod
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        """Draw what is not needed as a layer into the eye; return the eye with its layers."""
+        """Draw what is not a needed layer into the eye; return the eye with its layers."""
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:  # noqa: B027 (most have none)
-        """Draw what has a depth of its own into the inverse depth of the plain surfaces."""
+        """Draw content that has a depth into the inverse depth of the plain surfaces."""
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
         """Return the layers that all eyes share, by name; called once for each frame.
@@ -88,4 +88,4 @@ class Part(ABC):
         return {}
 
     def close(self) -> None:  # noqa: B027 (some hold nothing)
-        """Free what it holds; the shader library owns programs, the server acquired targets."""
+        """Free its resources; the shader library owns programs, the server acquired targets."""

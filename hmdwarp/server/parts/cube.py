@@ -1,4 +1,4 @@
-"""Everything around an eye, whichever way it turns."""
+"""A cube map: everything around an eye, whichever way it turns."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...errors import InputError
 from ...geometry.cube import cube_size
-from ..cube import draw_cube
+from ..cube_drawing import draw_cube
 from . import parts
 from ._base import Drawing, Part
 

@@ -1,4 +1,4 @@
-"""Sheets that let all light pass or none (a fence of alpha): surfaces with holes and depth."""
+"""Sheets whose alpha passes all light or none, such as fences: surfaces with holes and depth."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @parts.register
 class Cutouts(Part):
-    """Drawn before all others: the depth buffer is still that of the surfaces.
+    """Drawn before all other parts, while the depth buffer is still that of the surfaces.
 
     As part of the veil, such a sheet seen through glass would move with the glass. Its edges are
     blended; their depth is that of the side that covers more.
@@ -41,7 +41,9 @@ class Cutouts(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if self._sheets is not None:
-            program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+            program = self.context.gpu.shaders.draw(
+                "server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1, SLOTS=self._sheets.slots
+            )
             program.uniforms.set(covers=1.0)
             framebuffer = self.context.framebuffers.over(eye.colour)
             self._sheets.draw(
@@ -52,7 +54,7 @@ class Cutouts(Part):
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
         if self._sheets is not None:
-            program = self.context.gpu.shaders.draw("server/pane.vert", "server/cutout.frag")
+            program = self.context.gpu.shaders.draw("server/pane.vert", "server/cutout.frag", SLOTS=self._sheets.slots)
             self._sheets.draw(program, view, time_ns, self.context.framebuffers.over(into), None)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The body of each pixel and how bodies move; the velocity of each pixel of what deforms."""
+"""Motion layers: bodies and their motion, and the velocity of each deforming pixel."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @parts.register
 class Motion(Part):
-    """Drawn after all that goes into the picture: the depth says what a pixel shows."""
+    """Drawn after everything that goes into the picture: the depth says what a pixel shows."""
 
     name = "motion"
     order = 90
@@ -127,9 +127,9 @@ class _Velocities:
 def _draw_where_shown(
     gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage
 ) -> None:
-    """Draw into the framebuffer in use, at the pixels where the picture shows it.
+    """Draw into the bound framebuffer, at the pixels where the picture shows the surface.
 
-    In any order: of two surfaces, one alone has the picture's depth.
+    The order does not matter: of two surfaces, only one has the picture's depth.
     """
     one.set_time(eye.drawn_ns)
     place = one.place(eye.view)

@@ -1,4 +1,4 @@
-"""What is fixed to the head (a HUD): drawn over everything, or a layer that is never warped."""
+"""Head-locked content (a HUD): drawn over everything, or a layer that is never warped."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @parts.register
 class Overlay(Part):
-    """Drawn into the picture, it leaves the depth of what it hides."""
+    """Drawn into the picture, it keeps the depth of what it covers."""
 
     name = "overlay"
     order = 95
@@ -45,7 +45,9 @@ class Overlay(Part):
         return eye.having(overlay=into)
 
     def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
-        program = self.context.gpu.shaders.draw("server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1)
+        program = self.context.gpu.shaders.draw(
+            "server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1, SLOTS=self._sheets.slots
+        )
         program.uniforms.set(covers=float(blending is not OVER))
         self._sheets.draw(program, view, time_ns, framebuffer, blending)
 

@@ -1,9 +1,9 @@
-"""What lies behind the visible surfaces, one layer after the other: depth peeling.
+"""Occluded surfaces, one layer after the other: depth peeling.
 
 Source: Everitt 2001, Interactive Order-Independent Transparency. Each pass draws the scene again
-without all that is not behind the layer before. Every surface that faces the eye counts, also one
-close behind another (a picture on a wall): without it, what lies behind both would take its place,
-which it hides.
+without everything that is not behind the previous layer. Every surface that faces the eye counts,
+also one close behind another (a picture on a wall): without it, the surface behind both would
+wrongly take its place.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 class Peeled(Part):
     """Surfaces behind the picture's own, nearest first.
 
-    What the client moves is left out: then the surface behind it fills the place that it leaves.
+    Moving things are left out, since the client moves them: the surface behind then fills the place
+    that they leave.
     """
 
     name = "peeled"

@@ -1,4 +1,4 @@
-"""What mirrors show: drawn into the picture, or a layer with the depth of the mirrored world."""
+"""Reflections: drawn into the picture, or a layer with the depth of the mirrored world."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import moderngl
 
 from ...frames import Mirrored, Reflection, Surface
 from ...gpu.textures import COLOUR
-from ..mirror import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
+from ..mirror_drawing import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
 from ..targets import Target, TargetPool
 from . import parts
 from ._base import DrawContext, Drawing, Part
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from ...frames import EyeImage
     from ...gpu.shaders import Compute
     from ...scenes import Scene
-    from ..mirror import Bounds
+    from ..mirror_drawing import Bounds
 
 
 @parts.register
 class Reflections(Part):
-    """Plane mirrors: the scene once more for each, mirrored.
+    """Plane mirrors: the scene drawn again for each, mirrored.
 
-    Curved ones: a look into a cube map with depth around their centre.
+    Curved ones: lookups in a cube map with depth around their centre.
     """
 
     name = "reflections"
@@ -66,7 +66,7 @@ class Reflections(Part):
     def _draw(
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
     ) -> None:
-        """Draw what the chosen mirrors show, and what they are."""
+        """Draw the reflections of the chosen mirrors, and the mirrors' properties."""
         over = self.context.framebuffers.over
         over(seen.colour).clear()
         over(seen.inverse_depth).clear(red=-1.0)
@@ -75,7 +75,7 @@ class Reflections(Part):
         for one in chosen:
             one.draw_surface(eye, onto)
         mirrors = uniforms_of([one.mirror for one in chosen], eye.view, eye.size)
-        # Plane ones come first and ignore balls: at the rim of a ball's triangles something else
+        # Plane mirrors come first and ignore balls: at the rim of a ball's triangles something else
         # shows.
         planes = mirrors | {"mirror_count": sum(not one.mirror.shape.is_curved for one in chosen)}
         for number, one in enumerate(chosen):
@@ -107,7 +107,7 @@ class Reflections(Part):
     def _store(
         self, program: Compute, behind: Target, number: int, mirrors: dict, bounds: Bounds, seen: Target
     ) -> None:
-        """Write what mirror `number` shows into `seen`; `program` makes it from `behind`."""
+        """Write the reflection in mirror `number` into `seen`; `program` makes it from `behind`."""
         for unit, texture in enumerate((seen.colour, seen.inverse_depth)):
             texture.bind_to_image(unit, read=False, write=True)
         for unit, texture in enumerate((behind.colour, behind.inverse_depth), start=2):
@@ -137,7 +137,7 @@ class Reflections(Part):
         self.context.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def _own(self, use: str, size: tuple[int, int], *, depth: bool = True) -> Target:
-        """Return a target that stays with the part."""
+        """Return a target that the part keeps."""
         if (use, size) not in self._scratch:
             self._pools.append(TargetPool(self.context.gpu, size, COLOUR, depth=depth))
             self._scratch[use, size] = self._pools[-1].acquire()

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 class Wide(Part):
     """As wide as geometry.wide says, around the view without guard band.
 
-    Everything is drawn into it, nothing is a layer of its own, except what is fixed to the head:
-    that is no scenery.
+    Everything is drawn into it, without layers, except for head-locked content.
     """
 
     name = "wide"

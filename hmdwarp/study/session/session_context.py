@@ -112,7 +112,7 @@ class SessionContext:
     def begin_step(self, step: Step) -> None:
         """Set the title of the window; the console gets a state at the next refresh."""
         self._told_ns = None
-        self.display.tell(Status(heading=self.title(step)))
+        self.display.show_status(Status(heading=self.title(step)))
 
     def tell(self, step: Step, describe: Callable[[], Mapping[str, Any]], *, looks: bool = True) -> None:
         """Tell the console a few times a second.

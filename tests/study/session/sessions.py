@@ -151,7 +151,7 @@ class SeatedDisplay(OffscreenDisplay):
     def commands(self) -> Sequence[Command]:
         return self.person.looks(self.labels[-1]) if self.labels else ()
 
-    def tell(self, status) -> None:
+    def show_status(self, status) -> None:
         self.titles.append(status.title())
 
     @property

@@ -27,8 +27,8 @@ def make_control_panel(
 ) -> ControlPanel | None:
     """Return a control panel for a glfw window with the context `gl`.
 
-    None where its package is missing: PANEL_REMEDY says how to get it. Make it after the window has
-    set its callbacks: they are chained, and all of them are still called.
+    None if its package is missing: PANEL_REMEDY names the remedy. Make it after the window has set
+    its callbacks: it chains them, and all are still called.
     window: None for a panel without input, at that content scale. into: framebuffer, by default the
     window's. controls: those it shows.
 
@@ -47,10 +47,10 @@ def make_control_panel(
 
 
 def installed() -> bool:
-    """Return whether the control panel's package is there and loads (it needs libX11).
+    """Return whether the control panel's package is installed and loads (it needs libX11).
 
-    It names its own glfw library in the environment, for the glfw package. That package has loaded
-    its own already, and programs started from here keep theirs.
+    It sets the environment variable that points the glfw package to its own library. That package
+    has already loaded its own, and child processes must keep theirs.
     """
     import glfw  # noqa: F401 (first)
 
@@ -71,6 +71,6 @@ def column_width() -> int:
     """Return the width of the control panel at a content scale of 1; 0 without its package."""
     if not installed():
         return 0
-    from .style import WIDTH
+    from .panel_style import WIDTH
 
     return WIDTH

@@ -1,4 +1,4 @@
-"""Mouse and keyboard for Dear ImGui, through callbacks chained to those of the window."""
+"""Mouse and keyboard input for Dear ImGui, through callbacks chained to those of the window."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from ..keys import label
 if TYPE_CHECKING:
     from ..window_types import WindowHandle
 
-NOWHERE = (-3.4e38, -3.4e38)  # what Dear ImGui takes for an absent mouse
+NOWHERE = (-3.4e38, -3.4e38)  # Dear ImGui's value for an absent mouse
 BUTTONS = 3  # left, right, middle
-# What is needed to type a number into a slider; everything else stays the window's alone.
+# The keys needed to type a number into a slider; all others go to the window alone.
 KEYS = {
     glfw.KEY_ENTER: imgui.Key.enter,
     glfw.KEY_KP_ENTER: imgui.Key.keypad_enter,
@@ -45,7 +45,7 @@ Event = Callable[[imgui.IO], None]
 class ImGuiInput:
     """Input of a glfw window.
 
-    Make it after the window has set callbacks of its own, which are still called.
+    Make it after the window has set its own callbacks, which are still called.
     """
 
     def __init__(self, window: WindowHandle) -> None:
@@ -53,8 +53,8 @@ class ImGuiInput:
         self._events: list[Event] = []
         self._before: list[tuple[Callable, Callable, Any]] = []
         self._place: tuple[float, float] | None = None
-        self.left = 0  # where the panel begins, in framebuffer pixels; set by the panel
-        self.typing = False  # whether keys are being typed into the panel; set by it
+        self.left = 0  # left edge of the panel in framebuffer pixels; set by the panel
+        self.typing = False  # whether keys go into the panel; set by it
         self.on = True  # whether to listen
         for setter, callback in (
             (glfw.set_cursor_pos_callback, self._moved),
@@ -83,7 +83,7 @@ class ImGuiInput:
 
     @property
     def captured(self) -> bool:
-        """Whether the mouse turns the head just now, and serves nothing else."""
+        """Whether the mouse is captured to turn the head."""
         return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
 
     @property
@@ -92,7 +92,7 @@ class ImGuiInput:
 
         None outside, or while the window has captured it.
         """
-        return None if self.captured else self._place  # glfw puts a released mouse back to where it was captured
+        return None if self.captured else self._place  # glfw moves a released mouse back to where it was captured
 
     @staticmethod
     def label(key: str) -> str:
@@ -100,7 +100,7 @@ class ImGuiInput:
         return label(key)
 
     def take(self) -> list[Event]:
-        """Return the events since the last call, oldest first; call each with imgui's io."""
+        """Return the events since the last call, oldest first; call each with ImGui's io object."""
         events, self._events = self._events, []
         return events
 
@@ -118,7 +118,7 @@ class ImGuiInput:
     def _moved(self, x: float, y: float) -> None:
         place = None if self.captured else self._in_pixels(x, y)
         self._place = place or self._place
-        # A position beside the panel counts too, or a slider would not follow a mouse slipping off.
+        # A position beside the panel counts too: a slider must follow a mouse that slips off.
         self._note(lambda io: io.add_mouse_pos_event(*((place[0] - self.left, place[1]) if place else NOWHERE)))
 
     def _entered(self, entered: int) -> None:
@@ -147,7 +147,7 @@ class ImGuiInput:
         self._note(lambda io: io.add_focus_event(bool(focused)))
 
     def close(self) -> None:
-        """Give the callbacks back, where they are still ours."""
+        """Restore the previous callbacks, unless they were replaced since."""
         for setter, ours, before in self._before:
             # None would do by glfw's manual, but its Python package then calls the number 0 at the
             # next event.
@@ -162,7 +162,7 @@ def _nothing(*_: object) -> None:
 
 
 class NoInput:
-    """Input of a panel that is only looked at, in a picture for instance."""
+    """Input of a panel without a user, in a picture for instance."""
 
     captured = False
     cursor: tuple[float, float] | None = None

@@ -1,4 +1,4 @@
-"""The control panel: when it is redrawn, where it lies in the window, and its contents."""
+"""The control panel: redraw schedule, place in the window, and contents."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from imgui_bundle import imgui, implot
 from ... import Command
 from ...controls import CONTROLS, Control
 from ...status import Status
-from . import style
+from . import panel_style as style
 from .imgui_input import ImGuiInput, NoInput
 from .plots import Stages, draw_plots, right_aligned
 from .renderer import PanelRenderer
 from .widgets import Widgets
 
-CALM_HZ = 15.0  # new pictures of the panel without input; in between the last one is laid over
-LIVELY_S = 0.4  # at first and after a touch it is drawn at every refresh: widgets find their sizes within a few frames
+CALM_HZ = 15.0  # redraws of the panel without input; in between the last picture is composited again
+LIVELY_S = 0.4  # redrawn at every refresh after start and input: widgets need a few frames for their sizes
 LONGEST_S = 0.25  # between two frames, for Dear ImGui's own blinking and delays
 WINDOW = (
     imgui.WindowFlags_.no_title_bar
@@ -33,7 +33,7 @@ WINDOW = (
 
 @attrs.define
 class _Layout:
-    """Where the panel lies in the framebuffer, as it was last drawn."""
+    """The panel's place in the framebuffer, as last drawn."""
 
     size: tuple[int, int] = (0, 0)  # (w, h) of the framebuffer in pixels
     column: int = 0  # width at the right edge
@@ -84,23 +84,26 @@ class ControlPanel:
 
     @property
     def on(self) -> bool:
-        """Whether it is visible. Turned off, it draws and takes nothing, and forgets the mouse."""
+        """Whether it is visible.
+
+        While off, it draws nothing, takes no input, and forgets the mouse.
+        """
         return self._on
 
     @on.setter
     def on(self, on: bool) -> None:
         self._on = self._input.on = on
         self._input.typing = False
-        self._painted_s = -1.0  # a picture of before would be seen for a moment
+        self._painted_s = -1.0  # else the old picture would flash up
 
     @property
     def column(self) -> int:
-        """Pixels of the framebuffer's width it takes at the right edge; 0 while it is off."""
+        """Width in framebuffer pixels at the right edge; 0 while it is off."""
         return round(style.WIDTH * self._input.scale) if self._on else 0
 
     @property
     def wants_mouse(self) -> bool:
-        """Whether the mouse is the panel's: over it, or held since it was."""
+        """Whether the mouse belongs to the panel: it is over it, or held down since it was."""
         if not self._on or self._input.captured:
             return False
         self._enter()
@@ -108,7 +111,7 @@ class ControlPanel:
 
     @property
     def wants_keys(self) -> bool:
-        """Whether a number is being typed into the panel; otherwise keys are the window's."""
+        """Whether a number is being typed into the panel; otherwise keys go to the window."""
         return self._on and self._input.typing
 
     def _over(self) -> bool:
@@ -122,15 +125,15 @@ class ControlPanel:
     # --- a refresh ---
 
     def draw(self, status: Status, framebuffer_size: tuple[int, int]) -> list[Command]:
-        """Lay the panel over the framebuffer, (w, h) in pixels, and return its requests.
+        """Composite the panel over the framebuffer, (w, h) in pixels, and return its commands.
 
-        The display's own controls are among them.
+        These include the display's own controls.
         """
         if not self._on or min(framebuffer_size) < 1:
             return []
         now_s = self._clock()
         events = self._input.take()
-        begins = self._painted_s < 0  # or begins again
+        begins = self._painted_s < 0  # or starts again
         if begins or events and (self._over() or self.wants_mouse or self.wants_keys or now_s < self._lively_until_s):
             self._lively_until_s = now_s + LIVELY_S
         due = (
@@ -154,7 +157,7 @@ class ControlPanel:
             event(io)
 
     def _settle(self, size: tuple[int, int]) -> None:
-        """Update sizes for the window as it is now."""
+        """Update sizes for the current window."""
         scale = self._input.scale
         if scale != self._layout.scale:
             self._layout.scale = scale
@@ -190,7 +193,7 @@ class ControlPanel:
         return commands
 
     def close(self) -> None:
-        """Free it, and give the window's callbacks back. May be called twice."""
+        """Free it, and restore the window's callbacks. Safe to call twice."""
         if self._closed:
             return
         self._closed = True

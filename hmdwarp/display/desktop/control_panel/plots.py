@@ -1,4 +1,4 @@
-"""Figures of the last refreshes as plots and bars, against a refresh's budget."""
+"""Plots and bars of the last refreshes against the refresh budget."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from imgui_bundle import imgui, implot
 
 from ...status import KEPT, Status
-from . import style
+from . import panel_style as style
 
 HEIGHT = 34.0  # of a plot, at a content scale of 1
-CALM = 15  # refreshes behind a printed number: a quarter of a second, to be readable
+CALM = 15  # refreshes averaged in a printed number: a quarter of a second, to be readable
 BARE = implot.Flags_.canvas_only | implot.Flags_.no_inputs | implot.Flags_.no_frame
 AXIS = implot.AxisFlags_.no_decorations
 
@@ -26,9 +26,9 @@ class Plot:
     name: str
     values: Sequence[float]
     unit: str = "ms"
-    limit: float | None = None  # where a line is drawn across, None for nowhere
-    names_limit: bool = False  # whether the number names the limit too
-    over: float = math.inf  # above this the number is bad
+    limit: float | None = None  # value of a horizontal line, None for none
+    names_limit: bool = False  # whether the number includes the limit
+    over: float = math.inf  # above this the number is highlighted as bad
     least: float = 1.0  # lowest top of the axis, so that noise does not fill the plot
 
 
@@ -40,7 +40,7 @@ def plots_of(status: Status) -> list[Plot]:
     holes = [100 * share for share in status.holes]
     return [
         Plot("all passes", status.total_ms, limit=budget, names_limit=True, over=bad, least=1.2 * (budget or 1.0)),
-        # Any two refreshes differ a little: half a refresh late is a picture missed.
+        # Any two refreshes differ a little; half a refresh late means a missed picture.
         Plot("between pictures", status.period_ms, limit=budget, over=1.5 * bad, least=2 * (budget or 1.0)),
         Plot(
             "age of the frame",
@@ -57,7 +57,7 @@ def draw_plots(status: Status, scale: float) -> None:
     """Draw all of them, one under the other."""
     for plot in plots_of(status):
         values = np.fromiter(plot.values, np.float64, len(plot.values))
-        # fmax passes over NaN; a tenth more keeps the line off the edge.
+        # fmax ignores NaN; a tenth more keeps the line off the edge.
         top = ceiling(1.1 * max(float(np.fmax.reduce(values, initial=plot.least)), plot.limit or 0.0))
         now = calm(plot.values)
         imgui.text_disabled(plot.name)
@@ -96,7 +96,7 @@ def number_text(value: float | None, plot: Plot) -> str:
 
 
 def ceiling(most: float) -> float:
-    """Return the next round number: a steady axis instead of one that follows the values."""
+    """Return the next round number: it keeps the axis steady while values change."""
     if not (math.isfinite(most) and most > 0):
         return 1.0
     ten = 10.0 ** math.floor(math.log10(most))
@@ -104,7 +104,7 @@ def ceiling(most: float) -> float:
 
 
 def right_aligned(text: str, colour: style.Rgba) -> None:
-    """Draw at the right end of the present line."""
+    """Draw at the right end of the current line."""
     imgui.same_line()
     room = imgui.get_content_region_avail().x - imgui.calc_text_size(text).x
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(room, 0.0))
@@ -131,7 +131,7 @@ class Stages:
         self._legend()
 
     def _take(self, stage_ms: dict[str, float]) -> None:
-        """Drop stages that are gone; move the others slowly, so that they can be read."""
+        """Drop stages that are gone; change the others slowly, so that they can be read."""
         self._order += [name for name in stage_ms if name not in self._order]
         self._calm = {name: took + 0.7 * (self._calm.get(name, took) - took) for name, took in stage_ms.items()}
 

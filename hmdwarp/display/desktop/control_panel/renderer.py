@@ -1,7 +1,7 @@
-"""Draws Dear ImGui's output with moderngl: into a texture of its own, then over the picture.
+"""Draw Dear ImGui's output with moderngl: into a texture, then over the picture.
 
-The bundle's own renderers are not used: the compiled one brings a second libGL that knows no
-context of ours, and the Python one asks PyOpenGL for twenty states a frame.
+The bundle's own renderers are not used: the compiled one brings a second libGL that does not know
+our context, and the Python one queries twenty states a frame through PyOpenGL.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ....gpu.scopes import drawing_into
 from ....gpu.shaders import ShaderLibrary
 
 CORNER = np.dtype([("position_px", "<f4", 2), ("ink_uv", "<f4", 2), ("tint", "u1", 4)])  # ImDrawVert
-LEAST_BYTES = 1 << 18  # of each buffer: a panel in full has some 8000 corners
+LEAST_BYTES = 1 << 18  # of each buffer: a full panel has some 8000 corners
 
 # Over clear: the texture holds colours times alpha, so that it goes over a picture as the widgets
 # themselves would have.
@@ -59,9 +59,9 @@ class Batch:
 
 
 class PanelRenderer:
-    """paint() renews the picture, put() lays it over a framebuffer.
+    """Draw the panel: paint() renews its picture, put() composites it over a framebuffer.
 
-    Both leave flags, blending and framebuffer as a pass expects them.
+    Both restore flags, blending and framebuffer as a pass expects them.
     """
 
     def __init__(self, gl: moderngl.Context) -> None:
@@ -130,7 +130,7 @@ class PanelRenderer:
     # --- over the picture ---
 
     def put(self, into: moderngl.Framebuffer, corner: tuple[int, int], size: tuple[int, int]) -> None:
-        """Lay the top left part of the picture, of that size, over `into`.
+        """Composite the top left part of the picture, of that size, over `into`.
 
         corner: (x, y) of its lower left pixel there.
         """
@@ -155,9 +155,9 @@ class PanelRenderer:
     # --- the atlases of glyphs ---
 
     def _renew(self, texture: imgui.ImTextureData) -> None:
-        """Make, renew or drop our copy, as Dear ImGui asks for it since 1.92.
+        """Create, update or drop our copy on request of Dear ImGui, which adds glyphs at first use.
 
-        Glyphs are added at first use.
+        Since version 1.92.
         """
         if texture.status == imgui.ImTextureStatus.want_create:
             made = self._gl.texture((texture.width, texture.height), 4, _pixels(texture))
@@ -185,7 +185,7 @@ class PanelRenderer:
         self._painting = None
 
     def close(self) -> None:
-        """Free everything; Dear ImGui's context must still be there and current."""
+        """Free everything; Dear ImGui's context must still exist and be current."""
         for texture in imgui.get_platform_io().textures:
             if texture.tex_id in self._atlases:
                 self._forget(texture)
@@ -198,14 +198,14 @@ class PanelRenderer:
 
 
 class _Growing:
-    """A buffer that is exchanged for one of twice the size when something does not fit."""
+    """A buffer that is replaced by one of twice the size when data does not fit."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
         self.buffer = gl.buffer(reserve=LEAST_BYTES, dynamic=True)
 
     def write(self, values: np.ndarray) -> bool:
-        """Write; return whether the buffer is another one now."""
+        """Write; return whether the buffer was replaced."""
         grows = values.nbytes > self.buffer.size
         if grows:
             self.buffer.release()
@@ -255,7 +255,7 @@ def _copied(vector: _Vector, dtype: np.dtype) -> np.ndarray:
     return np.frombuffer(ctypes.string_at(vector.data_address(), count * dtype.itemsize), dtype)
 
 
-# moderngl annotates what these two read, not all that they take.
+# moderngl's annotations list what these two return, not all that they accept.
 def _clip(framebuffer: moderngl.Framebuffer, rectangle: tuple[int, int, int, int] | None) -> None:
     framebuffer.scissor = rectangle  # type: ignore[assignment]
 

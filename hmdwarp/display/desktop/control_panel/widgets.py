@@ -10,17 +10,17 @@ from imgui_bundle import imgui
 from ... import Command
 from ...controls import CONTROLS, Control
 from ...status import Status
-from . import style
+from . import panel_style as style
 
 LABEL, KEY = 60.0, 50.0  # widths of the columns, at a content scale of 1
-STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a number that is typed in (ctrl and click) is taken as it is
+STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a typed number (ctrl and click) is taken as it is
 FORMAT = {"latency": "%.0f ms", "guard": "%.2f x"}
 STATES = {
     "view": (("both", "both eyes"), ("flat", "one flat view"))
-}  # switches between two things, neither of which is off
+}  # switches between two states, neither of which is off
 PATIENCE_S = 0.5  # how long a requested value is shown before the run's own is shown again
 ACTIONS = ("recentre", "full_screen", "vsync", "help", "panel", "quit")
-LIT = ("full_screen", "vsync", "help")  # those that show whether they are on; the panel is, wherever it is seen
+LIT = ("full_screen", "vsync", "help")  # actions drawn lit while on; the panel itself is on wherever it is visible
 LABELS = {
     "recentre": "recentre",
     "full_screen": "full screen",
@@ -33,13 +33,13 @@ LABELS = {
 
 @attrs.define
 class _Requested:
-    """A value that the run has not taken yet."""
+    """A value that the run has not adopted yet."""
 
     value: object
     until_s: float
 
 
-# Draws one control with its value, and returns the value it is set to now, None for no change.
+# Draws one control with its value; returns the new value, None for no change.
 Widget = Callable[[Control, object, Status], object | None]
 
 
@@ -113,7 +113,7 @@ class Widgets:
     def _number(self, control: Control, value: object, _: Status) -> object | None:
         """Draw a slider.
 
-        Latency follows the hand; any other number is taken on release, as it may rebuild the
+        Latency follows the drag; any other number is applied on release, because it may rebuild the
         pipeline.
         """
         name, follows = control.name, control.name == "latency"
@@ -193,7 +193,7 @@ def keys_of(control: Control, label: Callable[[str], str]) -> str:
 
 
 def keycap(text: str) -> None:
-    """Draw a key as on a keyboard, one for each word, right-aligned."""
+    """Draw a key as on a keyboard, one box for each word, right-aligned."""
     pad = imgui.get_style().frame_padding
     words = text.split()
     gap = pad.x * 0.5

@@ -21,7 +21,7 @@ class Codec:
     decoder: str = ""
     # The default constant-quality setting.
     crf: int = 0
-    # A fixed number, because the slices, and so the bytes, depend on it.
+    # Fixed, because the slices, and so the bytes, depend on it.
     threads: int = 1
     # Of the encoder, besides quality.
     options: Mapping[str, str] = attrs.field(factory=dict)
@@ -32,7 +32,7 @@ class Codec:
         return not self.encoder
 
     def check(self) -> None:
-        """Check that it runs here. Errors: MachineError if this PyAV lacks encoder or decoder."""
+        """Check that it runs here. Errors: MachineError if PyAV lacks its encoder or decoder."""
         if not self.is_none:
             require(f"codec '{self.name}'", self.encoder, "w")
             require(f"codec '{self.name}'", self.decoder, "r")

@@ -1,9 +1,9 @@
 """H.264 by x264.
 
 Settings: zerolatency means no B frames, no lookahead and slices in place of frame threads, so each
-picture comes out as it goes in. Of the presets, veryfast took 9 ms for a 1280x800 picture on two
-cores, 16 kB at crf 20; superfast 4 ms, 24 kB; ultrafast 3 ms, 39 kB. scenecut off, forced-idr: key
-frames come on request only, and each starts afresh.
+picture is encoded at once. Of the presets, veryfast took 9 ms for a 1280x800 picture on two cores,
+16 kB at crf 20; superfast 4 ms, 24 kB; ultrafast 3 ms, 39 kB. scenecut off, forced-idr: key frames
+come on request only, and each is an IDR frame.
 """
 
 from . import Codec, codecs

@@ -1,9 +1,9 @@
 """H.265 by x265.
 
 Settings as for H.264. superfast took 22 ms for a 1280x800 picture on two cores, 15 kB at crf 22;
-ultrafast 15 ms, 20 kB. frame-threads=1: with more, a picture would come out only after later ones
-have gone in. repeat-headers: a decoder can begin at any key frame. log-level none: x265 writes to
-stderr by itself, past every logger. info=0: no note of settings in each stream.
+ultrafast 15 ms, 20 kB. frame-threads=1: with more, a picture would be encoded only after later
+ones. repeat-headers: a decoder can start at any key frame. log-level none: x265 writes to stderr
+directly, past every logger. info=0: no text with the settings in each stream.
 """
 
 from . import Codec, codecs

@@ -1,0 +1,41 @@
+"""Interfaces for what a client with some of the scene's triangles can draw by itself."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ..geometry import View
+    from .shown_picture import ShownPicture
+
+
+class ClientModel(Protocol):
+    """A scene with fewer triangles, on the GPU.
+
+    It draws rgba16f colour, and r32f inverse depth if the target has one.
+    """
+
+    def reserve(self, size: tuple[int, int]) -> None:
+        """Allocate what pictures of that size need."""
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw the whole picture: coverage 1 everywhere, sky included (inverse depth 0)."""
+
+    def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
+        """Draw into the holes of `picture`; elsewhere copy its colour and inverse depth."""
+
+
+class ClientGeometry(Protocol):
+    """Draws for any view and instant; programs and buffers are made on first use."""
+
+    def draw_depth(self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int) -> object:
+        """Draw inverse depth alone into an r32f texture, -1 where nothing is."""
+
+    def model(self, share: float, *, lit: bool) -> ClientModel:
+        """Return a model with about `share` of the triangles, owned and cached by the geometry.
+
+        lit: with baked light, else with light of 1 everywhere (albedo). Errors: SceneError for a
+        share that is not above 0 and at most 1.
+        """

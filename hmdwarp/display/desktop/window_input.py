@@ -1,0 +1,194 @@
+"""Mouse and keyboard of a window: they move the head and make commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
+
+import glfw
+
+from ...poses import PoseSample
+from ...poses.walker import Walker
+from .. import Command
+from .keys import FASTER, MOVES, Keys, direction, prints
+
+if TYPE_CHECKING:
+    from .window_types import WindowHandle
+
+TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
+
+# A position in the window's own units, from the top left, to (u, v) of the text panel; None
+# outside.
+Locate = Callable[[float, float], tuple[float, float] | None]
+
+
+class InputConsumer(Protocol):
+    """A control panel that takes part of the input."""
+
+    @property
+    def wants_mouse(self) -> bool: ...
+
+    @property
+    def wants_keys(self) -> bool: ...
+
+
+class WindowInput:
+    """Mouse and keyboard of one window, which move `walker`.
+
+    now_ns: the clock for the times of inputs, taken when they are read. A click captures the mouse,
+    and so does `look`; in a window without the focus that takes effect once it has it. The key of
+    "quit" releases it, and so does a change to another window, which releases the held keys as
+    well.
+    """
+
+    def __init__(self, window: WindowHandle, walker: Walker, now_ns: Callable[[], int], keys: Keys) -> None:
+        self._window, self._walker, self._now_ns, self._keys = window, walker, now_ns, keys
+        self._held: set[int] = set()
+        self._position = (0.0, 0.0)
+        self._locate: Locate | None = None
+        self._capture_again = False
+        self._notches = 0.0  # fraction of a wheel notch not reported yet
+        self.control_panel: InputConsumer | None = None  # takes its part of the input first
+        self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
+        self.takes_text = False  # whether letters are text, and no keys of controls
+        self.commands: list[Command] = []  # requests, oldest first; the caller empties it
+        glfw.set_key_callback(window, self._key)
+        glfw.set_char_callback(window, self._typed)
+        glfw.set_mouse_button_callback(window, self._click)
+        glfw.set_cursor_pos_callback(window, self._moved)
+        glfw.set_scroll_callback(window, self._scrolled)
+        glfw.set_window_focus_callback(window, self._focus)
+
+    def point(self, locate: Locate | None) -> None:
+        """Let the mouse point at a text panel from now on; None returns it to the head."""
+        if (locate is None) == (self._locate is None):
+            return
+        self._locate = locate
+        self._held.clear()
+        if locate is None and self._capture_again:
+            self.capture()
+        elif locate is not None:
+            self._capture_again, self._notches = self.captured, 0.0
+            if self.captured:
+                self.release()
+
+    def look(self) -> None:
+        """Turn the head with the mouse from now on, or once it points at no text panel."""
+        if self._locate is not None:
+            self._capture_again = True
+        elif not self.captured:
+            self.capture()
+
+    @property
+    def captured(self) -> bool:
+        """Whether the mouse turns the head."""
+        return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
+
+    def capture(self) -> None:
+        """Capture the mouse: it turns the head and does not leave the window."""
+        glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_DISABLED)
+        if glfw.raw_mouse_motion_supported():  # without the desktop's pointer acceleration
+            glfw.set_input_mode(self._window, glfw.RAW_MOUSE_MOTION, glfw.TRUE)
+        self._position = glfw.get_cursor_pos(self._window)
+
+    def release(self) -> None:
+        """Release the mouse to the desktop."""
+        glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_NORMAL)
+
+    def walk(self) -> None:
+        """Walk in the direction of the held keys.
+
+        Call after every poll: the walker stops without input.
+        """
+        right, up, forward = direction(self._held)
+        self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
+
+    # --- glfw's callbacks ---
+
+    def _key(self, _: object, key: int, __: int, action: int, mods: int) -> None:
+        if action == glfw.RELEASE:
+            self._held.discard(key)
+            return
+        if self.control_panel is not None and self.control_panel.wants_keys:
+            return
+        if key in MOVES or key in FASTER:
+            if action == glfw.PRESS and self._locate is None:
+                self._held.add(key)
+            return
+        if (key == glfw.KEY_ESCAPE and self.close_help()) or (self.takes_text and prints(key)):
+            return
+        command = self._keys.command_of(key, action, mods)
+        if command is not None and command.control == "quit" and self.captured:
+            self.release()
+        elif command is not None:
+            self.commands.append(command)
+
+    def _typed(self, _: object, code: int) -> None:
+        if self.takes_text:
+            self.commands.append(Command("type", chr(code)))
+
+    def _click(self, _: object, button: int, action: int, ___: int) -> None:
+        if action != glfw.PRESS or self.captured or self._is_for_control_panel:
+            return
+        if self._locate is None:
+            self.capture()
+        elif button == glfw.MOUSE_BUTTON_LEFT:
+            self._add("press", self._locate(*glfw.get_cursor_pos(self._window)))
+
+    @property
+    def _is_for_control_panel(self) -> bool:
+        return self.control_panel is not None and self.control_panel.wants_mouse
+
+    def _add(self, name: str, uv: tuple[float, float] | None) -> None:
+        """Add a pointer command; drop those off the text panel, keep only the last of a motion."""
+        if uv is None:
+            return
+        if name == "point" and self.commands and self.commands[-1].control == name:
+            self.commands.pop()
+        self.commands.append(Command(name, uv))
+
+    def _scrolled(self, _: object, __: float, up: float) -> None:
+        if self._locate is None or self._is_for_control_panel:
+            return
+        self._notches += up
+        notches = int(self._notches)  # touchpads scroll in fractions
+        self._notches -= notches
+        self.commands += [Command("up" if notches > 0 else "down")] * abs(notches)
+
+    def _moved(self, _: object, x: float, y: float) -> None:
+        if not self.captured:
+            if self._locate is not None and not self._is_for_control_panel:
+                self._add("point", self._locate(x, y))
+            return
+        across, down = x - self._position[0], y - self._position[1]
+        self._position = (x, y)
+        self._walker.turn(self._now_ns(), -across * TURN_PER_UNIT, -down * TURN_PER_UNIT)
+
+    def _focus(self, _: object, focused: int) -> None:
+        if not focused:
+            self._held.clear()
+            self._capture_again = False
+            if self.captured:
+                self.release()
+
+
+class WalkerSource:
+    """Poses of the walker, which reads its inputs right before each answer.
+
+    read_inputs: reads them and returns the time.
+    """
+
+    def __init__(self, walker: Walker, read_inputs: Callable[[], int]) -> None:
+        self._walker, self._read_inputs = walker, read_inputs
+
+    def start(self) -> None:
+        """Do nothing: the window already listens."""
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        """Return the head, with the newest inputs."""
+        self._walker.advance(self._read_inputs())
+        return self._walker.head_at(time_ns)
+
+    def close(self) -> None:
+        """Do nothing: the window belongs to the display."""

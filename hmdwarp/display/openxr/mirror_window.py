@@ -1,0 +1,118 @@
+"""A desktop window beside the headset: it mirrors the left eye and reads the keys."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .. import Closed, Command, Label, Status
+from ..controls import CONTROLS, Control, help_closes
+from ..desktop.keys import Keys, label, token
+from ..desktop.opening import start
+from ..desktop.window import Window
+from ..present import fitted
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..present import Presenter
+
+SIZE = (480, 480)
+TITLE_NS = 250_000_000
+PERIOD_NS = 30_000_000  # the headset has priority; every second or third picture is enough for the window
+# Its keys can quit. A runtime recentres the head and corrects the lens itself, and has only one
+# view.
+QUIT = "quit"
+OWN = ("help", "full_screen", QUIT)
+ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
+
+
+class Mirror:
+    """The mirror window. Its context draws the headset's pictures.
+
+    controls: that its keys request.
+    Errors: MachineError if there is no window.
+    """
+
+    def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
+        self._keys = Keys(tuple(one for one in controls if one.name not in ELSEWHERE))
+        glfw = start()
+        self._window = Window(glfw, "hmdwarp", SIZE, vsync=False)
+        self.gl = self._window.gl
+        self._screen = self.gl.detect_framebuffer(0)
+        self._commands: list[Command] = []
+        self._drawn_ns = self._titled_ns = 0
+        self._help = False
+        glfw.set_key_callback(self._window.handle, self._key)
+
+    def _key(self, _: object, key: int, __: int, action: int, mods: int) -> None:
+        command = self._keys.command_of(key, action, mods)
+        if command is None:
+            return
+        if self._help and key == token("Escape"):
+            self._help = False
+        elif command.control in OWN:
+            self._handle(command.control)
+        else:
+            self._commands.append(command)
+
+    def _handle(self, name: str) -> None:
+        if name == "help":
+            self._help = not self._help
+        elif name == "full_screen":
+            self._window.fill_screen(not self._window.fills_screen)
+        else:
+            self._window.end()
+
+    def poll(self) -> None:
+        """Process the window's events. Errors: Closed."""
+        self._window.poll_events()
+        reason = self._window.over()
+        if reason:
+            raise Closed(reason)
+
+    def commands(self) -> Sequence[Command]:
+        """Return the commands of its keys since the last call."""
+        commands, self._commands = self._commands, []
+        return commands
+
+    def show_status(self, status: Status) -> None:
+        """Show the status in the window's title, four times a second."""
+        now_ns = time.monotonic_ns()
+        if now_ns - self._titled_ns >= TITLE_NS:
+            self._titled_ns = now_ns
+            self._window.title(status.title())
+
+    def show(self, presenter: Presenter, panel: Canvas | None, label: Label) -> None:
+        """Show the left eye's picture as large as fits, with label or help.
+
+        Skips some refreshes.
+        """
+        now_ns = time.monotonic_ns()
+        if now_ns - self._drawn_ns < PERIOD_NS or self._window.hidden:
+            return
+        self._drawn_ns = now_ns
+        place = (0, 0, *self._window.framebuffer_size)
+        self._screen.viewport = place
+        self._screen.use()
+        self._screen.clear()
+        self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
+        text = presenter.notice(help_text(self._keys.controls) if self._help else label)
+        presenter.show(
+            panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text
+        )
+        self._window.send()
+
+    def close(self) -> None:
+        """Close the window. Safe to call twice."""
+        self._window.close()
+
+
+def help_text(controls: tuple[Control, ...]) -> str:
+    """Return every control that works here, a line each."""
+    shown = [(one, "end" if one.name == QUIT else one.what) for one in controls if one.what]
+    return "\n".join(f"{_keys_of(one)}\t{what}" for one, what in shown)
+
+
+def _keys_of(one: Control) -> str:
+    return one.written or (f"{label(one.back)} {label(one.key)}" if one.back else label(one.key))

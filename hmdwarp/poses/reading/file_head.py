@@ -1,0 +1,219 @@
+"""First look at a trace file: text or not, separator, header, first rows."""
+
+from __future__ import annotations
+
+import errno
+import gzip
+import io
+import os
+import re
+import stat
+import zlib
+from pathlib import Path
+from typing import BinaryIO, cast
+
+import attrs
+
+from ...errors import TraceError
+from .json_rows import table_of_json
+
+LOOK_BYTES = 256 * 1024
+_SAMPLE_ROWS = 64
+_GZIP = b"\x1f\x8b"
+_NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?$")
+_WHOLE = re.compile(r"[-+]?\d+([eE][-+]?\d+)?$")
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+COMMENT_SIGNS = ("#", "%", "//")
+
+
+@attrs.frozen
+class Head:
+    """The findings from the first part of a trace file."""
+
+    path: Path
+    separator: str | None  # "," ";" "\t" or None for blanks
+    names: list[str] | None  # the header's column names
+    header_line: int | None  # a comment line counts if it names as many columns as the rows have
+    header_text: str
+    first_line: int  # where the rows begin
+    first_byte: int  # where the rows begin
+    rows: list[list[str]]  # fields of the first rows
+    comments: list[tuple[int, str]]  # (line, text without the comment sign) before the rows
+    decimal_comma: bool  # numbers are written 0,5
+    newline: bytes  # b"\n" or b"\r"
+
+    @property
+    def width(self) -> int:
+        """Fields in the first row."""
+        return len(self.rows[0])
+
+    def column(self, name: str) -> int | None:
+        """Return the index of the column called exactly `name`."""
+        return self.names.index(name) if self.names and name in self.names else None
+
+    def describe(self) -> str:
+        """Return one phrase for error messages."""
+        how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
+        named = f"the columns {', '.join(self.names)}" if self.names else "no header"
+        return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
+
+
+def split(text: str, separator: str | None) -> list[str]:
+    """Return the fields of one line without blanks and quotes around them."""
+    return [f.strip().strip('"').strip() for f in text.split(separator)]
+
+
+def is_number(field: str) -> bool:
+    """Return whether the field is a number, with decimal point or comma."""
+    return _NUMBER.match(field) is not None
+
+
+def read_head(path: Path) -> Head:
+    """Inspect the file. Errors: TraceError for anything but a text of rows."""
+    raw, more = _first_bytes(path)
+    _refuse_binary(path, raw)
+    newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
+    lines = _whole_lines(path, raw, more, newline)
+    comments, header, first = _preamble(path, lines)
+    offset, line, text = first
+    separator, comma = _separator(text, header)
+    rows = [split(t, separator) for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS)]
+    rows = rows[1 if header else 0 :][:_SAMPLE_ROWS]
+    names, header_line, header_text = None, None, ""
+    if header:
+        header_line, header_text = header
+        names = split(header_text, separator)
+    else:
+        for header_line_, comment in reversed(comments):
+            found = split(comment, separator)
+            # A comment names the columns if it has one word for each, none of them a number.
+            if len(found) == len(rows[0]) and len(found) > 1 and not any(is_number(f) for f in found):
+                names, header_line = found, header_line_
+                break
+    if names and names[-1] == "" and len(names) > 1:
+        names = names[:-1]
+    return Head(path, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline)
+
+
+def open_trace(path: Path) -> BinaryIO:
+    """Open a file of rows: gzip is unpacked, JSON made into a table. Errors: OSError."""
+    with path.open("rb") as start:
+        packed = start.read(2) == _GZIP
+    file = cast("BinaryIO", (gzip.open if packed else open)(path, "rb"))
+    first = file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")[:1]
+    file.seek(0)
+    if first not in (b"{", b"["):
+        return file
+    with file:
+        raw = file.read()
+    return io.BytesIO(table_of_json(raw) or raw)
+
+
+def _first_bytes(path: Path) -> tuple[bytes, bool]:
+    """Return the first bytes, and whether more follow."""
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise TraceError(f"{path} is a directory: expected a file of head poses{_inside(path)}")
+        if not stat.S_ISREG(status.st_mode):
+            raise TraceError(f"{path} is a device or a pipe: expected a plain file of head poses")
+        with open_trace(path) as file:
+            raw, more = file.read(LOOK_BYTES), bool(file.read(1))
+    except (EOFError, gzip.BadGzipFile, zlib.error) as error:
+        raise TraceError(f"{path}: its gzip data are damaged ({error}): pack or copy it again") from None
+    except FileNotFoundError:
+        raise TraceError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+        if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
+            raise TraceError(f"{str(path)[:60]}...: {why}") from None
+        raise TraceError(f"{path}: cannot be read: {why}") from None
+    if not raw.strip():
+        raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
+    return raw, more
+
+
+def _inside(path: Path) -> str:
+    try:
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum"))
+    except OSError:
+        return ""
+    return f", for instance {found[0]} in it" if found else ""
+
+
+def _refuse_binary(path: Path, raw: bytes) -> None:
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
+    if raw[:4] == b"PK\x03\x04":
+        raise TraceError(f"{path} is a ZIP archive: unpack it first")
+    # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
+    found = _CONTROL.search(raw.rstrip(b"\x00"))
+    if found or not raw.rstrip(b"\x00"):
+        at = found.start() if found else 0
+        raise TraceError(
+            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; expected rows of "
+            "numbers"
+        )
+
+
+def _whole_lines(path: Path, raw: bytes, more: bool, newline: bytes) -> list[tuple[int, int, str]]:
+    """Return (byte offset, line number, text) of the lines that lie wholly in `raw`."""
+    start = 3 if raw.startswith(b"\xef\xbb\xbf") else 0
+    end = len(raw)
+    if more:
+        end = raw.rfind(newline) + 1
+        if end == 0:
+            raise TraceError(f"{path}: line 1 is longer than {LOOK_BYTES // 1024} KiB: this is no table of head poses")
+    out, offset = [], start
+    for number, piece in enumerate(raw[start:end].split(newline), 1):
+        out.append((offset, number, piece.decode("utf-8", "replace").rstrip("\r\x00")))
+        offset += len(piece) + 1
+    return out
+
+
+def _preamble(
+    path: Path, lines: list[tuple[int, int, str]]
+) -> tuple[list[tuple[int, str]], tuple[int, str] | None, tuple[int, int, str]]:
+    """Return comments, the header line if there is one, and the first row."""
+    comments: list[tuple[int, str]] = []
+    header: tuple[int, str] | None = None
+    for offset, number, text in lines:
+        bare = text.strip()
+        if not bare:
+            continue
+        sign = next((s for s in COMMENT_SIGNS if bare.startswith(s)), None)
+        if sign:
+            comments.append((number, bare[len(sign) :].strip()))
+        elif header is None and _looks_like_names(bare):
+            header = (number, bare)
+        else:
+            return comments, header, (offset, number, bare)
+    raise TraceError(f"{path} holds no rows of numbers, only {'a header' if header else 'comments'}")
+
+
+def _looks_like_names(text: str) -> bool:
+    fields = [f for f in re.split(r"[,;\t ]+", text) if f]
+    words = sum(1 for f in fields if f.strip('"')[:1].isalpha() and not is_number(f.strip('"')))
+    return words * 2 > len(fields)
+
+
+def _separator(row: str, header: tuple[int, str] | None) -> tuple[str | None, bool]:
+    """Return the separator, and whether numbers have a decimal comma."""
+    if ";" in row:
+        return ";", _has_decimal_comma(row.split(";"))
+    if "\t" in row and not all(f.endswith(",") for f in row.split("\t")[:-1]):
+        return "\t", _has_decimal_comma(row.split("\t"))
+    if "," in row:
+        blank = row.split()
+        named_by_comma = header is not None and "," in header[1]
+        if not named_by_comma and len(blank) >= 4 and _has_decimal_comma(blank):
+            return None, True
+        return ",", False
+    return None, False
+
+
+def _has_decimal_comma(fields: list[str]) -> bool:
+    fields = [f.strip().strip('"') for f in fields if f.strip()]
+    commas = sum(1 for f in fields if _DECIMAL_COMMA.match(f))
+    return commas > 0 and all(_DECIMAL_COMMA.match(f) or _WHOLE.match(f) or not is_number(f) for f in fields)

@@ -1,0 +1,295 @@
+"""Whether a file, as it was read, shows a person: upright, walking forward, at human sizes.
+
+Nothing here changes a pose. What contradicts the reading is named, with the reading that fits.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import quaternions
+from .axes import Axes, axis_word, load_preset, parse_axes, preset_names
+from .times import BILLION, UNITS_NS
+
+Array = NDArray[np.float64]
+
+# People keep their heads within about 30 degrees of upright, so the crown's mean is within 45.
+UPRIGHT = 0.7
+ON_ITS_SIDE = 0.5  # cosine: the crown is over 60 degrees from up in the mean
+# A head that turns about one axis with this share of its rotation turns about up (people turn more
+# than they nod, and nod more than they roll), and is not read right if up has less than the other.
+TURNS_MOSTLY = 0.6
+TURNS_HARDLY = 0.2
+_LEAST_TURNED_RAD = 2.0  # below that a few nods decide
+# Walking: faster than a sway, over a second in total. People rarely walk backwards or sideways.
+WALKING_M_S = 0.3
+WALKED_S = 1.5
+_FASTEST_M_S = 5.0
+_COHERENT = 0.4  # length of the mean direction of travel in the head's axes
+# The eyes lie about 8 cm before and above the neck they turn about: accelerations of the tracked
+# point tell where it lies in the head. Measured: the share of them that this explains is 0.2 in
+# real recordings of seated people, and 1 in synthetic ones.
+_EXPLAINED = 0.15
+_NECK_M = (0.015, 0.3)
+_TIPPED = 0.005  # mean square: 4 degrees
+_WELL_UPRIGHT = 0.85
+_STEP_NS = 100_000_000
+_MOST_STEPS = 20_000
+_LEAST_STEPS = 8
+# Heights of eyes over a floor, sitting children to standing adults.
+_HEIGHTS_M = (0.4, 2.4)
+CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
+_SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
+
+
+@attrs.frozen(eq=False)
+class Evidence:
+    """What the poses of a file, in its own axes, say about which way is up and forward."""
+
+    upright: Array  # (3, 3), mean cosine between axis i of the world and axis j of the head
+    tips: Array  # (3, 3), mean square of that cosine
+    world_turns: Array  # (3,), share of the rotation about each axis of the world; zeros: too little
+    head_turns: Array  # (3,), the same about the head's axes
+    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: nobody walks
+    climb: Array  # (3,), share of the way along each axis of the world; zeros: nobody walks
+    neck: Array  # (3,), unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
+    height_m: Array  # (3,), mean position where it is steady along an axis, else 0
+    gravity: Array  # (3,), up by the file's gravity columns; zeros: none
+
+    def score(self, reading: Reading) -> float:
+        """Return points of a reading; one a criterion, gravity two."""
+        up, crown, gaze = reading.up, reading.crown, reading.gaze
+        points = 2.0 * float(up @ self.gravity) + float(up @ self.upright @ crown)
+        points += float(np.abs(up) @ self.world_turns) + float(np.abs(crown) @ self.head_turns)
+        points += float(gaze @ self.travel) - float(np.abs(up) @ self.climb) + float(gaze @ self.neck)
+        nods, rolls = self._nods_and_rolls(reading)
+        points += 0.5 * (nods - rolls) / (nods + rolls) if nods + rolls > _TIPPED else 0.0
+        height = float(up @ self.height_m)
+        return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
+
+    def faults(self, reading: Reading) -> list[str]:
+        """Return what contradicts a reading, in words."""
+        up, crown = reading.up, reading.crown
+        found = []
+        if self.gravity.any() and up @ self.gravity < UPRIGHT:
+            found.append("the file's gravity columns point another way")
+        cosine = float(up @ self.upright @ crown)
+        if cosine < ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT:
+            found.append("the head is upside down" if cosine < -UPRIGHT else "the head lies on its side")
+        for turns, axis in ((self.world_turns, up), (self.head_turns, crown)):
+            if turns.max() > TURNS_MOSTLY and np.abs(axis) @ turns < TURNS_HARDLY and not found:
+                found.append("the head hardly turns about its upright axis, but about another")
+        if self.climb.max() > TURNS_MOSTLY and np.abs(up) @ self.climb > TURNS_MOSTLY:
+            found.append("the head climbs instead of walking")
+        if np.linalg.norm(self.travel) > _COHERENT and not found:
+            ahead = float(reading.gaze @ self.travel) / float(np.linalg.norm(self.travel))
+            if ahead < 0.3:
+                found.append("the head walks backwards" if ahead < -UPRIGHT else "the head walks sideways")
+        ahead = float(reading.gaze @ self.neck)
+        if self.neck.any() and ahead < 0.3 and not found:
+            found.append(f"the face is {'behind' if ahead < -UPRIGHT else 'beside'} the neck that it turns about")
+        nods, rolls = self._nods_and_rolls(reading)
+        if cosine > _WELL_UPRIGHT and rolls > max(3 * nods, _TIPPED) and not found:
+            found.append("the head rolls from side to side more than it nods")
+        height = float(up @ self.height_m)
+        if -_HEIGHTS_M[1] <= height <= -_HEIGHTS_M[0] and not found:
+            found.append(f"the head is {-height:.2f} m below the floor")
+        return found
+
+    def _nods_and_rolls(self, reading: Reading) -> tuple[float, float]:
+        """Return the mean squares of how far gaze and ears leave the horizon."""
+        ears = np.cross(reading.crown, reading.gaze)
+        vertical = np.abs(reading.up) @ self.tips
+        return float(vertical @ np.abs(reading.gaze)), float(vertical @ np.abs(ears))
+
+
+@attrs.frozen(eq=False)
+class Reading:
+    """What axes mean for a head, as signed unit vectors (3,) of the file."""
+
+    up: Array  # of the world
+    crown: Array  # up of the head
+    gaze: Array  # forward of the head
+
+    def same(self, other: Reading) -> bool:
+        """Tell whether both are one; right and the directions on the ground follow or are free."""
+        return all(np.array_equal(a, b) for a, b in zip(self._parts(), other._parts(), strict=True))
+
+    def _parts(self) -> tuple[Array, Array, Array]:
+        return self.up, self.crown, self.gaze
+
+
+def reading_of(axes: Axes) -> Reading:
+    """Return the reading of axes."""
+    return Reading(axes.world[1], axes.head[1], -axes.head[2])
+
+
+@attrs.frozen(eq=False)
+class Verdict:
+    """What the motion says about axes."""
+
+    faults: list[str]  # what contradicts them; empty: nothing
+    better: Axes | None  # what fits best; None: nothing fits better
+    also: list[str]  # presets that fit as well as `better` and differ in what motion cannot show
+    clear: bool  # nothing else fits nearly as well
+    points: tuple[float, float]  # of the axes and of the better ones
+    world_alone: bool = False  # the better ones turn the world alone: the head's are right
+    leaves_open: str = ""  # what the motion does not show, in words; empty: it confirms the axes
+
+
+def judge(evidence: Evidence, axes: Axes) -> Verdict:
+    """Compare axes with all others: 6 ups of the world, 24 directions of the head.
+
+    The hand of a file and the directions on the ground cannot be told from motion: a mirror image
+    of a walk is a walk.
+    """
+    here = reading_of(axes)
+    faults = evidence.faults(here)
+    ranked = sorted(_READINGS, key=evidence.score, reverse=True)
+    best = ranked[0]
+    own, top = evidence.score(here), evidence.score(best)
+    if not faults or best.same(here) or top - own < CLEAR / 2:
+        return Verdict(faults, None, [], False, (own, own), leaves_open=_open(evidence, here, own))
+    fitting = [p for p in (load_preset(name) for name in preset_names()) if reading_of(p.axes).same(best)]
+    better = fitting[0].axes if fitting else _right_handed(best)
+    clear = top - evidence.score(ranked[1]) > CLEAR and not evidence.faults(best)
+    alone = np.array_equal(best.crown, here.crown) and np.array_equal(best.gaze, here.gaze)
+    return Verdict(faults, better, [p.name for p in fitting[1:]], clear, (own, top), alone)
+
+
+def best_points(evidence: Evidence) -> float:
+    """Return the points of the axes that fit best."""
+    return max(map(evidence.score, _READINGS))
+
+
+def _open(evidence: Evidence, here: Reading, points: float) -> str:
+    """Return what differs between a reading and others that fit nearly as well."""
+    near = [r for r in _READINGS if evidence.score(r) > points - CLEAR and not r.same(here) and not evidence.faults(r)]
+    if any(not np.array_equal(r.up, here.up) or not np.array_equal(r.crown, here.crown) for r in near):
+        return "which way is up"
+    return "which way the head looks" if near else ""
+
+
+_READINGS = [Reading(up, crown, gaze) for up, crown, gaze in itertools.product(_SIGNED, repeat=3) if not crown @ gaze]
+
+
+def _right_handed(reading: Reading) -> Axes:
+    """Return right-handed axes of a reading; forward on the ground is the next axis after up."""
+    ahead = np.roll(np.abs(reading.up), 1)
+    world = ",".join(axis_word(v) for v in (np.cross(ahead, reading.up), reading.up, ahead))
+    head = ",".join(axis_word(v) for v in (np.cross(reading.gaze, reading.crown), reading.crown, reading.gaze))
+    return parse_axes(f"world={world} head={head}")
+
+
+# What heads do: rates of trackers, how far from the origin of a tracked place, how fast.
+RATES_HZ = (10.0, 2000.0)
+FARTHEST_M = 50.0
+_FASTEST_WALK_M_S = 12.0
+_LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
+
+
+def rate_fault(step_ns: float, unit: str) -> str:
+    """Return what is odd about a clock of `unit` with this median step, and the unit that is not.
+
+    Empty where the rate is a tracker's.
+    """
+    rate_hz = BILLION / step_ns
+    if RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
+        return ""
+    others = {u: rate_hz * UNITS_NS[unit] / UNITS_NS[u] for u in UNITS_NS}
+    fits = [u for u, hz in others.items() if RATES_HZ[0] <= hz <= RATES_HZ[1]]
+    if not fits:
+        return "--trace-rate gives the samples per second instead"
+    best = min(fits, key=lambda u: abs(np.log(others[u] / 75)))
+    return f"--time-unit {best} makes {others[best]:.4g} Hz"
+
+
+def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str]:
+    """Return what is odd about the places of a head, and the scale that would make them human.
+
+    Both empty where they are.
+    """
+    at = _every(time_ns)
+    p, t = position_m[at], time_ns[at] * 1e-9
+    far = float(np.median(np.linalg.norm(p, axis=1)))
+    speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(t) if len(t) > 1 else np.zeros(1)
+    fast = float(np.quantile(speed, 0.9))
+    if far <= FARTHEST_M and fast <= _FASTEST_WALK_M_S:
+        return "", ""
+    what = f"the head is {far:.4g} m from the origin" if far > FARTHEST_M else f"the head moves at {fast:.4g} m/s"
+    for name, metres in _LENGTHS.items():
+        if far * metres < 5 and fast * metres <= 3:
+            return (
+                what,
+                f"--scale {metres:g} takes the positions as {name}: {far * metres:.3g} m, {fast * metres:.2g} m/s",
+            )
+    return what, "--scale gives metres per unit"
+
+
+def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Array | None, gravity: Array) -> Evidence:
+    """Collect the evidence of (n, 4) unit quaternions xyzw and (n, 3) positions in the file's axes.
+
+    gravity: (3,) of the file, any length; zeros: unknown. Steps of 0.1 s are compared, so that
+    noise of single rows matters little; steps over gaps and teleports are left out.
+    """
+    at = _every(time_ns)
+    q, t = orientation[at], time_ns[at] * 1e-9
+    axes = np.stack([quaternions.rotate(q, unit) for unit in np.eye(3)], axis=2)  # (n, 3, 3) matrices
+    near = np.diff(t) < 5e-9 * _STEP_NS
+    upright = axes.mean(axis=0)
+    world_turns = head_turns = travel = climb = height = neck = np.zeros(3)
+    turn = quaternions.multiply(q[1:], quaternions.conjugate(q[:-1]))[near]
+    vectors = quaternions.to_rotation_vector(turn)
+    length = np.linalg.norm(vectors, axis=1)
+    vectors = vectors[length < 1.0]  # over 10 rad/s: a teleport
+    if len(vectors) >= _LEAST_STEPS and length[length < 1.0].sum() > _LEAST_TURNED_RAD:
+        in_head = np.einsum("nij,ni->nj", axes[:-1][near][length < 1.0], vectors)
+        world_turns, head_turns = _shares(vectors), _shares(in_head)
+    if position_m is not None:
+        p = position_m[at]
+        velocity = np.diff(p, axis=0)[near] / np.diff(t)[near][:, None]
+        speed = np.linalg.norm(velocity, axis=1)
+        walks = (speed > WALKING_M_S) & (speed < _FASTEST_M_S)
+        if np.count_nonzero(walks) * 1e-9 * _STEP_NS > WALKED_S:
+            unit = velocity[walks] / speed[walks][:, None]
+            travel = np.einsum("nij,ni->nj", axes[:-1][near][walks], unit).mean(axis=0)
+            climb = _shares(velocity[walks])
+        neck = _neck(axes, p, near)
+        steady = p.std(axis=0) < 0.25
+        height = np.where(steady, p.mean(axis=0), 0.0)
+    down = float(np.linalg.norm(gravity))
+    up = -gravity / down if down else gravity
+    return Evidence(upright, (axes**2).mean(axis=0), world_turns, head_turns, travel, climb, neck, height, up)
+
+
+def _neck(axes: Array, position_m: Array, near: NDArray[np.bool_]) -> Array:
+    """Fit accelerations of the tracked point by a fixed lever in the head: p'' = R'' lever."""
+    both = near[1:] & near[:-1]
+    moved = (position_m[:-2] - 2 * position_m[1:-1] + position_m[2:])[both]
+    turned = (axes[:-2] - 2 * axes[1:-1] + axes[2:])[both]
+    calm = np.linalg.norm(moved, axis=1) < 0.5
+    a, b = turned[calm].reshape(-1, 3), moved[calm].reshape(-1)
+    if calm.sum() < _LEAST_STEPS or not b.any():
+        return np.zeros(3)
+    lever = np.linalg.lstsq(a, b, rcond=None)[0]
+    explained = 1 - float(((a @ lever - b) ** 2).sum() / (b**2).sum())
+    length = float(np.linalg.norm(lever))
+    return lever / length if explained > _EXPLAINED and _NECK_M[0] < length < _NECK_M[1] else np.zeros(3)
+
+
+def _every(time_ns: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Return indices of rows about 0.1 s apart, at most 20,000."""
+    span = int(time_ns[-1] - time_ns[0])
+    step = max(_STEP_NS, span // _MOST_STEPS)
+    wanted = time_ns[0] + np.arange(0, span + 1, step)
+    return np.unique(np.searchsorted(time_ns, wanted))
+
+
+def _shares(vectors: Array) -> Array:
+    squares = (vectors**2).sum(axis=0)
+    total = float(squares.sum())
+    return squares / total if total else np.zeros(3)

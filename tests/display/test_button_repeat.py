@@ -1,0 +1,129 @@
+"""Buttons and sticks to what they ask for, without any runtime; and the table of controllers.
+
+Every kind can do all there is to do.
+"""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.display.openxr.button_repeat import FIRST_NS, LET_GO, NEXT_NS, PUSHED, ButtonRepeat
+from hmdwarp.display.openxr.profiles import AXES, BUTTONS, PROFILES
+from hmdwarp.study.dialogs import CONTROLS
+
+PERIOD_NS = 11_111_111  # 90 a second
+
+
+class Hands:
+    """Each call is a refresh later."""
+
+    def __init__(self) -> None:
+        self._repeat, self._now_ns = ButtonRepeat(), 0
+        self.are()
+
+    def are(self, seconds: float = 0.0, **states: float) -> list[str]:
+        """So, for one refresh or for some seconds; what was asked for."""
+        asked = []
+        for _ in range(max(1, round(seconds * 1e9 / PERIOD_NS))):
+            self._now_ns += PERIOD_NS
+            buttons = {name: bool(state) for name, state in states.items() if name in BUTTONS}
+            axes = {name: state for name, state in states.items() if name in AXES}
+            asked += self._repeat.step(buttons, axes, self._now_ns)
+        return asked
+
+    def unheard(self) -> None:
+        self._repeat.forget()
+
+
+@pytest.mark.parametrize("name", ["confirm", "menu"])
+def test_a_button_counts_once_however_long_it_is_held(name):
+    hands = Hands()
+    assert hands.are(5.0, **{name: 1}) == [name]
+    assert hands.are() == []
+    assert hands.are(**{name: 1}) == [name]
+
+
+def test_a_held_direction_goes_on():
+    hands, seconds = Hands(), 2.0
+    expected = 1 + 1 + int((seconds * 1e9 - FIRST_NS) / NEXT_NS)
+    asked = hands.are(seconds, right=1)
+    # Steps fall on refreshes: each comes up to one late.
+    assert set(asked) == {"right"} and 0.85 * expected <= len(asked) <= expected
+    assert hands.are(1.0) == []
+    assert hands.are(0.3, right=1) == ["right"]  # a short press is one step
+
+
+def test_after_a_stall_one_step_comes_and_not_many():
+    repeat = ButtonRepeat()
+    repeat.step({}, {}, 0)
+    assert repeat.step({"left": True}, {}, 1) == ["left"]
+    assert repeat.step({"left": True}, {}, 10_000_000_000) == ["left"]
+    assert repeat.step({"left": True}, {}, 10_000_000_001) == []
+
+
+@pytest.mark.parametrize(("axis", "least", "most"), [("across", "left", "right"), ("along", "down", "up")])
+def test_a_stick_is_pushed_and_let_go(axis, least, most):
+    for sign, name in ((-1, least), (1, most)):
+        hands = Hands()
+        assert hands.are(**{axis: sign * (PUSHED - 0.01)}) == []
+        assert hands.are(**{axis: sign * PUSHED}) == [name]
+        assert hands.are(**{axis: sign * (LET_GO + 0.01)}) == []  # trembling
+        assert hands.are(**{axis: sign * 0.9}) == []
+        assert hands.are(**{axis: sign * (LET_GO - 0.01)}) == []
+        assert hands.are(**{axis: sign * 0.9}) == [name]
+
+
+def test_a_stick_pushed_askew_means_one_direction():
+    assert Hands().are(across=0.9, along=0.7) == ["right"]
+    assert Hands().are(across=-0.7, along=0.9) == ["up"]
+
+
+def test_a_pad_counts_while_it_is_pressed():
+    hands = Hands()
+    assert hands.are(1.0, pad_across=-1.0) == []  # a thumb rests on it
+    assert hands.are(pad_across=-1.0, pad=1) == ["left"]
+    assert hands.are(pad_across=-1.0) == []
+    assert hands.are(pad_along=0.8, pad=1) == ["up"]
+
+
+def test_what_was_down_when_it_was_first_heard_of_was_not_pressed_for_us():
+    repeat = ButtonRepeat()
+    assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 0) == []
+    assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 2 * FIRST_NS) == []
+    assert repeat.step({}, {}, 2 * FIRST_NS + 1) == []
+    assert repeat.step({"confirm": True}, {}, 2 * FIRST_NS + 2) == ["confirm"]
+    hands = Hands()
+    hands.are(confirm=1)
+    hands.unheard()  # the runtime's own menu was over it, say
+    assert hands.are(2.0, confirm=1, right=1) == []
+    hands.are()
+    assert hands.are(confirm=1) == ["confirm"]
+
+
+@given(st.lists(st.tuples(st.sampled_from(BUTTONS), st.floats(-1, 1), st.floats(-1, 1)), max_size=60))
+def test_never_more_than_was_done(states):
+    """A name is asked for at most once a refresh, and nothing but names there are."""
+    hands = Hands()
+    for button, across, along in states:
+        asked = hands.are(across=across, along=along, **{button: 1})
+        assert len(set(asked)) == len(asked) and set(asked) <= set(BUTTONS) - {"pad"}
+
+
+@pytest.mark.parametrize("profile", PROFILES, ids=lambda one: one.rpartition("/")[2])
+def test_every_kind_of_controller_can_do_everything(profile):
+    assert re.fullmatch(r"/interaction_profiles/\w+/\w+", profile)
+    names = {name for name, _ in PROFILES[profile]}
+    assert names <= {*BUTTONS, *AXES}
+    assert {"confirm", "menu"} <= names
+    assert {"left", "right"} <= names or "across" in names or {"pad_across", "pad"} <= names
+    paths = [path for _, path in PROFILES[profile]]
+    assert len(set(paths)) == len(paths), "one path, one thing"
+    assert all(re.fullmatch(r"/user/(hand/(left|right)|gamepad)/input/\w+/(click|value|x|y)", path) for path in paths)
+
+
+def test_the_controls_of_a_study_are_what_controllers_can_do():
+    assert {button for one in CONTROLS for button in one.buttons} == set(BUTTONS) - {"pad"}

@@ -1,0 +1,246 @@
+"""Which columns, which clock, which device; angles and matrices instead of quaternions."""
+
+from __future__ import annotations
+
+import datetime
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.poses import TraceOptions, load_trace
+
+from .traces import head, kinds, rows, same_motion, write
+
+TRACK = head()
+TABLE = rows(TRACK)
+HEADER = "time,x,y,z,qx,qy,qz,qw"
+
+
+def refusal(path, **options) -> str:
+    with pytest.raises(HmdwarpError) as caught:
+        load_trace(path, TraceOptions(**options))
+    return str(caught.value)
+
+
+# columns
+
+
+@pytest.mark.parametrize("text", ["t=1,p=2+3+4,q=5+6+7+8", "q=a4+a5+a6+a7,t=a0,p=a1+a2+a3", "p=2+a2+4,q=5+6+7+8,t=1"])
+def test_stated_columns_are_read_by_name_or_number(tmp_path, text):
+    path = write(tmp_path / "c.csv", TABLE, ",".join(f"a{i}" for i in range(8)))
+    loaded = load_trace(path, TraceOptions(columns=text))
+    assert same_motion(loaded.track, TRACK) and loaded.format == "columns"
+
+
+def test_stated_columns_follow_the_stated_order(tmp_path):
+    path = write(tmp_path / "c.csv", rows(TRACK, "wxyz"), header="")
+    options = TraceOptions(columns="t=1,p=2+3+4,q=5+6+7+8", quat_order="wxyz")
+    assert same_motion(load_trace(path, options).track, TRACK)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t=1,p=2+3+4", "expected t=TIME"),
+        ("q=5+6+7", "expected t=TIME"),
+        ("t=1,q=5+6+7+9", "no column '9'"),
+        ("t=0,q=5+6+7+8", "no column '0'"),
+        ("t=when,q=5+6+7+8", "no column 'when'"),
+        ("u=1,q=5+6+7+8", "expected t=TIME"),
+        ("", "expected t=TIME"),
+    ],
+)
+def test_stated_columns_that_are_none(tmp_path, text, said):
+    assert said in refusal(write(tmp_path / "c.csv", TABLE), columns=text)
+
+
+def test_six_bare_columns_are_never_guessed(tmp_path):
+    path = write(tmp_path / "b.txt", [r[:6] for r in TABLE], header="", separator=" ")
+    assert "--quat-order" in refusal(path)
+
+
+@pytest.mark.parametrize("name", ["head", "hmd", "Camera", "CenterEye", "MainCam", "XRCam", "Headset"])
+def test_the_head_is_chosen_by_its_name_among_other_bodies(tmp_path, name):
+    others = ["hip", "LeftWrist", "RightHand", "controller", "tracker"]
+    table, columns = [], ["time"]
+    for body in [*others[:3], name, *others[3:]]:
+        columns += [f"{body}_pos_{a}" for a in "xyz"] + [f"{body}_rot_{a}" for a in "xyzw"]
+    for r in TABLE:
+        other = ["5", "5", "5", "1", "0", "0", "0"]
+        table.append([r[0], *other * 3, *r[1:], *other * 2])
+    assert same_motion(load_trace(write(tmp_path / "b.csv", table, ",".join(columns))).track, TRACK)
+
+
+# devices
+
+
+def of_devices(*names: str, zero: str = "") -> list[list[str]]:
+    """Rows of several devices, the last of which holds the track; `zero` never tracked."""
+    poses = {name: ["5", "5", "5", "1", "0", "0", "0"] for name in names} | {zero: ["0"] * 7}
+    return [[name, r[0], *(r[1:] if name == names[-1] else poses[name])] for r in TABLE for name in names]
+
+
+@pytest.mark.parametrize("names", [("Hip", "RightHand", "CenterEye"), ("wrist", "hmd"), ("controller head", "MainCam")])
+def test_the_head_is_chosen_among_devices(tmp_path, names):
+    loaded = load_trace(write(tmp_path / "d.csv", of_devices(*names), "device," + HEADER))
+    assert same_motion(loaded.track, TRACK)
+    assert f"rows of {names[-1]} taken" in next(d.done for d in loaded.defects if d.kind == "devices-interleaved")
+
+
+def test_a_device_that_never_tracked_is_not_chosen(tmp_path):
+    path = write(tmp_path / "d.csv", of_devices("A", "B", zero="A"), "device," + HEADER)
+    assert same_motion(load_trace(path).track, TRACK)
+
+
+def test_the_stated_device_is_read(tmp_path):
+    path = write(tmp_path / "d.csv", of_devices("head", "glasses"), "device," + HEADER)
+    assert same_motion(load_trace(path, TraceOptions(device="glasses")).track, TRACK)
+    assert "there are those of glasses, head" in refusal(path, device="hat")
+    assert "leave --device out" in refusal(write(tmp_path / "n.csv", TABLE), device="head")
+
+
+# JSON
+
+
+def records() -> list[dict]:
+    """A pose each, nested as tools write them."""
+    return [
+        {
+            "time": float(r[0]),
+            "position": [float(f) for f in r[1:4]],
+            "orientation": dict(zip("xyzw", r[4:], strict=True)),
+        }
+        for r in TABLE
+    ]
+
+
+@pytest.mark.parametrize("form", ["lines", "list", "in a document"])
+def test_json_records_are_read(tmp_path, form):
+    path = tmp_path / "poses.json"
+    lines = [json.dumps(one) for one in records()]
+    whole = {
+        "lines": "\n".join(lines),
+        "list": f"[{','.join(lines)}]",
+        "in a document": f'{{"poses": [{",".join(lines)}]}}',
+    }
+    path.write_text(whole[form])
+    assert same_motion(load_trace(path).track, TRACK)
+
+
+def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
+    path = tmp_path / "poses.json"
+    path.write_text(
+        json.dumps([r | {"orientation": [float(f) for f in t[4:]]} for r, t in zip(records(), TABLE, strict=True)])
+    )
+    assert "--quat-order" in refusal(path)
+    assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
+
+
+def test_json_matrices_are_read_with_their_columns_named(tmp_path):
+    poses = np.tile(np.eye(4), (len(TRACK), 1, 1))
+    poses[:, :3, :3] = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
+    poses[:, :3, 3] = TRACK.position_m
+    path = tmp_path / "transforms.json"
+    frames = [{"t": float(r[0]), "transform_matrix": p} for r, p in zip(TABLE, poses.tolist(), strict=True)]
+    path.write_text(json.dumps({"camera_model": "OPENCV", "frames": frames}))
+    assert same_motion(load_trace(path).track, TRACK, atol=1e-7)
+
+
+@pytest.mark.parametrize("text", ["[1, 2, 3]", "{}", '{"poses": []}', "[{", '{"a": 1}'])
+def test_json_without_poses_is_refused(tmp_path, text):
+    path = tmp_path / "poses.json"
+    path.write_text(text)
+    assert refusal(path)
+
+
+# clocks
+
+
+def test_seconds_and_nanoseconds_are_one_clock(tmp_path):
+    stamps = [(str(t // 10**9 + 17 * 10**8), str(t % 10**9)) for t in TRACK.time_ns.tolist()]
+    table = [[*stamp, *r[1:]] for stamp, r in zip(stamps, TABLE, strict=True)]
+    header = "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
+    header += ",".join(f"pose.orientation.{a}" for a in "xyzw")
+    track = load_trace(write(tmp_path / "ros2.csv", table, header)).track
+    assert np.array_equal(track.time_ns, TRACK.time_ns) and same_motion(track, TRACK)
+
+
+@pytest.mark.parametrize(
+    ("form", "resolution_ns"),
+    [
+        ("%Y-%m-%dT%H:%M:%S.%f", 1000),
+        ("%d.%m.%Y %H:%M:%S.%f", 1000),
+        ("%m/%d/%Y %I:%M:%S.%f %p", 1000),
+        ("%Y/%m/%d %H:%M:%S.%f", 1000),
+        ("%H:%M:%S:%f", 1000),
+    ],
+)
+def test_clocks_people_write(tmp_path, form, resolution_ns):
+    start = datetime.datetime(2026, 1, 22, 23, 59, 59)
+    stamps = [(start + datetime.timedelta(microseconds=int(t) // 1000)).strftime(form) for t in TRACK.time_ns]
+    table = [[s, *r[1:]] for s, r in zip(stamps, TABLE, strict=True)]
+    track = load_trace(write(tmp_path / "t.csv", table)).track
+    assert np.array_equal(track.time_ns, TRACK.time_ns // resolution_ns * resolution_ns)
+
+
+def test_a_column_of_steps_is_no_clock_and_the_finest_clock_wins(tmp_path):
+    table = [["0.0166", r[0].split(".")[0], *r] for r in TABLE]
+    loaded = load_trace(write(tmp_path / "t.csv", table, "deltaTime,timestamp s,clock s,x,y,z,qx,qy,qz,qw"))
+    assert same_motion(loaded.track, TRACK)
+
+
+def test_the_stated_clock_is_read(tmp_path):
+    table = [[str(i), *r] for i, r in enumerate(TABLE)]
+    path = write(tmp_path / "t.csv", table, "timestamp,when,x,y,z,qx,qy,qz,qw")
+    for word in ("when", "2"):
+        assert same_motion(load_trace(path, TraceOptions(time_column=word, time_unit="s")).track, TRACK)
+    assert "no column 'then'" in refusal(path, time_column="then")
+
+
+def test_poses_written_twice_are_one(tmp_path):
+    table = [[repr(float(r[0]) + late), *r[1:]] for r in TABLE for late in (0.0, 90e-6)]
+    loaded = load_trace(write(tmp_path / "t.csv", table, "time s,x,y,z,qx,qy,qz,qw"))
+    assert len(loaded.track) == len(TRACK) and "paired-rows" in kinds(loaded)
+
+
+# angles and matrices
+
+
+@pytest.mark.parametrize("unit", ["deg", "rad"])
+@pytest.mark.parametrize("names", ["rot_x,rot_y,rot_z", "pitch,yaw,roll", "EulerX,EulerY,EulerZ"])
+@pytest.mark.parametrize("order", ["ZXY", "xyz"])
+def test_angles_are_read_with_their_order_stated(tmp_path, order, names, unit):
+    turns = Rotation.from_quat(TRACK.orientation_xyzw).as_euler(order.lower(), degrees=unit == "deg")
+    angles = turns[:, [order.lower().index(axis) for axis in "xyz"]].tolist()
+    table = [[*r[:4], *map(repr, a)] for r, a in zip(TABLE, angles, strict=True)]
+    path = write(tmp_path / "e.csv", table, f"time,pos_x,pos_y,pos_z,{names}")
+    assert same_motion(load_trace(path, TraceOptions(euler=f"{order},{unit}")).track, TRACK, atol=1e-7)
+    assert "--euler" in refusal(path)
+
+
+@pytest.mark.parametrize("text", ["ZXY", "ZZY,deg", "xyz,turns", "", "xy,deg"])
+def test_orders_of_angles_that_are_none(tmp_path, text):
+    path = write(tmp_path / "e.csv", [r[:7] for r in TABLE], "time,x,y,z,yaw,pitch,roll")
+    assert "such as ZXY,deg" in refusal(path, euler=text)
+
+
+@pytest.mark.parametrize(("numbers", "timed"), [(12, False), (12, True), (16, True), (16, False)])
+def test_matrices_are_read(tmp_path, numbers, timed):
+    poses = np.tile(np.eye(4), (len(TRACK), 1, 1))
+    poses[:, :3, :3] = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
+    poses[:, :3, 3] = TRACK.position_m
+    table = [[*([r[0]] if timed else []), *map(repr, p)]
+             for r, p in zip(TABLE, poses.reshape(-1, 16)[:, :numbers].tolist(), strict=True)]  # fmt: skip
+    path = write(tmp_path / "m.txt", table, header="", separator=" ")
+    loaded = load_trace(path, TraceOptions() if timed else TraceOptions(rate=60))
+    assert loaded.format == "matrices" and same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=1e-7)
+    assert timed or "--rate" in refusal(path)
+
+
+def test_numbers_that_are_no_rotations_are_refused(tmp_path):
+    table = [[r[0], *"123456789"[:9], *"123"] for r in TABLE]
+    path = write(tmp_path / "m.txt", table, header="", separator=" ")
+    assert "no rotations" in refusal(path, format="matrices")

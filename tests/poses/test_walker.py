@@ -1,0 +1,252 @@
+"""The head led by mouse and keys.
+
+Where it goes, how smoothly, and that nobody's frame rate has a say in it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.poses import Origin, Walker
+from hmdwarp.poses.walker import (
+    DEAF_NS,
+    EYE_HEIGHT_M,
+    FASTER,
+    HORIZON_NS,
+    KEPT_NS,
+    STEEPEST_RAD,
+    TURN_S,
+    WALK_M_S,
+    WALK_S,
+)
+
+MS = 1_000_000
+BEGIN_NS = 123_456_789_012_345  # no multiple of the grid, and as large as a machine's clock gets
+
+angle = st.floats(-1.0, 1.0)
+axis = st.sampled_from((-1.0, 0.0, 1.0))
+told = st.one_of(
+    st.tuples(st.just("turn"), angle, angle),
+    st.tuples(st.just("walk"), axis, axis, axis, st.booleans()),
+    st.tuples(st.just("recentre")),
+)
+scripts = st.lists(st.tuples(st.integers(0, 300 * MS), told), max_size=12).map(
+    lambda script: sorted(script, key=lambda one: one[0])
+)
+
+
+def tell(walker: Walker, time_ns: int, what: tuple) -> None:
+    if what[0] == "walk":
+        walker.walk(time_ns, *what[1:4], fast=what[4])
+    else:
+        getattr(walker, what[0])(time_ns, *what[1:])
+
+
+def poses_at(script, rate_hz: float, wanted_ns: list[int]) -> list:
+    """The pose at each of `wanted_ns` (relative, ascending), with the walker looked at `rate_hz`
+    times a second besides.
+    """
+    walker, at = Walker(BEGIN_NS), 0
+    polls = [round(k * 1e9 / rate_hz) for k in range(int(rate_hz) + 1)]
+    events = [(t, 0, what) for t, what in script] + [(t, 1, None) for t in polls] + [(t, 2, None) for t in wanted_ns]
+    events.sort(key=lambda event: event[:2])
+    out = []
+    for at, kind, what in events:
+        if kind == 0:
+            tell(walker, BEGIN_NS + at, what)
+            continue
+        walker.advance(BEGIN_NS + at)
+        sample = walker.head_at(BEGIN_NS + at)
+        out += [sample] if kind == 2 else []
+    return out
+
+
+@given(scripts)
+@settings(max_examples=40)
+def test_the_frame_rate_has_no_say_in_the_path(script):
+    """The same inputs at the same instants.
+
+    Bit for bit the same path, at 30, 144 and 1 frames a second.
+    """
+    wanted = [0, 7 * MS, 150 * MS, 333 * MS, 900 * MS]
+    first, *others = (poses_at(script, rate, wanted) for rate in (30, 144, 1))
+    for other in others:
+        for a, b in zip(first, other, strict=True):
+            assert a.pose.position_m.tolist() == b.pose.position_m.tolist()
+            assert a.pose.orientation_xyzw.tolist() == b.pose.orientation_xyzw.tolist()
+
+
+def test_inputs_noticed_at_the_next_frame_shift_the_path_by_no_more_than_a_frame_of_walking():
+    """A real window sees a key at its next poll, at most 1/30 s late at 30 Hz and never early.
+
+    The ends lie 1.4 m/s / 30 apart at most.
+    """
+    ends = []
+    for rate in (30, 144):
+        walker = Walker(0)
+        for frame in range(3 * rate):
+            now = frame * 1000 * MS // rate
+            walker.walk(now, forward=float(100 * MS <= now < 1_105 * MS))
+        ends.append(-walker.head_at(now).pose.position_m[2])
+    assert abs(ends[0] - ends[1]) <= WALK_M_S / 30
+    assert ends[1] == pytest.approx(WALK_M_S * 1.005, abs=WALK_M_S / 144)
+
+
+@given(scripts)
+@settings(max_examples=40)
+def test_never_rolls_never_tips_over_and_keeps_its_speed(script):
+    samples = poses_at(script, 60, list(range(0, 600 * MS, 9 * MS)))
+    jumps = {t for t, what in script if what[0] == "recentre"}
+    for k, sample in enumerate(samples):
+        right, up, back = sample.pose.rotation.as_matrix().T
+        assert abs(right[1]) < 1e-12  # the horizon stays level
+        assert up[1] > 0 and abs(math.asin(np.clip(-back[1], -1, 1))) <= STEEPEST_RAD + 1e-9
+        if k and not any((k - 1) * 9 * MS <= t <= k * 9 * MS for t in jumps):
+            way = np.abs(sample.pose.position_m - samples[k - 1].pose.position_m)
+            fastest = FASTER * WALK_M_S * 0.009 + 1e-9
+            assert (
+                math.hypot(way[0], way[2]) <= fastest and way[1] <= fastest
+            )  # no wish is longer than that, no lag overshoots
+
+
+def test_walks_the_way_it_looks_and_stays_level():
+    walker = Walker(0)
+    walker.turn(0, math.radians(90), math.radians(-60))
+    walker.advance(1_000 * MS)
+    walker.walk(1_000 * MS, forward=1.0)
+    walker.advance(2_000 * MS)
+    x, y, z = walker.head_at(2_000 * MS).pose.position_m
+    # After the start's lag the head is WALK_S behind one that walked at once: e^(-1/0.08) of that
+    # is below 1e-5.
+    assert x == pytest.approx(-WALK_M_S * (1 - WALK_S), abs=1e-5)
+    assert (y, z) == (EYE_HEIGHT_M, pytest.approx(0, abs=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("told", "wanted"),
+    [
+        ({"forward": 1.0}, (0, 0, -1)),
+        ({"right": 1.0}, (1, 0, 0)),
+        ({"up": -1.0}, (0, -1, 0)),
+        ({"right": -1.0, "forward": -1.0}, (-math.sqrt(0.5), 0, math.sqrt(0.5))),  # no faster askew
+        ({"forward": 1.0, "fast": True}, (0, 0, -FASTER)),
+    ],
+)
+def test_each_key_leads_where_it_says(told, wanted):
+    walker = Walker(0)
+    walker.walk(0, **told)
+    walker.advance(900 * MS)
+    got = walker.head_at(900 * MS).pose.position_m - (0, EYE_HEIGHT_M, 0)
+    assert got == pytest.approx(
+        np.multiply(wanted, WALK_M_S * (0.9 - WALK_S)), abs=3e-5
+    )  # e^(-0.9/0.08) * 0.08 * 4.2 m/s = 4e-6
+
+
+def test_starts_and_stops_smoothly():
+    walker, places = Walker(0), []
+    walker.walk(0, forward=1.0)
+    for t in range(1000):
+        if t == 500:
+            walker.walk(t * MS)
+        walker.advance(t * MS)
+        places.append(-walker.head_at(t * MS).pose.position_m[2])
+    speed = np.diff(places) * 1e3
+    assert (
+        np.abs(np.diff(speed)).max() <= 1.01 * WALK_M_S * 1e-3 / WALK_S
+    )  # the lag's steepest change, at its beginning
+    assert speed[498] > 0.99 * WALK_M_S and speed[-1] < 0.01 * WALK_M_S
+    assert (speed >= 0).all()
+
+
+def test_prediction_is_what_comes_true_if_nothing_more_is_told():
+    walker = Walker(BEGIN_NS)
+    walker.walk(BEGIN_NS, forward=1.0)
+    walker.turn(BEGIN_NS + 10 * MS, 0.3, 0.1)
+    now, then = BEGIN_NS + 21 * MS, BEGIN_NS + 21 * MS + HORIZON_NS
+    walker.advance(now)
+    expected = walker.head_at(then)
+    assert expected.origin is Origin.PREDICTED and expected.time_ns == then and expected.read_ns == now
+    walker.advance(then)
+    came = walker.head_at(then)
+    assert came.origin is Origin.MEASURED
+    # Angles are solved exactly. Places take the mean heading of one step of 50 ms for many short
+    # ones: the way is 7 cm at most, and the heading turns by 0.3 rad at most meanwhile.
+    assert expected.pose.isclose(came.pose, atol=0.07 * 0.3)
+    assert (expected.pose.rotation.inv() * came.pose.rotation).magnitude() < 1e-12
+    far = Walker(0)
+    far.walk(0, forward=1.0)
+    assert far.head_at(10_000 * MS).pose.isclose(far.head_at(HORIZON_NS).pose, atol=0)  # no further than 50 ms ahead
+
+
+def test_past_is_remembered_for_a_quarter_of_a_second():
+    walker, before = Walker(0), {}
+    walker.walk(0, right=1.0)
+    for t in range(0, 800, 5):
+        walker.advance(t * MS)
+        before[t] = walker.head_at(t * MS).pose
+    for t in (795, 700, 620, 555):
+        sample = walker.head_at(t * MS)
+        assert sample.pose.isclose(before[t], atol=1e-15)
+        assert sample.origin is (Origin.MEASURED if t == 795 else Origin.INTERPOLATED)
+    long_ago = walker.head_at(0)
+    assert long_ago.origin is Origin.HELD
+    assert long_ago.pose.position_m[0] == pytest.approx(
+        before[795 - KEPT_NS // MS].position_m[0], abs=WALK_M_S * 0.006
+    )  # a grid step
+    assert len(walker._states) <= KEPT_NS // 4_000_000 + 3
+
+
+def test_a_program_that_was_stopped_does_not_walk_on():
+    walker = Walker(0)
+    walker.walk(0, forward=1.0)
+    walker.advance(100 * MS)
+    walker.advance(100 * MS + 3_600 * 10**9)  # an hour later
+    assert -walker.head_at(100 * MS + 3_600 * 10**9).pose.position_m[2] < 2 * WALK_M_S * 0.1
+    still = Walker(0)
+    still.walk(0, forward=1.0)
+    still.advance(DEAF_NS)
+    assert -still.head_at(DEAF_NS).pose.position_m[2] > 0.9 * WALK_M_S * (1 - WALK_S)
+
+
+def test_rests_without_work_or_memory():
+    walker = Walker(0)
+    walker.turn(0, 1.0, 0.2)
+    for t in range(0, 5000, 7):
+        walker.advance(t * MS)
+    states = len(walker._states)
+    walker.advance(4_999 * MS + DEAF_NS)
+    assert len(walker._states) <= min(states, 2)
+    assert walker.head_at(5_000 * MS).pose.rotation.magnitude() > 1.0
+
+
+def test_recentre_is_at_once_and_walking_goes_on():
+    walker = Walker(0)
+    walker.walk(0, forward=1.0)
+    walker.turn(0, 2.0, 1.0)
+    walker.advance(500 * MS)
+    walker.recentre(500 * MS)
+    sample = walker.head_at(500 * MS)
+    assert sample.pose.position_m.tolist() == [0.0, EYE_HEIGHT_M, 0.0] and sample.pose.rotation.magnitude() == 0
+    walker.advance(900 * MS)
+    assert walker.head_at(900 * MS).pose.position_m[2] < -0.3
+
+
+def test_an_input_from_before_counts_now():
+    """Two sources of events with clocks of their own: nothing already shown changes."""
+    walker = Walker(0)
+    walker.advance(100 * MS)
+    before = walker.head_at(100 * MS).pose
+    walker.turn(50 * MS, 1.0, 0.0)
+    assert walker.head_at(100 * MS).pose.isclose(before, atol=0)
+    walker.advance(100 * MS + round(TURN_S * 1e9))
+    turned = walker.head_at(100 * MS + round(TURN_S * 1e9)).pose.rotation.magnitude()
+    assert turned == pytest.approx(1 - math.exp(-1), abs=1e-9)
+
+
+def test_every_sample_says_how_it_was_obtained():
+    assert [Walker(0).head_at(t).origin for t in (-1, 0, 1)] == [Origin.HELD, Origin.MEASURED, Origin.PREDICTED]
