@@ -38,7 +38,7 @@ from .outline import least_participants as least_participants
 from .outline import notes as notes
 from .outline import reading_s as reading_s
 from .outline import session_phases as session_phases
-from .pictures import open_picture as open_picture
+from .page_pictures import open_picture as open_picture
 from .read import SHIPPED as SHIPPED
 from .read import design_from_text as design_from_text
 from .read import load_design as load_design

@@ -13,7 +13,7 @@ from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
 from .definitions import Breaks, Condition, Consent, Page, Sickness
-from .pictures import ENDINGS, open_picture
+from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
