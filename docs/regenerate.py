@@ -21,6 +21,7 @@ import aims
 import bench_tables
 import front_page
 import guard
+import layouts
 import panel
 import passes
 import studies
@@ -262,7 +263,13 @@ def study_simulated(folder: Path) -> None:
     replace("power", studies.power_text(folder))
 
 
+def trace_layouts(_: Path) -> None:
+    """Read files of twenty layouts with known truth."""
+    replace("layouts", layouts.layouts_table())
+
+
 PARTS = {
+    "layouts": trace_layouts,
     "study": study,
     "study-simulated": study_simulated,
     "hard-cases": hard_cases,

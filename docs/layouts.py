@@ -1,0 +1,291 @@
+"""How head traces of twenty layouts are read: files with known truth, a table for docs/traces.md.
+
+Each layout is written from the recording `walk`: which way the person looked and which way was up
+is known. Numbers and names are those of public files of that kind.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import HmdwarpError
+from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
+from hmdwarp.poses.reading.axes import Axes, parse_axes
+
+EPOCH_NS = 1_700_000_000 * 10**9
+RIGHT, OPTION, REFUSED, WRONG = "right by itself", "warned, with the option", "refused, with the option", "wrong"
+_PLAIN = "openxr"
+
+
+@attrs.frozen
+class Layout:
+    """A kind of file: its axes, how a row is written, and what a user has to state."""
+
+    name: str
+    axes: str
+    text: Callable[[list[Row]], str]
+    stated: dict[str, Any] = attrs.field(factory=dict)  # fields of TraceOptions; most need one
+    packed: bool = False
+
+
+@attrs.frozen
+class Row:
+    """One pose in the axes of a file: nanoseconds, position, quaternion xyzw, rotation matrix."""
+
+    ns: int
+    p: list[float]
+    q: list[float]
+    m: list[list[float]]
+
+    @property
+    def s(self) -> str:
+        """Seconds, every digit."""
+        return f"{self.ns // 10**9}.{self.ns % 10**9:09d}"
+
+    def euler(self) -> list[float]:
+        """Return Unity's angles about x, y and z in degrees."""
+        z, x, y = Rotation.from_quat(self.q).as_euler("zxy", degrees=True)
+        return [x, y, z]
+
+
+def _csv(header: str, row: Callable[[Row], list], separator: str = ",") -> Callable[[list[Row]], str]:
+    def text(rows: list[Row]) -> str:
+        return "\n".join([*([header] if header else []), *(separator.join(map(str, row(r))) for r in rows), ""])
+
+    return text
+
+
+def _cm(values: list[float]) -> list[float]:
+    return [100 * v for v in values]
+
+
+def _wxyz(q: list[float]) -> list[float]:
+    return [q[3], *q[:3]]
+
+
+def _aria(rows: list[Row]) -> str:
+    header = "graph_uid,tracking_timestamp_us,utc_timestamp_ns,tx_world_device,ty_world_device,tz_world_device,"
+    header += "qx_world_device,qy_world_device,qz_world_device,qw_world_device,"
+    header += "gravity_x_world,gravity_y_world,gravity_z_world,quality_score"
+    lines = [
+        ",".join(map(str, ["ab", (r.ns + late) // 1000, r.ns + late, *r.p, *r.q, 0, 0, -9.81, 1.0]))
+        for r in rows
+        for late in (0, 90_000)
+    ]
+    return "\n".join([header, *lines, ""])
+
+
+def _matrix_4x4(r: Row) -> list[float]:
+    return [*(v for row, t in zip(r.m, r.p, strict=True) for v in (*row, t)), 0.0, 0.0, 0.0, 1.0]
+
+
+def _matrix_3x4(r: Row) -> list[float]:
+    return _matrix_4x4(r)[:12]
+
+
+def _json_lines(rows: list[Row]) -> str:
+    return "\n".join(
+        json.dumps(
+            {
+                "time": r.ns / 1e6,
+                "position": dict(zip("xyz", r.p, strict=True)),
+                "orientation": dict(zip("xyzw", r.q, strict=True)),
+            }
+        )
+        for r in rows
+    )
+
+
+def _frames(rows: list[Row]) -> str:
+    frames = [{"timestamp": r.ns / 1e9, "transform_matrix": np.reshape(_matrix_4x4(r), (4, 4)).tolist()} for r in rows]
+    return json.dumps({"camera_angle_x": 1.2, "frames": frames})
+
+
+def _bodies(rows: list[Row]) -> str:
+    names = ("LeftHand", "CenterEyeAnchor", "RightHand")
+    lines = [
+        ",".join(map(str, [name, r.s, *([0.1, 0.9, 0.2, 0, 0, 0, 1] if "Hand" in name else [*r.p, *r.q])]))
+        for r in rows
+        for name in names
+    ]
+    return "\n".join(["device,time,px,py,pz,qx,qy,qz,qw", *lines, ""])
+
+
+_POSE = "px,py,pz,qx,qy,qz,qw"
+_HEAD = "HeadPosX,HeadPosY,HeadPosZ,HeadOrientationW,HeadOrientationX,HeadOrientationY,HeadOrientationZ"
+LAYOUTS = (
+    Layout("OpenXR logger, CSV", _PLAIN, _csv(f"time_s,{_POSE}", lambda r: [r.s, *r.p, *r.q])),
+    Layout("WebXR logger, JSON lines, gzip", _PLAIN, _json_lines, packed=True),
+    Layout(
+        "QuestSet (Quest 2)",
+        _PLAIN,
+        _csv(
+            f"{_HEAD},LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,time", lambda r: [*r.p, *_wxyz(r.q), 0.1, 0.9, 0.2, r.s]
+        ),
+    ),
+    Layout("rows of head and hands", _PLAIN, _bodies),
+    Layout(
+        "HoloLens logger (Unity)",
+        "unity",
+        _csv("timestamp,HeadX,HeadY,HeadZ,HeadRotX,HeadRotY,HeadRotZ,HeadRotW", lambda r: [r.s, *r.p, *r.q]),
+        {"axes": "unity"},
+    ),
+    Layout(
+        "CroM (Unity), semicolons",
+        "unity",
+        _csv(
+            "Time;Head_pos_x;Head_pos_y;Head_pos_z;Head_rot_x;Head_rot_y;Head_rot_z;Head_rot_w",
+            lambda r: [r.s, *r.p, *r.q],
+            ";",
+        ),
+        {"axes": "unity"},
+    ),  # fmt: skip
+    Layout(
+        "UXF tracker (Unity, Euler angles)",
+        "unity",
+        _csv("time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z", lambda r: [r.s, *r.p, *r.euler()]),
+        {"euler": "ZXY,deg", "axes": "unity"},
+    ),
+    Layout(
+        "who-is-alyx (Unity, centimetres)",
+        "unity",
+        _csv(
+            "delta_time_ms,timestamp,hmd_pos_x,hmd_pos_y,hmd_pos_z,hmd_rot_x,hmd_rot_y,hmd_rot_z,hmd_rot_w",
+            lambda r: ["11.1", r.s, *_cm(r.p), *r.q],
+        ),
+        {"axes": "unity", "scale": 0.01},
+    ),  # fmt: skip
+    Layout(
+        "Unreal logger (centimetres)",
+        "unreal",
+        _csv(f"Time,{_POSE}", lambda r: [r.s, *_cm(r.p), *r.q]),
+        {"axes": "unreal"},
+    ),
+    Layout(
+        "TUM RGB-D ground truth",
+        "tum-rgbd",
+        _csv("# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw", lambda r: [r.s, *r.p, *r.q], " "),
+        {"axes": "tum-rgbd"},
+    ),
+    Layout("evo, bare .tum of an OpenXR head", _PLAIN, _csv("", lambda r: [r.s, *r.p, *r.q], " ")),
+    Layout(
+        "eight bare columns, w first", _PLAIN, _csv("", lambda r: [r.s, *r.p, *_wxyz(r.q)], " "), {"quat_order": "wxyz"}
+    ),
+    Layout(
+        "EuRoC MAV",
+        "euroc",
+        _csv(
+            "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []",
+            lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
+        ),
+        {"axes": "euroc"},
+    ),  # fmt: skip
+    Layout(
+        "TUM-VI",
+        "world=x,z,y head=x,z,y",
+        _csv(
+            "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []",
+            lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
+        ),
+        {"up": "z"},
+    ),  # fmt: skip
+    Layout("Aria MPS, HOT3D (Aria)", "aria", _aria, {"axes": "aria"}),
+    Layout(
+        "HOT3D (Quest 3), turned device",
+        "world=x,y,-z head=-y,x,-z",
+        _csv(
+            "timestamp[ns],t_wo_x[m],t_wo_y[m],t_wo_z[m],q_wo_w,q_wo_x,q_wo_y,q_wo_z",
+            lambda r: [r.ns, *r.p, *_wxyz(r.q)],
+        ),
+        {"axes": "world=x,y,-z head=-y,x,-z"},
+    ),  # fmt: skip
+    Layout("ARKit, 4x4 matrices", "arkit", _csv("", lambda r: [r.s, *_matrix_4x4(r)], " ")),
+    Layout("KITTI odometry, 3x4 matrices", "kitti", _csv("", _matrix_3x4, " "), {"rate": 90.0, "axes": "kitti"}),
+    Layout("nerfstudio transforms.json (OpenGL camera)", _PLAIN, _frames),
+    Layout(
+        "ROS 2 bag as CSV",
+        "ros",
+        _csv(
+            "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
+            "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
+            lambda r: [(EPOCH_NS + r.ns) // 10**9, (EPOCH_NS + r.ns) % 10**9, *r.p, *r.q],
+        ),
+        {"axes": "ros"},
+    ),  # fmt: skip
+)
+
+
+def written(layout: Layout, truth: PoseTrack, folder: Path) -> Path:
+    """Write a file of the layout that holds `truth`."""
+    axes: Axes = parse_axes(layout.axes)
+    turned = axes.world.T @ Rotation.from_quat(truth.orientation_xyzw).as_matrix() @ axes.head
+    quaternions = Rotation.from_matrix(turned).as_quat().tolist()
+    places = (truth.position_m @ axes.world).tolist()
+    rows = [Row(*row) for row in zip(truth.time_ns.tolist(), places, quaternions, turned.tolist(), strict=True)]
+    text = layout.text(rows).encode()
+    path = folder / ("head.csv.gz" if layout.packed else "head.csv")
+    path.write_bytes(gzip.compress(text) if layout.packed else text)
+    return path
+
+
+def is_truth(loaded: LoadedTrace, truth: PoseTrack) -> bool:
+    """Tell whether the head is where it was and looks where it looked, within the files' digits."""
+    track = loaded.track
+    if len(track) != len(truth):
+        return False
+    turn = Rotation.from_quat(track.orientation_xyzw).inv() * Rotation.from_quat(truth.orientation_xyzw)
+    apart = float(np.abs(track.position_m - truth.position_m).max())
+    late = int(np.abs((track.time_ns - truth.time_ns) - (track.time_ns[0] - truth.time_ns[0])).max())
+    return apart < 1e-6 and float(turn.magnitude().max()) < 1e-5 and late < 2000
+
+
+def verdict(layout: Layout, truth: PoseTrack, folder: Path) -> tuple[str, str]:
+    """Return how a file of the layout is read, and the options that a user needs, in words."""
+    path = written(layout, truth, folder)
+    stated: dict[str, Any] = {}
+    outcome = RIGHT
+    for _ in range(1 + len(layout.stated)):
+        try:
+            loaded = load_trace(path, TraceOptions(**stated))
+        except HmdwarpError as error:
+            said, failed = str(error), REFUSED
+        else:
+            if is_truth(loaded, truth):
+                return outcome, " ".join(f"`{_flag(name)} {value}`" for name, value in stated.items())
+            said = " ".join(str(d) for d in loaded.defects if d.kind.endswith(("contradicted", "implausible", "tilt")))
+            failed = OPTION
+        named = next((name for name in layout.stated if name not in stated and _flag(name) in said), None)
+        if named is None and "--axes" in said and "up" in layout.stated:
+            named = "up"  # the same by another option
+        if named is None:
+            return WRONG, ""
+        outcome = REFUSED if REFUSED in (outcome, failed) else OPTION
+        stated[named] = layout.stated[named]
+    return WRONG, ""
+
+
+def _flag(name: str) -> str:
+    return "--rate" if name == "rate" else "--" + name.replace("_", "-")
+
+
+def layouts_table() -> str:
+    """Return the table of docs/traces.md."""
+    truth = load_trace("walk").track
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [(layout, *verdict(layout, truth, Path(folder))) for layout in LAYOUTS]
+    lines = ["| layout | its axes | read | with |", "| --- | --- | --- | --- |"]
+    lines += [f"| {layout.name} | {layout.axes} | {outcome} | {options} |" for layout, outcome, options in rows]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(layouts_table())

@@ -1,0 +1,37 @@
+"""Files of twenty layouts with known truth: read right, or never without a word."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hmdwarp.poses import load_trace
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def layouts(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    import layouts
+
+    return layouts
+
+
+def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(layouts, tmp_path):
+    """`make docs OPTIONS=layouts` writes the table."""
+    assert len({layout.name for layout in layouts.LAYOUTS}) == 20
+    truth = load_trace("walk").track
+    outcomes = {layout.name: layouts.verdict(layout, truth, tmp_path) for layout in layouts.LAYOUTS}
+    assert [name for name, (outcome, _) in outcomes.items() if outcome == layouts.WRONG] == []
+    page = (ROOT / "docs" / "traces.md").read_text(encoding="utf-8")
+    for layout in layouts.LAYOUTS:
+        outcome, options = outcomes[layout.name]
+        assert f"| {layout.name} | {layout.axes} | {outcome} | {options} |" in page
+
+
+def test_a_file_that_is_read_wrong_is_called_wrong(layouts, tmp_path):
+    """The verdict can fail: a left-handed world whose preset nobody states is a mirror image."""
+    mirrored = layouts.Layout("mirrored", "world=-x,y,-z head=-x,y,-z", layouts.LAYOUTS[0].text)
+    assert layouts.verdict(mirrored, load_trace("walk").track, tmp_path)[0] == layouts.WRONG
