@@ -162,7 +162,8 @@ def _scale_row(scale: Scale) -> dict[str, str]:
         else f"{scale.title}: each question has its own answers",
         "kind": scale.kind,
         "step": f"{scale.step:g}",
-        "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items()),
+        "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items())
+        or "those of each question",
         "asks": items[0] if len(items) == 1 else f"{len(items)} items: {', '.join(items)}",
         "scores": ", ".join(score.name for score in scale.scores) or "the answer itself",
         "source": scale.source,
