@@ -157,11 +157,13 @@ def _scale_row(scale: Scale) -> dict[str, str]:
     items = [item.text for item in scale.items]
     return {
         "name": scale.name,
-        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, "
-        f"{'low' if scale.low_is_good else 'high'} is good",
+        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, {scale.direction}"
+        if scale.has_answers
+        else f"{scale.title}: each question has its own answers",
         "kind": scale.kind,
         "step": f"{scale.step:g}",
-        "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items()),
+        "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items())
+        or "those of each question",
         "asks": items[0] if len(items) == 1 else f"{len(items)} items: {', '.join(items)}",
         "scores": ", ".join(score.name for score in scale.scores) or "the answer itself",
         "source": scale.source,

@@ -51,8 +51,12 @@ class TextPanel(Hashable, Protocol):
     def pointed(self) -> bool:
         """Whether it takes the pointer."""
 
+    @property
+    def takes_text(self) -> bool:
+        """Whether letters typed at a window become commands "type", each with its letter."""
+
     def ink(self) -> NDArray[np.uint8]:
-        """Return (h, w), top row first: 255 where ink is.
+        """Return (h, w), top row first: 255 where ink is; (h, w, 3) with linear light of a picture.
 
         Called once for each text panel, not once a refresh.
         """

@@ -43,11 +43,11 @@ CONTROLS: tuple[Control, ...] = (
     Control("vsync", "Y", "wait for the screen's refresh", "switch", of_display=True),
     Control("panel", "P", "panel", "switch", of_display=True),
     Control("help", "H", "this help", "switch", of_display=True),
-    Control("quit", "Escape", "let go of the mouse; end", "action", of_display=True),
+    Control("quit", "Escape", "close this help; let go of the mouse; end", "action", of_display=True),
 )
 # Movement is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down
 # and up, shift is faster.
-MOVING = (("mouse", "turn (click first)"), ("W A S D", "walk"), ("Q E", "down, up"), ("shift", "faster"))
+MOVING = (("mouse", "look around (click first)"), ("W A S D", "walk"), ("Q E", "down, up"), ("shift", "faster"))
 
 
 def control(name: str) -> Control:

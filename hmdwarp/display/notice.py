@@ -43,7 +43,8 @@ class Notice:
     """A drawn text or text panel. (u, v) on it has its origin at the bottom left."""
 
     label: Label
-    # r8 with mipmaps, 1 inside letters; owned by the Notices that made it
+    # with mipmaps, 1 where a letter is, or the light of a picture; it belongs to the Notices that
+    # made it
     ink: moderngl.Texture
 
     def uv_from_pixel(self, size: tuple[int, int], eye: View | None) -> NDArray[np.float64]:
@@ -115,7 +116,10 @@ class Notices:
 
     def _draw(self, label: Label) -> Notice:
         ink = text_ink(label) if isinstance(label, str) else label.ink()
-        texture = allocate(self._gl, ink.shape[::-1], (1, "f1"), linear=True)
+        is_grey = ink.ndim == 2
+        texture = allocate(self._gl, ink.shape[1::-1], (1 if is_grey else 4, "f1"), linear=True)
+        if is_grey:
+            texture.swizzle = "RRR1"
         upload(texture, ink)
         texture.build_mipmaps()  # a head-locked text panel shows letters at half size
         return Notice(label, texture)

@@ -8,7 +8,7 @@ uniform ivec2 picture_size;
 uniform ivec4 place; // x, y, width, height in pixels of the framebuffer
 // Defines instead of uniforms: llvmpipe runs both sides of a branch.
 #if NOTICED
-uniform sampler2D ink; // 1 inside letters
+uniform sampler2D ink; // 1 inside letters, or the light of a picture on it
 // (x, y, 1) in pixels of the viewport to the notice's uv, homogeneous; positive in front of the eye
 uniform mat3 uv_from_pixel;
 #endif
@@ -42,7 +42,7 @@ vec3 picture_at(vec2 p) {
 vec3 with_notice(vec3 light, vec2 p) {
     vec3 on_notice = uv_from_pixel * vec3(p, 1.0);
     vec2 uv = on_notice.xy / on_notice.z;
-    float letter = texture(ink, uv).r; // outside every branch, for its derivatives
+    vec3 letter = texture(ink, uv).rgb; // outside every branch, for its derivatives
     bool inside = on_notice.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
     return inside ? mix(mix(light, GROUND_LIGHT, GROUND), vec3(1.0), letter) : light;
 }

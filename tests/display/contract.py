@@ -197,6 +197,7 @@ class Question:
     """A text panel."""
 
     pointed: bool
+    takes_text: bool = False
 
     def ink(self) -> np.ndarray:
         return np.full((20, 60), 255, np.uint8)

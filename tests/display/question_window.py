@@ -2,8 +2,8 @@
 
 Python -m display.question_window.
 
-Reads "ask" (a new question), "show" (none), "trial" (none, and the start of a trial), "wait" (as it
-is) and "end" from stdin, a line each.
+Reads from stdin, a line each: "ask" (a new question), "words" (one that is answered in words),
+"show" (none), "trial" (none, and the start of a trial), "wait" (as it is) and "end".
 Prints a line of JSON for each command that came by hand, with what the question made of it, two
 refreshes after each line from stdin, and after each change of where the head is or who has the
 mouse.
@@ -19,7 +19,7 @@ import threading
 from hmdwarp.display import Closed, DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
+from hmdwarp.study.dialogs import CONTROLS, QuestionDialog, TextDialog
 from hmdwarp.study.scales import load_scale
 
 
@@ -32,7 +32,7 @@ class QuestionWindow:
     def __init__(self) -> None:
         self._display = DesktopDisplay(DisplayOptions(size=(300, 400), controls=CONTROLS))
         self._lines: list[str] = []
-        self._asked: QuestionDialog | None = None
+        self._asked: QuestionDialog | TextDialog | None = None
         self._last: dict[str, object] = {}
         self._drawn: list[tuple[str, int]] = []  # lines that were done, and how many refreshes ago
 
@@ -55,7 +55,7 @@ class QuestionWindow:
             if line == "end":
                 return False
             if line != "wait":
-                self._ask(line == "ask")
+                self._ask(line)
             if line == "trial":
                 self._display.restart()
             self._drawn.append((line, 0))
@@ -69,10 +69,14 @@ class QuestionWindow:
         self._tell()
         return True
 
-    def _ask(self, is_asked: bool) -> None:
-        scale = load_scale("grade")
+    def _ask(self, line: str) -> None:
+        scale = load_scale("comments" if line == "words" else "grade")
         ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
-        self._asked = QuestionDialog(ask, lambda: self._display.now_ns() * 1e-9) if is_asked else None
+        asked = {
+            "ask": lambda: QuestionDialog(ask, lambda: self._display.now_ns() * 1e-9),
+            "words": lambda: TextDialog(ask),
+        }
+        self._asked = asked.get(line, lambda: None)()
 
     def _count_drawn(self) -> None:
         """The first of two refreshes may have been sent and not be on the screen yet."""
@@ -89,7 +93,8 @@ class QuestionWindow:
             "turned": [round(part, 4) for part in head.orientation_xyzw.tolist()],
             "stands": [round(part, 2) for part in head.position_m.tolist()],
             "value": self._asked.value if self._asked is not None else None,
-            "confirmed": self._asked is not None and self._asked.confirmed,
+            "text": self._asked.text if self._asked is not None else "",
+            "confirmed": self._asked is not None and self._asked.over,
         }
         if more or state != self._last:
             self._last = state

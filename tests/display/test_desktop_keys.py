@@ -8,6 +8,7 @@ glfw = pytest.importorskip("glfw", exc_type=ImportError)
 
 from hmdwarp.display import CONTROLS, MOVING, control  # noqa: E402
 from hmdwarp.display.desktop import FASTER, MOVES, Keys, direction, token  # noqa: E402
+from hmdwarp.study.dialogs import CONTROLS as OF_STUDY  # noqa: E402
 
 command_of, help_text = Keys(CONTROLS).command_of, Keys(CONTROLS).help_text
 
@@ -62,4 +63,10 @@ def test_the_help_names_everything():
     assert len(lines) == len(CONTROLS) + len(MOVING)
     for one in CONTROLS:
         assert any(one.what in line and one.key.upper() in line.upper() for line in lines), one
-    assert any(line.startswith("W A S D") for line in lines)
+    assert [line.partition("\t")[0] for line in lines[: len(MOVING)]] == ["mouse", "W A S D", "Q E", "shift"]  # first
+
+
+def test_the_first_picture_says_how_to_look_and_a_study_s_says_nothing():
+    assert Keys(CONTROLS).first_words(looks=True, named=str.upper) == ["click to look, H for help"]
+    assert Keys(CONTROLS).first_words(looks=False, named=str.upper) == ["H for help"]
+    assert Keys(OF_STUDY).first_words(looks=True) == []

@@ -85,6 +85,7 @@ def middle(picture: np.ndarray) -> np.ndarray:
 
 def test_keys_and_mouse_reach_it_and_escape_ends_it(screen, weston, tmp_path):
     process = started(weston, tmp_path, *SMALL, "--view", "flat")
+    screen.do("sleep", 5)  # until the first words are gone
     first = middle(shows(screen, process, lambda p: middle(p).min(axis=-1).mean() > 60, "a flat view"))
     screen.do("mousemove", 500, 300, "click", 1, "sleep", 0.5)
     screen.do("keydown", "w", "sleep", 1.0, "keyup", "w")

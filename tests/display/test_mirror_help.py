@@ -28,8 +28,8 @@ def laid(controls, *does):
     gpu = Gpu(mirror.gl)
     presenter = Noting(gpu)
     for one in does:
-        if one == "H":
-            mirror._key(None, glfw.KEY_H, 0, glfw.PRESS, 0)
+        if one in ("H", "ESCAPE"):
+            mirror._key(None, getattr(glfw, f"KEY_{one}"), 0, glfw.PRESS, 0)
             continue
         mirror._drawn_ns = 0  # due
         mirror.show(presenter, None, one)
@@ -40,7 +40,7 @@ def laid(controls, *does):
 
 panel = message_panel("Ready?", "Sit comfortably.", "Enter: begin")
 laid(CONTROLS, "", "H", "", panel, "H", panel, "", panel)
-laid(LIVE, "", "H", "", "H", "")
+laid(LIVE, "", "H", "", "H", "", "H", "", "ESCAPE", "")
 """
 
 
@@ -53,4 +53,4 @@ def test_in_a_study_no_help_lies_over_what_the_headset_shows(tmp_path):
     assert done.returncode == 0, done.stderr
     of_study, live = done.stdout.splitlines()
     assert of_study.split() == ["nothing", "nothing", "panel", "help", "nothing", "panel"]
-    assert live.split() == ["nothing", "help", "nothing"]
+    assert live.split() == ["nothing", "help", "nothing", "help", "nothing"]

@@ -270,3 +270,19 @@ def test_a_trial_takes_the_mouse_without_a_click(asking):
     asking.waits("captured", False)
     asking.to(0.5, 0.525)
     until(lambda: asking.now("value") is not None, "the mouse points at the scale")
+
+
+def test_words_are_typed(asking):
+    """Letters that are keys of controls elsewhere are letters here; Enter and Esc stay keys."""
+    asking.say("words")
+    asking.screen.do("key", "H", "m", "x", "space", "1", "period", "r", "BackSpace", "W")
+    asking.waits("text", "Hmx 1.W")
+    asking.screen.do("key", "Escape")
+    until(lambda: asking.commands()[-1] == ("menu", None), "the menu")
+    asking.screen.do("key", "Return")
+    asking.waits("confirmed", True)
+    assert asking.now("text") == "Hmx 1.W"
+    assert {name for name, _ in asking.commands()} == {"type", "erase", "menu", "confirm"}
+    asking.say("ask")
+    asking.screen.do("key", "x")
+    until(lambda: asking.commands()[-1] == ("skip", None), "a key again")

@@ -182,6 +182,7 @@ def colours() -> None:
         eyes: tuple[Eye, ...]
 
     display = DesktopDisplay(SMALL)
+    display._painter.say("")
     pictures, rng = [], np.random.default_rng(7)
     for _ in range(2):
         canvas = Canvas(display.gpu.gl, (32, 40))

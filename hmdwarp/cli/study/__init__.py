@@ -5,10 +5,11 @@ from __future__ import annotations
 import typer
 
 from .._help import Group
-from . import analyse, export, measure, plan, power, run, withdraw
+from . import analyse, export, init, measure, plan, power, run, withdraw
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 
+app.command("init")(init.init)
 app.command("plan")(plan.plan)
 app.command("run")(run.run)
 app.command("measure")(measure.measure)

@@ -16,7 +16,7 @@ from ._options import simulated_field, store_field, study_field
 
 @attrs.frozen
 class MeasureCommand(Declared):
-    """A study, and how to measure it."""
+    """A study, and how to measure it. Errors: InputError for pilots with simulated sessions."""
 
     study: str = study_field()
     store: Path | None = store_field()

@@ -222,11 +222,11 @@ def _print_scales(design: Design) -> None:
 
 def _scale(scale: Scale) -> str:
     anchors = "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items())
-    good = "low" if scale.low_is_good else "high"
     items = f" {len(scale.items)} items." if len(scale.items) > 1 else ""
-    return (
-        f"{scale.title}: {scale.least:g} to {scale.most:g} in steps of {scale.step:g}, {good} is good.{items} {anchors}"
-    )
+    if not scale.has_answers:
+        return f"{scale.title}: {', '.join(item.key for item in scale.items)}, each with its own answers"
+    range_ = f"{scale.least:g} to {scale.most:g} in steps of {scale.step:g}"
+    return f"{scale.title}: {range_}, {scale.direction}.{items} {anchors}"
 
 
 def _print_families(design: Design) -> None:

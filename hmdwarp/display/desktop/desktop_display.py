@@ -76,8 +76,8 @@ class DesktopDisplay(SwitchableView):
             keys, self._window, walker, self._painter, self._pacer, self._status, self.now_ns
         )
         self.source: PoseSource = self._source(options, walker)
-        if has_panel and not self._commands.open_panel():
-            self._painter.say(f"H shows the keys\n{NO_PANEL}")
+        lacks_panel = has_panel and not self._commands.open_panel()
+        self._painter.say("\n".join([*keys.first_words(options.trace is None), *([NO_PANEL] if lacks_panel else [])]))
         closers.callback(self._status.close)
         self._screens = ScreenMonitor(glfw, self._window, self._pacer)
         self._begun_ns = 0
@@ -133,6 +133,7 @@ class DesktopDisplay(SwitchableView):
         """Draw the eyes' pictures, the text over them and the control panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
         self._painter.draw(canvases, self._view, self._window.framebuffer_size, self._status.column, label)
+        self._commands.input.takes_text = not isinstance(label, str) and label.takes_text
         self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
         self._commands.pending += self._status.draw_panel()
         handed_over_ns = self.now_ns()

@@ -58,16 +58,26 @@ class Keys:
         shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
         return Command(control.name, control.value, back=back or shifted)
 
+    def first_words(self, looks: bool, named: Callable[[str], str] | None = None) -> list[str]:
+        """Return a line for the first picture, none where nothing may be written over pictures.
+
+        looks: whether the mouse turns the head.
+        """
+        help_ = next((one for one in self.controls if one.name == "help" and not one.needs_text_panel), None)
+        if help_ is None:
+            return []
+        return [f"{'click to look, ' if looks else ''}{(named or label)(help_.key)} for help"]
+
     def help_text(self, named: Callable[[str], str] | None = None) -> str:
-        """Return every control and every way to move, a line each: keys, tab, description.
+        """Return every way to move and every control, a line each: keys, tab, description.
 
         named: maps a key to the user's name for it.
         """
         named = named or label
-        rows = [(_keys_of(control, named), control.what) for control in self.controls if control.what]
-        rows += [
+        rows = [
             (" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
         ]
+        rows += [(_keys_of(control, named), control.what) for control in self.controls if control.what]
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
@@ -76,6 +86,11 @@ def direction(held: set[int]) -> tuple[int, int, int]:
     moves = [MOVES[key] for key in held if key in MOVES]
     right, up, forward = (sum(axis) for axis in zip(*moves, strict=True)) if moves else (0, 0, 0)
     return right, up, forward
+
+
+def prints(key: int) -> bool:
+    """Return whether a key writes a character, by glfw's numbers."""
+    return key < glfw.KEY_ESCAPE or (glfw.KEY_KP_0 <= key <= glfw.KEY_KP_EQUAL and key != glfw.KEY_KP_ENTER)
 
 
 def label(name: str) -> str:

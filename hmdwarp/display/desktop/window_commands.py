@@ -30,6 +30,7 @@ class WindowCommands:
         self._window, self._walker, self._painter, self._pacer = window, walker, painter, pacer
         self._views, self._now_ns = views, now_ns
         self.input = WindowInput(window.handle, walker, now_ns, keys)
+        self.input.close_help = self._close_help
         self.pending: list[Command] = []  # for the run, oldest first
         handlers: dict[str, Callable[[object], None]] = {
             "recentre": self._recentre,
@@ -90,6 +91,10 @@ class WindowCommands:
 
     def _help(self, value: object) -> None:
         self._painter.help = not self._painter.help if value is None else bool(value)
+
+    def _close_help(self) -> bool:
+        was, self._painter.help = self._painter.help, False
+        return was
 
     def _quit(self, _: object) -> None:
         self._window.end()

@@ -11,7 +11,7 @@ import glfw
 from ...poses import PoseSample
 from ...poses.walker import Walker
 from .. import Command
-from .keys import FASTER, MOVES, Keys, direction
+from .keys import FASTER, MOVES, Keys, direction, prints
 
 if TYPE_CHECKING:
     from .window_types import WindowHandle
@@ -50,8 +50,11 @@ class WindowInput:
         self._capture_again = False
         self._notches = 0.0  # fraction of a wheel notch not reported yet
         self.control_panel: InputConsumer | None = None  # takes its part of the input first
+        self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
+        self.takes_text = False  # whether letters are text, and no keys of controls
         self.commands: list[Command] = []  # requests, oldest first; the caller empties it
         glfw.set_key_callback(window, self._key)
+        glfw.set_char_callback(window, self._typed)
         glfw.set_mouse_button_callback(window, self._click)
         glfw.set_cursor_pos_callback(window, self._moved)
         glfw.set_scroll_callback(window, self._scrolled)
@@ -113,11 +116,17 @@ class WindowInput:
             if action == glfw.PRESS and self._locate is None:
                 self._held.add(key)
             return
+        if (key == glfw.KEY_ESCAPE and self.close_help()) or (self.takes_text and prints(key)):
+            return
         command = self._keys.command_of(key, action, mods)
         if command is not None and command.control == "quit" and self.captured:
             self.release()
         elif command is not None:
             self.commands.append(command)
+
+    def _typed(self, _: object, code: int) -> None:
+        if self.takes_text:
+            self.commands.append(Command("type", chr(code)))
 
     def _click(self, _: object, button: int, action: int, ___: int) -> None:
         if action != glfw.PRESS or self.captured or self._is_for_control_panel:

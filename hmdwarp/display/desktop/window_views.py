@@ -44,17 +44,16 @@ class WindowView:
 def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     """Return the view "both" or "flat" of a headset.
 
-    size: of one eye, None for the default. The flat view extends to both sides as far as the left
-    eye's wider side, and is as high.
+    size: of one eye, None for the default. The flat view sees to both sides as far as the left
+    eye to its wider side. It has the shape of both eyes side by side, and so fills the same window.
     """
+    width, height = headset.eye_size_m
     if view == BOTH:
-        width, height = headset.eye_size_m
         return WindowView(headset, 2, size or headset.eye_size_px, width / height, headset)
     if view != FLAT:
         raise InputError(f"view '{view}': expected {BOTH} or {FLAT}")
-    left, right, down, up = np.abs(headset.left_fov.tangents)
-    wide, high = max(left, right), max(down, up)
-    aspect = float(wide / high)
+    wide, aspect = float(np.abs(headset.left_fov.tangents[:2]).max()), 2 * width / height
+    high = wide / aspect
     eye = OneEye(headset.name, Fov.from_tangents((-wide, wide, -high, high)))
     return WindowView(eye, 1, size or flat_size(aspect), aspect, None)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from .. import Closed, Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
-from ..desktop.keys import Keys, label
+from ..desktop.keys import Keys, label, token
 from ..desktop.opening import start
 from ..desktop.window import Window
 from ..present import fitted
@@ -49,7 +49,9 @@ class Mirror:
         command = self._keys.command_of(key, action, mods)
         if command is None:
             return
-        if command.control in OWN:
+        if self._help and key == token("Escape"):
+            self._help = False
+        elif command.control in OWN:
             self._handle(command.control)
         else:
             self._commands.append(command)

@@ -22,8 +22,9 @@ class Question:
     most: float  # highest answer
     step: float  # distance between two answers
     anchors: tuple[tuple[float, str], ...] = ()  # (value, words) of some answers
-    entered: float | None = None  # answer so far, before it is confirmed; None for nothing
+    entered: float | str | None = None  # answer so far, before it is confirmed; None for nothing
     scale: str = ""  # title of its scale: two scales may ask the same in the same words
+    in_words: bool = False  # whether the answer is a text and no number
 
 
 @attrs.frozen(kw_only=True)
@@ -63,7 +64,7 @@ class Console(Protocol):
         """Return the experimenter's commands since the last call.
 
         "pause", "continue", "break", "again", "skip", "stop" and "agree" have no value; "answer"
-        has a number, "remark" a text.
+        has a number, or a text for a question in words, "remark" a text.
         """
 
 

@@ -30,11 +30,20 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"
 
 
-def checked_answer(text: str, question: Question) -> float:
-    """Return the typed answer; a comma may stand for the point.
+def answers_text(question: Question) -> str:
+    """Return which answers there are."""
+    return "in words" if question.in_words else range_text(question)
+
+
+def checked_answer(text: str, question: Question) -> float | str:
+    """Return the typed answer; a comma may stand for the point of a number.
 
     Errors: ValueError with a sentence that says which answers there are.
     """
+    if question.in_words:
+        if not text.strip():
+            raise ValueError("nothing was typed: this question is answered in words; skip leaves it without an answer")
+        return text.strip()
     wanted = f"answers go from {range_text(question)}"
     try:
         value = float(text.strip().replace(",", "."))

@@ -40,6 +40,7 @@ class KeyEntry:
     note: str = ""  # what came of the last key
     loud: bool = False  # whether the note is a refusal
     _subject: Subject | None = None
+    _in_words: bool = False  # whether the open answer is a text
     _noted: tuple[str, float] = ("", 0.0)  # the note, and when it appeared
 
     def key(self, key: str, state: ConsoleState) -> Entered | None:
@@ -87,7 +88,7 @@ class KeyEntry:
     def prompt(self, question: Question | None) -> str:
         """Return the words before the typed text."""
         if self.mode == "sure" and question is not None:
-            return f"{number_text(checked_answer(self.text, question))}? Enter again or y sends it >"
+            return f"{_answer_text(checked_answer(self.text, question))}? Enter again or y sends it >"
         return {"answer": "answer >", "remark": "remark >"}.get(self.mode, CONFIRMATIONS.get(self.mode, ""))
 
     def _first(self, key: str, state: ConsoleState) -> Entered | None:
@@ -120,6 +121,7 @@ class KeyEntry:
 
     def _open(self, mode: str, state: ConsoleState) -> None:
         self.mode, self.text, self._subject = mode, "", subject_of(state)
+        self._in_words = state.question is not None and state.question.in_words
         self._say("")
 
     def _edit(self, key: str) -> None:
@@ -130,7 +132,7 @@ class KeyEntry:
         elif key == "clear":
             self.text = ""
         elif len(key) == 1 and key.isprintable():
-            most = LONGEST_REMARK if self.mode == "remark" else LONGEST_ANSWER
+            most = LONGEST_ANSWER if self.mode == "answer" and not self._in_words else LONGEST_REMARK
             self.text = (self.text + key)[:most]
             self._say("" if len(self.text) < most else "the line is full", loud=True)
 
@@ -150,7 +152,7 @@ class KeyEntry:
             self.mode = "sure"
             self._say("")
             return None
-        self._back(f"{number_text(value)} is the answer")
+        self._back(f"{_answer_text(value)} is the answer")
         return "answer", value, subject_of(state)
 
     def _confirm(self, key: str, state: ConsoleState) -> Entered | None:
@@ -165,3 +167,7 @@ class KeyEntry:
 
     def _say(self, note: str, loud: bool = False) -> None:
         self.note, self.loud = note, loud and bool(note)
+
+
+def _answer_text(value: float | str) -> str:
+    return value if isinstance(value, str) else number_text(value)

@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from typing import Self
 
 from ...display import Command
-from ..scales import range_text
 from ._base import ConsoleState
-from .console_commands import COMMANDS, parse_line, subject_of
+from .console_commands import COMMANDS, answers_text, parse_line, subject_of
 
 LAST_LINES_S = 1.0
 LONGEST_LINE = 1 << 16  # bytes without a line end: a sender of that sends no commands
@@ -124,5 +123,5 @@ def news(before: ConsoleState, now: ConsoleState) -> list[str]:
     if question is not None and subject_of(now) != subject_of(before):
         anchors = ", ".join(f"{value:g} {words}" for value, words in question.anchors)
         asked = ": ".join(filter(None, ("asked", question.scale, question.text)))
-        lines.append(f"{asked} ({range_text(question)}{'; ' + anchors if anchors else ''})")
+        lines.append(f"{asked} ({answers_text(question)}{'; ' + anchors if anchors else ''})")
     return lines

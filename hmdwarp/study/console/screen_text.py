@@ -14,9 +14,9 @@ import attrs
 from rich.cells import cell_len
 from rich.text import Text
 
-from ..scales import number_text, range_text
+from ..scales import number_text
 from ._base import ConsoleState, Question
-from .console_commands import clock
+from .console_commands import answers_text, clock
 from .key_entry import LINES, KeyEntry
 
 STALE_S = 3.0  # without a new state
@@ -128,13 +128,20 @@ class Scene:
     def _question(self, question: Question | None) -> dict[str, Text]:
         if question is None:
             return {"question": Text("none now"), "scale": Text(), "entered": Text(), "anchors": Text()}
-        entered = f"entered {number_text(question.entered)}" if question.entered is not None else "nothing entered"
+        number = question.entered
+        entered = (
+            "nothing entered"
+            if number is None
+            else f"entered {number_text(number)}"
+            if isinstance(number, float | int)
+            else "words entered"
+        )
         anchors = "; ".join(f"{number_text(value)} {plain(text)}" for value, text in question.anchors)
         return {
             "question": _styled(plain(question.text), "bold"),
             "scale": Text(" ") + scale_line(question, self.width - 20),
             "entered": _styled(f" {entered} ", "bold"),
-            "anchors": Text(anchors or range_text(question)),
+            "anchors": Text(anchors or answers_text(question)),
         }
 
     def _bottom(self) -> dict[str, Text]:
@@ -191,7 +198,7 @@ def scale_line(question: Question, cells: int) -> Text:
         place = max(0, min(round(k * tick / span * (cells - 1)), cells - len(text)))
         line[place : place + len(text)] = text
     drawn = Text("".join(line))
-    if question.entered is not None:
+    if isinstance(question.entered, float | int):
         at = round(min(1.0, max(0.0, (question.entered - question.least) / span)) * (cells - 1))
         drawn.stylize("reverse bold", at, at + 1)
     return drawn

@@ -21,9 +21,11 @@ from .definitions import Condition as Condition
 from .definitions import Consent as Consent
 from .definitions import Design as Design
 from .definitions import Family as Family
+from .definitions import Page as Page
 from .definitions import Part as Part
 from .definitions import Sickness as Sickness
 from .definitions import every_scale as every_scale
+from .new_plan import write_new_plan as write_new_plan
 from .orders import RANDOM_ROWS as RANDOM_ROWS
 from .orders import Order as Order
 from .orders import allot as allot
@@ -34,12 +36,15 @@ from .outline import SessionPhase as SessionPhase
 from .outline import balance as balance
 from .outline import least_participants as least_participants
 from .outline import notes as notes
+from .outline import reading_s as reading_s
 from .outline import session_phases as session_phases
+from .page_pictures import open_picture as open_picture
 from .read import SHIPPED as SHIPPED
 from .read import design_from_text as design_from_text
 from .read import load_design as load_design
 from .read import study_names as study_names
 from .steps import Ask as Ask
+from .steps import PageStep as PageStep
 from .steps import Pause as Pause
 from .steps import Read as Read
 from .steps import Show as Show

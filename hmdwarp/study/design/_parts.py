@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from ...errors import InputError
 from ...registry import unknown_name
@@ -128,12 +130,15 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
         )
     made: list[Condition] = []
     for table in tables:
-        name = name_of(table, [condition.name for condition in made])
-        reference = table.flag("reference", False)
-        if reference and any(condition.reference for condition in made):
-            raise table.fault("reference", "is true a second time in this part: expected one hidden reference, or none")
         own = {key: value for key, value in _all_of(table).items() if key not in ("name", "reference")}
-        made.append(Condition(name, checker.settings(table, own, f"condition '{name}'"), reference))
+        factors = {key: value for key, value in own.items() if isinstance(value, list)}
+        reference = table.flag("reference", False)
+        if reference and (factors or any(condition.reference for condition in made)):
+            raise table.fault("reference", "is true a second time in this part: expected one hidden reference, or none")
+        for chosen in _combinations(table, factors, _MOST_CONDITIONS - len(made)):
+            used = [condition.name for condition in made]
+            name = _combined_name(table, chosen, used) if factors else name_of(table, used)
+            made.append(Condition(name, checker.settings(table, own | chosen, f"condition '{name}'"), reference))
     trial = data.table("trial")
     if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
         raise trial.fault(
@@ -146,6 +151,48 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
             f"makes {len(made)} x {trial.raw('repeats')} trials: expected {_MOST_TRIALS} at most in a session",
         )
     return tuple(made)
+
+
+def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) -> Iterator[dict[str, object]]:
+    """Return every combination of the settings that have several values; one without any such.
+
+    The last one changes fastest.
+    """
+    for key, values in factors.items():
+        if not values:
+            raise table.fault(key, "is an empty list: expected values, which make a condition each")
+        for number, value in enumerate(values):
+            if not isinstance(value, str | int | float):
+                raise table.fault(key, f"has {quoted(value)}: expected texts, numbers, true or false", number)
+    if (count := math.prod(map(len, factors.values()))) > most:
+        raise table.fault(
+            next(iter(factors), None),
+            f"makes {count} combinations: expected {_MOST_CONDITIONS} conditions at most in a part",
+        )
+    return (dict(zip(factors, values, strict=True)) for values in itertools.product(*factors.values()))
+
+
+def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[str]) -> str:
+    """Return the table's name, if it has one, with the values, such as late-latency200-forward."""
+    words = [_value_name(key, value) for key, value in chosen.items()]
+    name = "-".join([*([table.text("name")] if "name" in table else []), *words])
+    if not NAME.fullmatch(name):
+        raise table.fault(next(iter(chosen)), f"makes a condition {quoted(name)}: {NAME_WANTED}")
+    if name.lower() in [one.lower() for one in used]:
+        raise table.fault(
+            next(iter(chosen)), f"makes a second condition {name!r}: expected values, or a name, that tell them apart"
+        )
+    return name
+
+
+def _value_name(key: str, value: object) -> str:
+    """Return a value as part of a name: a word by itself, a number behind its setting."""
+    if isinstance(value, bool):
+        return key if value else f"no-{key}"
+    if not isinstance(value, str):
+        return f"{key}{value}"
+    stem = PurePath(value).stem if value.lower().endswith((".toml", ".glb", ".gltf", ".obj", ".ply")) else value
+    return re.sub(r"[^\w.+]+", "-", stem).strip("-")
 
 
 def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:

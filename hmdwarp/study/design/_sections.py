@@ -12,7 +12,8 @@ from ...tables import Table, quoted, text_of
 from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
-from .definitions import Breaks, Condition, Consent, Sickness
+from .definitions import Breaks, Condition, Consent, Page, Sickness
+from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
@@ -123,6 +124,30 @@ def consent_of(data: Table, folder: Path) -> Consent | None:
     if ("text" in table) == ("file" in table):
         raise table.fault(None, "needs either text, or file: a text beside the study file")
     return Consent(version, table.text("text") if "text" in table else _text_of(table, folder))
+
+
+def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> Page | None:
+    """Return a page to read, None without its table: its text, or a file with a text or picture.
+
+    checked: False leaves files alone, which may be gone when an old session is exported.
+    """
+    if key not in data:
+        return None
+    table = data.table(key)
+    title = table.line("title", title)
+    if ("text" in table) == ("file" in table):
+        raise table.fault(None, "needs either text, or file: a text or a picture beside the study file")
+    if "text" in table:
+        return Page(title, table.text("text"))
+    path = folder / table.text("file")
+    if path.suffix.lower() in ENDINGS:
+        if checked:
+            try:
+                open_picture(path)
+            except InputError as error:
+                raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
+        return Page(title, picture=str(path))
+    return Page(title, _text_of(table, folder) if checked else "")
 
 
 def _text_of(table: Table, folder: Path) -> str:

@@ -7,7 +7,7 @@ import math
 import attrs
 
 from ..scales import Scale
-from .definitions import Design, Part, every_scale
+from .definitions import Design, Page, Part, every_scale
 from .orders import rows_for
 from .outline import balance, notes, session_phases
 
@@ -29,12 +29,17 @@ def design_as_json(design: Design) -> dict[str, object]:
         "breaks": attrs.asdict(design.breaks),
         "sickness": _sickness_json(design),
         "consent_version": None if design.consent is None else design.consent.version,
+        **{key: _page_json(getattr(design, key)) for key in ("instructions", "ready", "thanks")},
         "scales": [_scale_json(scale) for scale in every_scale(design)],
         "asked": {key: [scale.name for scale in getattr(design, key)] for key in ("scales", "before", "after")},
         "parts": [_part_json(design, part) for part in design.parts],
         "families": [attrs.asdict(family) for family in design.families],
         "notes": list(notes(design)),
     }
+
+
+def _page_json(page: Page | None) -> dict[str, object] | None:
+    return None if page is None else attrs.asdict(page)
 
 
 def _sickness_json(design: Design) -> dict[str, object] | None:

@@ -63,6 +63,15 @@ class Consent:
 
 
 @attrs.frozen
+class Page:
+    """Page that participants read: a text or a picture."""
+
+    title: str
+    text: str = ""
+    picture: str = ""  # path of a PNG or JPEG file, "" for a text
+
+
+@attrs.frozen
 class Comparison:
     """Two conditions of a part; a positive difference means that `better` was rated better."""
 
@@ -100,6 +109,9 @@ class Design:
     before: tuple[Scale, ...] = ()  # questionnaires before the session
     after: tuple[Scale, ...] = ()  # questionnaires after the session
     consent: Consent | None = None
+    instructions: Page | None = None  # before the practice and the trials
+    ready: Page | None = None  # in place of the usual words before the first trial
+    thanks: Page | None = None  # at the end of a complete session
     text: str = attrs.field(default="", repr=False)  # the file as it was read; every session keeps it
     path: str = ""
     scene_notes: tuple[str, ...] = ()  # what had to be left out or replaced of scene files

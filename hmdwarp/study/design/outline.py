@@ -12,7 +12,7 @@ from ...report import counted
 from ..scales import QUESTIONNAIRE, Scale
 from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
 from .orders import Order
-from .steps import Ask, Pause, Read, Show, Step, steps_of
+from .steps import Ask, PageStep, Pause, Read, Show, Step, steps_of
 
 # Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to
 # read.
@@ -56,6 +56,7 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     content = {
         "consent": "a text to read and to agree to",
         "before": ", ".join(_asked(scale) for scale in design.before),
+        "instructions": "a page to read",
         "practice": f"{design.practice_seconds:g} s, not scored",
         "trials": f"{trials} of {design.seconds:g} s, {'each ' if trials > 1 else ''}rated: {', '.join(asked + sick)}",
         "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(design.breaks.every)}",
@@ -81,6 +82,8 @@ def _phase(step: Step) -> str:
     match step:
         case Read():
             return "consent"
+        case PageStep():
+            return "instructions"
         case Pause():
             return "breaks"
         case Ask(phase="before" | "after" | "practice" as phase):
@@ -95,11 +98,18 @@ def expected_s(step: Step) -> float:
     """Return the expected duration of a step."""
     match step:
         case Read(text=text):
-            return max(10.0, WORD_S * len(text.split()))
+            return reading_s(text)
+        case PageStep(page=page):
+            return reading_s(page.text)
         case Show(seconds=seconds) | Pause(seconds=seconds):
             return seconds
         case Ask(scale=scale):
             return ITEM_S if scale.kind == QUESTIONNAIRE else ANSWER_S
+
+
+def reading_s(text: str) -> float:
+    """Return how long a text, or a picture without words, is read."""
+    return max(10.0, WORD_S * len(text.split()))
 
 
 def balance(orders: Sequence[Order], part: Part) -> Balance:

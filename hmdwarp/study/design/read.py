@@ -9,7 +9,7 @@ from ...registry import unknown_name
 from ...tables import Table, parsed, quoted, text_of
 from ..scales import Scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
-from ._sections import breaks_of, consent_of, practice_of, questionnaires_of, scales_of, sickness_of
+from ._sections import breaks_of, consent_of, page_of, practice_of, questionnaires_of, scales_of, sickness_of
 from .definitions import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
 
 SCHEMA = 1
@@ -85,6 +85,9 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         before=before,
         after=after,
         consent=consent_of(data, folder),
+        instructions=page_of(data, "instructions", "Instructions", folder, checked),
+        ready=page_of(data, "ready", "Ready?", folder, checked),
+        thanks=page_of(data, "thanks", "Thank you", folder, checked),
         text=text,
         path=path,
         scene_notes=checker.scene_notes,

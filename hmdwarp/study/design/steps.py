@@ -9,7 +9,7 @@ from __future__ import annotations
 import attrs
 
 from ..scales import Item, Scale
-from .definitions import Condition, Design
+from .definitions import Condition, Design, Page
 
 
 @attrs.frozen
@@ -18,6 +18,14 @@ class Read:
 
     key: str
     text: str
+
+
+@attrs.frozen
+class PageStep:
+    """Page that the participant reads or looks at."""
+
+    key: str
+    page: Page
 
 
 @attrs.frozen
@@ -52,7 +60,7 @@ class Pause:
     seconds: float  # at least
 
 
-Step = Read | Show | Ask | Pause
+Step = Read | PageStep | Show | Ask | Pause
 
 
 def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> tuple[Step, ...]:
@@ -65,6 +73,8 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
     if design.consent is not None:
         steps.append(Read("consent", design.consent.text))
     steps += [ask for scale in design.before for ask in _asks(scale, "before", "before")]
+    if design.instructions is not None:
+        steps.append(PageStep("instructions", design.instructions))
     if design.practice is not None:
         steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0))
         steps += _sickness(design, "practice", 0)

@@ -5,6 +5,7 @@ from .buttons import hints_for as hints_for
 from .canvas import PAD as PAD
 from .canvas import TEXT as TEXT
 from .canvas import WIDTH as WIDTH
+from .canvas import picture_light as picture_light
 from .canvas import width_of as width_of
 from .canvas import wrapped as wrapped
 from .choice_dialogs import AGAIN as AGAIN
@@ -15,6 +16,7 @@ from .choice_dialogs import STOP as STOP
 from .choice_dialogs import BreakDialog as BreakDialog
 from .choice_dialogs import ConsentDialog as ConsentDialog
 from .choice_dialogs import MenuDialog as MenuDialog
+from .choice_dialogs import PageDialog as PageDialog
 from .dialog_panels import MessagePanel as MessagePanel
 from .dialog_panels import QuestionPanel as QuestionPanel
 from .dialog_panels import message_panel as message_panel
@@ -24,3 +26,4 @@ from .scale_layout import LineLayout as LineLayout
 from .scale_layout import ScaleForm as ScaleForm
 from .scale_layout import layout_of as layout_of
 from .study_controls import CONTROLS as CONTROLS
+from .text_dialog import TextDialog as TextDialog

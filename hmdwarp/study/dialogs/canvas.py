@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..design import open_picture
+
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
@@ -22,6 +24,7 @@ WIDTH, PAD = 680, 22
 SMALL, TEXT, LARGE, HUGE = 24, 28, 32, 44  # letter heights in pixels
 FULL, DIM, GROUND = 255, 120, 36  # as bright on a screen as 255, 182 and 104 of sRGB
 LINE = 1.3  # distance between rows of text, in letter heights
+PICTURE_HIGH = 420  # most rows of a picture: more would not fit a headset's eye with title and buttons
 
 
 @functools.cache
@@ -67,6 +70,22 @@ def _with(rows: list[str], row: str, word: str, px: int, width: float) -> str:
 def height_of(rows: int, px: int) -> int:
     """Return the height of that many rows of text."""
     return round(rows * LINE * px)
+
+
+@functools.lru_cache(8)
+def picture_light(path: str) -> NDArray[np.uint8]:
+    """Load a picture as large as a panel takes it: (h, w, 3) linear light, top row first.
+
+    Errors: InputError for a file that is no picture.
+    """
+    from PIL import Image
+
+    shown = open_picture(path)
+    shown.thumbnail((WIDTH - 2 * PAD, PICTURE_HIGH), Image.Resampling.LANCZOS)
+    ground = Image.new("RGBA", shown.size, "black")
+    srgb = np.asarray(Image.alpha_composite(ground, shown).convert("RGB"), np.float64) / 255
+    light = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
+    return np.round(light * 255).astype(np.uint8)
 
 
 class Canvas:

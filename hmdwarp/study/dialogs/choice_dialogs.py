@@ -1,4 +1,4 @@
-"""Dialogs with buttons: the menu, the consent and a break."""
+"""Dialogs with buttons: the menu, pages to read, the consent and a break."""
 
 from __future__ import annotations
 
@@ -24,11 +24,9 @@ SURE = (("no", "no, go on"), ("yes", "yes, stop"))
 SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
 ROWS = 9  # of a page; a headset's eye cannot see more at once (display/notice.py)
-ON, BACK, AGREE, REFUSE = "on", "back", "agree", "refuse"
+ON, BACK, DONE, AGREE, REFUSE = "on", "back", "done", "agree", "refuse"
 FIRST: Choices = ((ON, "next page"),)
 BETWEEN: Choices = ((BACK, "page before"), (ON, "next page"))
-LAST: Choices = ((REFUSE, "I do not agree"), (AGREE, "I agree"))
-LAST_OF_SEVERAL: Choices = ((BACK, "page before"), *LAST)
 
 
 class ButtonPicker:
@@ -134,41 +132,33 @@ class MenuDialog:
             self.chosen = STOP if name == "yes" else name
 
 
-class ConsentDialog:
-    """Text that the participant agrees to or refuses, page by page.
+class PageDialog:
+    """Text or picture to look at; a text page by page."""
 
-    On the last page nothing is chosen beforehand. Refusing is confirmed once, as it ends the
-    session and may be a slip.
-    """
+    LAST: ClassVar[Choices] = ((DONE, "go on"),)
+    HELD: ClassVar[frozenset[str]] = frozenset({"continue"})  # commands that end it at once
 
-    def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
+    def __init__(self, title: str, text: str = "", hints: InputHints = KEYS, picture: str = "") -> None:
         rows = wrapped(text.strip(), TEXT, WIDTH - 2 * PAD)
         self._pages = [rows[k : k + ROWS] for k in range(0, len(rows), ROWS)] or [()]
-        self._hints, self._title, self._note = hints, title, ""
-        self.agreed = self.refused = False
+        self._hints, self._title, self._picture, self._note = hints, title, picture, ""
+        self.over = False
         self._turn(0)
 
-    @property
-    def over(self) -> bool:
-        """Whether the participant has agreed or refused."""
-        return self.agreed or self.refused
-
     def _turn(self, page: int) -> None:
-        self._refusing = False
         self._page, several = page, len(self._pages) > 1
-        if page == len(self._pages) - 1:
-            self._picker = ButtonPicker(LAST_OF_SEVERAL if several else LAST, None, self.panel)
+        if page < len(self._pages) - 1:
+            choices: Choices = BETWEEN if page else FIRST
         else:
-            choices = BETWEEN if page else FIRST
-            self._picker = ButtonPicker(choices, len(choices) - 1, self.panel)
+            choices = (BETWEEN[0], *self.LAST) if several else self.LAST
+        self._picker = ButtonPicker(choices, self._first(choices), self.panel)
+
+    def _first(self, choices: Choices) -> int | None:
+        """Return the number of the button that is marked beforehand."""
+        return len(choices) - 1
 
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the current page, or that has a refusal confirmed."""
-        if self._refusing:
-            lines = ("The session ends now.", "You need not say why.")
-            return MessagePanel(
-                "End without taking part?", lines, self._picker.choices, self._picker.marked, picking_hint(self._hints)
-            )
+        """Return the panel that shows the current page."""
         pages = len(self._pages)
         return MessagePanel(
             title=f"{self._title} ({self._page + 1} of {pages})" if pages > 1 else self._title,
@@ -178,27 +168,72 @@ class ConsentDialog:
             hint=picking_hint(self._hints),
             note=self._note,
             least_lines=ROWS if pages > 1 else 0,
+            picture=self._picture,
         )
 
     def handle(self, commands: Sequence[Command]) -> None:
-        """Carry out the commands; "agree" from the console counts as the participant's word."""
+        """Carry out the commands; one of HELD, from the console, ends it at once."""
         for command in commands:
             if self.over:
                 return
-            if command.control == AGREE:
-                self.agreed = True
+            if command.control in self.HELD:
+                self._end(command.control)
             elif self._picker.handle(command):
                 nothing = command.control == "confirm" and not self._picker.picked
                 self._note = f"Choose one first: {self._hints.pick}" if nothing else ""
-                self._take(self._picker.picked)
+                if self._picker.picked:
+                    self._take(self._picker.picked)
 
     def _take(self, name: str) -> None:
         if name in (ON, BACK):
             self._turn(self._page + (1 if name == ON else -1))
-        elif name == REFUSE:
+        else:
+            self._end(name)
+
+    def _end(self, name: str) -> None:
+        self.over = True
+
+
+class ConsentDialog(PageDialog):
+    """Text that the participant agrees to or refuses, page by page.
+
+    On the last page nothing is chosen beforehand. Refusing is confirmed once, as it ends the
+    session and may be a slip. "agree" from the console counts as the participant's word.
+    """
+
+    LAST = ((REFUSE, "I do not agree"), (AGREE, "I agree"))
+    HELD = frozenset({AGREE})
+
+    def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
+        self.agreed = self.refused = False
+        super().__init__(title, text, hints)
+
+    def _turn(self, page: int) -> None:
+        self._refusing = False
+        super()._turn(page)
+
+    def _first(self, choices: Choices) -> int | None:
+        return None if AGREE in dict(choices) else super()._first(choices)
+
+    def panel(self) -> MessagePanel:
+        """Return the panel that shows the current page, or that has a refusal confirmed."""
+        if self._refusing:
+            lines = ("The session ends now.", "You need not say why.")
+            return MessagePanel(
+                "End without taking part?", lines, self._picker.choices, self._picker.marked, picking_hint(self._hints)
+            )
+        return super().panel()
+
+    def _take(self, name: str) -> None:
+        if name == REFUSE:
             self._refusing, self._picker = True, ButtonPicker(SURE_TO_REFUSE, 0, self.panel)
         elif name == "no":
             self._turn(self._page)
+        else:
+            super()._take(name)
+
+    def _end(self, name: str) -> None:
+        super()._end(name)
         self.agreed, self.refused = name == AGREE, name == "yes"
 
 

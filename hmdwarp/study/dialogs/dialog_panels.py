@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..design import Ask
 from .buttons import (
     GAP,
     KEYS,
@@ -18,7 +19,7 @@ from .buttons import (
     footer_height,
     row_of,
 )
-from .canvas import DIM, LARGE, PAD, SMALL, TEXT, WIDTH, Canvas, height_of, wrapped
+from .canvas import DIM, LARGE, PAD, SMALL, TEXT, WIDTH, Canvas, height_of, picture_light, wrapped
 from .scale_layout import Layout, ScaleForm, layout_of
 
 SKIP, YES, BACK = "skip", "yes", "back"
@@ -37,6 +38,8 @@ class MessagePanel:
     note: str = ""  # shown in place of the hint
     column: bool = False  # buttons one under the other instead of side by side
     least_lines: int = 0  # room for so many lines, so that a longer page does not make the panel jump
+    picture: str = ""  # file of a picture in place of the lines, "" for none
+    takes_text: bool = False
 
     @property
     def pointed(self) -> bool:
@@ -50,6 +53,8 @@ class MessagePanel:
         return wrapped(self.title, LARGE, WIDTH - 2 * PAD)
 
     def _text_height(self) -> int:
+        if self.picture:
+            return picture_light(self.picture).shape[0]
         return height_of(max(len(self.lines), self.least_lines), TEXT)
 
     def _buttons(self) -> tuple[Button, ...]:
@@ -72,7 +77,13 @@ class MessagePanel:
         for number, button in enumerate(self._buttons()):
             button.draw(canvas, marked=number == self.marked)
         draw_footer(canvas, self._foot(), self.note, self.hint)
-        return canvas.ink()
+        return self._with_picture(canvas.ink()) if self.picture else canvas.ink()
+
+    def _with_picture(self, ink: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        light, top = picture_light(self.picture), self._text_top()
+        (h, w), whole = light.shape[:2], np.repeat(ink[..., None], 3, axis=2)
+        whole[top : top + h, (WIDTH - w) // 2 : (WIDTH - w) // 2 + w] = light
+        return whole
 
     def button_at(self, u: float, v: float) -> str:
         """Return the name of the button at (u, v), origin bottom left; "" for none."""
@@ -89,6 +100,15 @@ def trial_panel(trial: int, trials: int) -> MessagePanel:
     return message_panel(f"Trial {trial} of {trials}" if trial else "Practice: look around, it is not rated")
 
 
+def heading_of(ask: Ask, again: bool) -> str:
+    """Return which trial the question is about, or which item of how many it is."""
+    items, more = ask.scale.items, ", once more" if again else ""
+    if len(items) > 1:
+        heading = f"{ask.scale.title}: item {items.index(ask.item) + 1} of {len(items)}{more}"
+        return f"{heading}\n{ask.scale.prompt}" if ask.scale.prompt else heading
+    return (f"trial {ask.trial}" if ask.trial else ask.scale.title) + more
+
+
 @attrs.frozen(cache_hash=True)
 class QuestionPanel:
     """Question with its scale and marker. It knows nothing of conditions."""
@@ -102,6 +122,7 @@ class QuestionPanel:
     note: str = ""  # shown in place of the hint
     hints: InputHints = KEYS
     pointed: bool = True
+    takes_text: bool = False
 
     @property
     def layout(self) -> Layout:

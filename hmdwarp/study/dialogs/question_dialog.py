@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 from ...display import Command
 from ..console import Question
 from ..design import Ask
-from ..scales import number_text, range_text
+from ..scales import CHOICE, number_text, range_text
 from .buttons import KEYS, InputHints
-from .dialog_panels import BACK, SKIP, YES, QuestionPanel
+from .dialog_panels import BACK, SKIP, YES, QuestionPanel, heading_of
 from .scale_layout import ScaleForm, layout_of
 from .typed_numbers import middle, moved, number_of, typed_on, value_of
 
@@ -27,11 +27,13 @@ class QuestionDialog:
     def __init__(self, ask: Ask, now_s: Callable[[], float], hints: InputHints = KEYS, again: bool = False) -> None:
         self.ask = ask
         self.value: float | None = None  # where the marker is, None for nowhere
+        self.text = ""  # as TextDialog has it
         self.confirmed = False  # whether it is over
         self.skipped = False  # whether it is over without an answer; `value` is None then
         self._now_s, self._hints = now_s, hints
+        self._scale = ask.scale.of(ask.item)
         self._form = _form_of(ask)
-        self._heading = _heading_of(ask, again)
+        self._heading = heading_of(ask, again)
         self._skipping = False
         self._typed = ""
         self._note, self._note_until_s = "", 0.0
@@ -45,7 +47,7 @@ class QuestionDialog:
 
     def question(self) -> Question:
         """Return the question for the console."""
-        scale = self.ask.scale
+        scale = self._scale
         return Question(
             self.ask.item.text, scale.least, scale.most, scale.step, self._form.anchors, self.value, scale.title
         )
@@ -81,17 +83,22 @@ class QuestionDialog:
         self._step(1 if layout_of(self._form).downwards else -1)
 
     def _step(self, steps: int) -> None:
-        """Move the marker; the first step puts it in the middle, or takes a skip back."""
+        """Move the marker; the first step puts it in the middle, or takes a skip back.
+
+        In a list of choices, which have no middle, it puts it at the end where it comes from.
+        """
         if self._skipping:
             self._skipping = False
+        elif self.value is None and self._form.listed:
+            self._set(self._scale.least if steps > 0 else self._scale.most)
         elif self.value is None:
-            self._set(middle(self.ask.scale, upper=steps > 0))
+            self._set(middle(self._scale, upper=steps > 0))
         else:
-            self._set(moved(self.ask.scale, self.value, steps))
+            self._set(moved(self._scale, self.value, steps))
 
     def _digit(self, value: object) -> None:
         self._skipping = False
-        self._type(typed_on(self.ask.scale, self._typed, str(value)))
+        self._type(typed_on(self._scale, self._typed, str(value)))
 
     def _erase(self, _: object) -> None:
         """Erase the last digit; a marker that was not typed goes as a whole."""
@@ -102,7 +109,7 @@ class QuestionDialog:
 
     def _type(self, typed: str) -> None:
         self._typed = typed
-        self.value = number_of(self.ask.scale, typed)
+        self.value = number_of(self._scale, typed)
 
     def _set(self, value: float) -> None:
         self._typed, self.value = "", value
@@ -148,7 +155,7 @@ class QuestionDialog:
             self._leave()
             return
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        number = value_of(self.ask.scale, value) if is_number else None  # type: ignore[arg-type]
+        number = value_of(self._scale, value) if is_number else None  # type: ignore[arg-type]
         if number is None:
             self._refuse(number_text(value) if isinstance(value, float) else value)
         else:
@@ -163,7 +170,7 @@ class QuestionDialog:
         self.skipped = self.confirmed = True
 
     def _refuse(self, answer: object) -> None:
-        self._say(f"{answer} is no answer here: expected {range_text(self.ask.scale)}")
+        self._say(f"{answer} is no answer here: expected {range_text(self._scale)}")
 
     def _say(self, note: str) -> None:
         self._note, self._note_until_s = note, self._now_s() + NOTED_S
@@ -184,15 +191,6 @@ class QuestionDialog:
 
 
 def _form_of(ask: Ask) -> ScaleForm:
-    scale = ask.scale
+    scale = ask.scale.of(ask.item)
     anchors = sorted((float(value), words) for value, words in scale.anchors.items())
-    return ScaleForm(scale.least, scale.most, scale.step, tuple(anchors))
-
-
-def _heading_of(ask: Ask, again: bool) -> str:
-    """Return which trial the question is about, or which item of how many it is."""
-    items, more = ask.scale.items, ", once more" if again else ""
-    if len(items) > 1:
-        heading = f"{ask.scale.title}: item {items.index(ask.item) + 1} of {len(items)}{more}"
-        return f"{heading}\n{ask.scale.prompt}" if ask.scale.prompt else heading
-    return (f"trial {ask.trial}" if ask.trial else ask.scale.title) + more
+    return ScaleForm(scale.least, scale.most, scale.step, tuple(anchors), listed=ask.item.answer == CHOICE)

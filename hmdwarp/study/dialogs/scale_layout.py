@@ -26,6 +26,7 @@ class ScaleForm:
     most: float
     step: float
     anchors: tuple[tuple[float, str], ...] = ()  # (value, words), by value
+    listed: bool = False  # whether it is a list in any case
 
     def values(self) -> list[float]:
         """Return every value, from least to most."""
@@ -53,7 +54,7 @@ class Layout(Protocol):
 @functools.lru_cache(32)
 def layout_of(form: ScaleForm) -> Layout:
     """Choose a line where the anchors fit, else a list, else a line with its ends named."""
-    placed = _placed(form)
+    placed = None if form.listed else _placed(form)
     if placed is None and form.last < LISTED:
         return ListLayout(form)
     if placed is None:

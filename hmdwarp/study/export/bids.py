@@ -238,10 +238,11 @@ def _asked(scale: Scale) -> str:
 
 
 def _about(scale: Scale) -> str:
-    good = "low is good" if scale.low_is_good else "high is good"
+    if not scale.has_answers:
+        return scale.title
     words = ", ".join(f"{value:g} {word}" for value, word in scale.anchors.items())
     anchors, source = f" ({words})" if words else "", f"; source: {scale.source}" if scale.source else ""
-    return f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {good}{anchors}{source}"
+    return f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {scale.direction}{anchors}{source}"
 
 
 def _shifted(start_utc: str, at_utc: str) -> str | None:

@@ -160,6 +160,7 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
     show = data.shows.get(ask.about)
     showing = _showing(data, ask, answer)
     value = None if answer is None else answer.value
+    text = None if answer is None else ask.scale.words_for(ask.item, value, answer.text)
     return {
         "study": design.name,
         "participant": session.sub,
@@ -174,8 +175,9 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "scale": ask.scale.name,
         "item": ask.item.key,
         "value": value,
-        "low_is_good": ask.scale.low_is_good,
-        "why_missing": None if value is not None else _why(session, answer),
+        "text": text,
+        "low_is_good": None if ask.item.answer else ask.scale.low_is_good,
+        "why_missing": None if value is not None or text else _why(session, answer),
         "seconds_to_answer": None if answer is None else answer.seconds,
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,

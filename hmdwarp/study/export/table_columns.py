@@ -86,6 +86,7 @@ _PHASE = (
     Column("kind", TEXT, "Kind of the scale", levels=dict(zip((*SCALE_KINDS, "score"), (
         "a rating of what was shown", "sickness", "an answer to one question of several",
         "a score of a questionnaire"), strict=True))),
+    Column("text", TEXT, "The answer in words: the choice, or what was typed; n/a for the answers of a scale"),
 )  # fmt: skip
 
 _UNITS = (("_ms", "ms"), ("_hz", "Hz"), ("_deg_s", "deg/s"), ("_m_s", "m/s"), ("_s", "s"), ("_db", "dB"))

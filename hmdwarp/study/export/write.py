@@ -20,7 +20,7 @@ from .formats import csv_text, has_parquet, tsv_text, write_parquet
 from .short_tables import SHORT, short_rows
 from .table_columns import Column, columns_for
 
-EXTRA = ("phase", "kind")
+EXTRA = ("phase", "kind", "text")
 OWNED = (
     "ratings.*",
     "sickness.tsv",

@@ -8,11 +8,13 @@ import numpy as np
 
 from ...display import Command
 from ..design import Ask, Design, Order, Pause, Read, Show, Step
+from ..scales import WORDS
 from ..store import STOPPED
 from .cohort import Population
 from .random_draws import draw_for
 from .response_model import Model, of_share
 
+SAID = "simulated words"  # to questions that are answered in words
 PATIENCE_S = 0.5  # until a command without effect is tried again, as people do
 
 
@@ -58,6 +60,8 @@ class Simulated:
         if elapsed_s < self._model.seconds(self._draw("seconds", step.key)):
             return None
         if isinstance(step, Ask):
+            if step.item.answer == WORDS:
+                return Command("answer", SAID)
             value = self.answer(step, 0 if shown is None else shown.trial)
             return Command("skip") if value is None else Command("answer", value)
         return Command("agree" if isinstance(step, Read) else "continue")
@@ -71,6 +75,9 @@ class Simulated:
             return _known(self._cohort.answers[step.scale.name][0, step.trial - 1])
         if step.phase in ("practice", "trial"):
             return _known(self._cohort.sickness[0, step.trial])
+        if step.item.answer:
+            values = step.scale.of(step.item).values()
+            return values[int(self._draw("answer", step.key) * len(values))]
         shown = 0 if step.phase == "before" else trial
         susceptible = self._cohort.susceptible[0]
         felt = self._model.sickness.latent(shown, susceptible, self._draw("answer", step.key))

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 from ...registry import unknown_name
-from ...tables import Table, parsed, text_of
-from ._scale_model import KINDS, OF, QUESTIONNAIRE, SUMS, Item, Scale, Score
+from ...tables import Table, parsed, quoted, text_of
+from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 FOLDER = Path(__file__).parent
 _EXAMPLE = str(FOLDER / "grade.toml")
 _MOST_VALUES = 10_000  # of one answer: no panel can tell more apart
 _MOST_ITEMS = 500
+MOST_CHOICES = 12  # rows of a list that a panel holds
 
 
 def scale_names() -> list[str]:
@@ -33,19 +35,14 @@ def load_scale(name: str) -> Scale:
 
 
 def _scale(data: Table, name: str) -> Scale:
-    answer = data.table("answer")
-    least, most = answer.number("least"), answer.number("most")
+    kind = data.word("kind", KINDS)
+    items = _items(data, own=kind == QUESTIONNAIRE)
     made = Scale(
         name=name,
         title=data.line("title"),
-        kind=data.word("kind", KINDS),
-        items=_items(data),
-        least=least,
-        most=most,
-        step=_step(answer, least, most),
-        low_is_good=answer.flag("low_is_good"),
-        anchors=_anchors(answer, least, most),
-        scores=(),
+        kind=kind,
+        items=items,
+        **(_no_answers() if "answer" not in data and all(item.answer for item in items) else _answers(data)),
         units=data.line("units", ""),
         source=data.line("source"),
         prompt=data.line("prompt", ""),
@@ -53,7 +50,25 @@ def _scale(data: Table, name: str) -> Scale:
     return made.with_scores(_scores(data, made))
 
 
-def _items(data: Table) -> tuple[Item, ...]:
+def _answers(data: Table) -> dict[str, Any]:
+    answer = data.table("answer")
+    least, most = answer.number("least"), answer.number("most")
+    return {
+        "least": least,
+        "most": most,
+        "step": _step(answer, least, most),
+        "low_is_good": answer.flag("low_is_good"),
+        "anchors": _anchors(answer, least, most),
+    }
+
+
+def _no_answers() -> dict[str, Any]:
+    """Return what a questionnaire has whose questions all have answers of their own."""
+    return {"least": 0.0, "most": 0.0, "step": 1.0, "low_is_good": False}
+
+
+def _items(data: Table, own: bool) -> tuple[Item, ...]:
+    """Read the questions. own: whether they may have answers of their own."""
     tables = data.tables("item")
     if not 1 <= len(tables) <= _MOST_ITEMS:
         raise data.fault(
@@ -68,8 +83,24 @@ def _items(data: Table) -> tuple[Item, ...]:
             )
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
-        items.append(Item(key, table.line("text")))
+        if "answer" in table and not own:
+            raise table.fault("answer", f"is for kind {QUESTIONNAIRE}: expected the answers of the scale alone")
+        items.append(Item(key, table.line("text"), **(_own_answers(table) if "answer" in table else {})))
     return tuple(items)
+
+
+def _own_answers(table: Table) -> dict[str, Any]:
+    kind = table.word("answer", OWN_ANSWERS)
+    if kind == CHOICE:
+        choices = table.texts("choices")
+        if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
+            raise table.fault("choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts")
+        return {"answer": kind, "choices": tuple(choices)}
+    if kind == NUMBER:
+        least, most = table.number("least"), table.number("most")
+        step = _step(table, least, most) if "step" in table or not most > least else 1.0
+        return {"answer": kind, "least": least, "most": most, "step": step}
+    return {"answer": kind}
 
 
 def _step(answer: Table, least: float, most: float) -> float:

@@ -12,6 +12,7 @@ from ...registry import unknown_name
 
 KINDS = (RATING, SICKNESS, QUESTIONNAIRE) = ("rating", "sickness", "questionnaire")
 OF = (SUMS, SCORES) = ("sums", "scores")
+OWN_ANSWERS = (CHOICE, NUMBER, WORDS) = ("choice", "number", "text")
 
 
 @attrs.frozen
@@ -20,6 +21,13 @@ class Item:
 
     key: str  # its name in tables
     text: str  # the question in words
+    # One of OWN_ANSWERS, for a question of a questionnaire that has answers of its own; "" for
+    # those of its scale.
+    answer: str = ""
+    choices: tuple[str, ...] = ()  # the answer is the number of one, from 1 on
+    least: float = 0.0  # of a number
+    most: float = 0.0
+    step: float = 1.0
 
 
 @attrs.frozen
@@ -61,6 +69,31 @@ class Scale:
         """Return how bad an answer is, in units of the scale: 0 is the best answer, high is bad."""
         return answer - self.least if self.low_is_good else self.most - answer
 
+    @property
+    def direction(self) -> str:
+        """Which answers are good, in words; "" where each question has answers of its own."""
+        return "" if not self.has_answers else f"{'low' if self.low_is_good else 'high'} is good"
+
+    @property
+    def has_answers(self) -> bool:
+        """Whether any question has the answers of the scale and not its own."""
+        return any(not item.answer for item in self.items)
+
+    def of(self, item: Item) -> Self:
+        """Return the scale of one item's answers; itself where the item has none of its own."""
+        if item.answer == CHOICE:
+            words = {float(number): text for number, text in enumerate(item.choices, 1)}
+            return attrs.evolve(self, least=1.0, most=float(len(words)), step=1.0, anchors=words)
+        if item.answer == NUMBER:
+            return attrs.evolve(self, least=item.least, most=item.most, step=item.step, anchors={})
+        return self
+
+    def words_for(self, item: Item, value: float | None, text: str) -> str | None:
+        """Return an answer of the item's own in words: the choice, or what was typed; else None."""
+        if item.answer == CHOICE and value is not None:
+            return item.choices[round(value) - 1]
+        return text or None
+
     def with_scores(self, scores: tuple[Score, ...]) -> Self:
         """Return a copy with these scores."""
         return attrs.evolve(self, scores=scores)
@@ -95,13 +128,14 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
 
     Errors: InputError for an unknown item, or an answer outside the scale.
     """
-    known = [item.key for item in scale.items]
+    known = {item.key: item for item in scale.items}
     for key, value in answers.items():
         if key not in known:
-            raise unknown_name(f"item of scale '{scale.name}'", key, known)
-        if value is not None and not scale.least <= value <= scale.most:
+            raise unknown_name(f"item of scale '{scale.name}'", key, list(known))
+        own = scale.of(known[key])
+        if value is not None and not own.least <= value <= own.most:
             where = f"scale '{scale.name}', item '{key}'"
-            raise InputError(f"{where}: {value:g}: expected an answer from {scale.least:g} to {scale.most:g}")
+            raise InputError(f"{where}: {value:g}: expected an answer from {own.least:g} to {own.most:g}")
     values = [answers.get(key) for key in known]
     sums: dict[str, float | None] = {}
     scores: dict[str, float | None] = {}

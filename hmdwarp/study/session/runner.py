@@ -11,7 +11,7 @@ import attrs
 
 from ...display import Closed
 from ...run import Driver, Ending
-from ..design import Ask, Pause, Read, Show, Step
+from ..design import Ask, Page, PageStep, Pause, Read, Show, Step, reading_s
 from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Showing
 from .session_context import PAUSE, SessionContext
@@ -22,6 +22,7 @@ from .step_handlers import (
     ConfirmHandler,
     ConsentHandler,
     MenuHandler,
+    PageHandler,
     PanelHandler,
     QuestionHandler,
     StepHandler,
@@ -101,18 +102,26 @@ class SessionRunner:
         """Wait until the participant is ready, unless the first step does so."""
         undone = self._undone()
         shows_first = undone and (isinstance(undone[0], Show) or (isinstance(undone[0], Ask) and undone[0].about))
-        if undone and not isinstance(undone[0], Read) and not shows_first:
-            self._wait_until_ready(undone[0])
+        if undone and not isinstance(undone[0], Read | PageStep) and not shows_first:
+            self._wait_until_ready(undone[0], None)
 
-    def _wait_until_ready(self, next_step: Step) -> None:
-        panel = ready_panel(next_step, self.context.steps, self.resumed, self.hints)
+    def _wait_until_ready(self, next_step: Step, own: Page | None) -> None:
+        panel = ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
         self._pursue(lambda: ConfirmHandler(self.context, Read(READY, ""), panel))
 
     def farewell(self, status: str) -> None:
-        """Show the last panel. Everything is stored by now: an error here no longer matters."""
+        """Show the last panel. Everything is stored by now: an error here no longer matters.
+
+        The plan's own words stay as long as reading takes, or until they are confirmed.
+        """
         with suppress(Closed, Exception):
-            panel = farewell_panel(status)
-            self.driver.run(PanelHandler(self.context, Read(END, ""), panel, seconds=FAREWELL_S, phase="over"))
+            own = self.context.design.thanks if status == COMPLETE else None
+            panel, seconds = farewell_panel(status, own, self.hints), FAREWELL_S if own is None else reading_s(own.text)
+            self.driver.run(
+                PanelHandler(
+                    self.context, Read(END, ""), panel, seconds=seconds, phase="over", may_close=own is not None
+                )
+            )
 
     # --- steps ---
 
@@ -120,6 +129,9 @@ class SessionRunner:
         match step:
             case Read():
                 self._read(step)
+            case PageStep():
+                self._pursue(lambda: PageHandler(self.context, step))
+                self._finish(step)
             case Show():
                 self._show(step)
             case Ask():
@@ -143,7 +155,7 @@ class SessionRunner:
         """Show a condition until it was seen undisturbed."""
         context = self.context
         if not self._knows_how_to_look:
-            self._wait_until_ready(step)
+            self._wait_until_ready(step, context.design.ready)
             self._knows_how_to_look = True
         while True:
             panel_ns = context.display.now_ns()
@@ -176,11 +188,19 @@ class SessionRunner:
         context = self.context
         handler = self._pursue(lambda: QuestionHandler(context, step, self._asking_again))
         answer = context.store.answer(
-            context.session, step, handler.dialog.value, handler.seconds, handler.by, self.about.get(step.key)
+            context.session,
+            step,
+            handler.dialog.value,
+            handler.seconds,
+            handler.by,
+            self.about.get(step.key),
+            handler.dialog.text,
         )
         context.done.add(step.key)
         self.answered = step
-        said = "left unanswered" if answer.value is None else f"{answer.value:g}"
+        said = step.scale.words_for(step.item, answer.value, answer.text) or (
+            "left unanswered" if answer.value is None else f"{answer.value:g}"
+        )
         name = step_name(step, context.steps)
         about = f"{name}, {step.scale.title}" if step.about else name
         context.say(f"{about}: {said}" + (" (answered again)" if answer.revision > 1 else ""))

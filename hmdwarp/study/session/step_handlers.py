@@ -7,8 +7,18 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ...display import Command, Label
 from ...run import FrameHandler
-from ..design import Ask, Pause, Read, Step
-from ..dialogs import BreakDialog, ConsentDialog, MenuDialog, MessagePanel, QuestionDialog, hints_for
+from ..design import Ask, PageStep, Pause, Read, Step
+from ..dialogs import (
+    BreakDialog,
+    ConsentDialog,
+    MenuDialog,
+    MessagePanel,
+    PageDialog,
+    QuestionDialog,
+    TextDialog,
+    hints_for,
+)
+from ..scales import WORDS
 from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
 
 if TYPE_CHECKING:
@@ -139,13 +149,19 @@ class DialogHandler(StepHandler, Generic[D]):
             self.by, self.seconds = by, self.elapsed_s
 
 
-class QuestionHandler(DialogHandler[QuestionDialog]):
+class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
     """Question. again: whether it was asked before."""
 
     phase = "asking"
 
     def __init__(self, context: SessionContext, ask: Ask, again: bool = False) -> None:
-        super().__init__(context, ask, QuestionDialog(ask, context.now_s, hints_for(context.display.name), again))
+        hints = hints_for(context.display.name)
+        is_text = ask.item.answer == WORDS
+        super().__init__(
+            context,
+            ask,
+            TextDialog(ask, hints, again) if is_text else QuestionDialog(ask, context.now_s, hints, again),
+        )
 
     def leave_unanswered(self) -> None:
         """Leave the question unanswered, as the menu offers."""
@@ -160,6 +176,16 @@ class QuestionHandler(DialogHandler[QuestionDialog]):
     def describe(self) -> Mapping[str, Any]:
         """Return the phase and the question."""
         return {"phase": self.phase, "question": self.dialog.question()}
+
+
+class PageHandler(DialogHandler[PageDialog]):
+    """Page to read or look at."""
+
+    phase = "waiting"
+
+    def __init__(self, context: SessionContext, step: PageStep) -> None:
+        page, hints = step.page, hints_for(context.display.name)
+        super().__init__(context, step, PageDialog(page.title, page.text, hints, page.picture))
 
 
 class ConsentHandler(DialogHandler[ConsentDialog]):
@@ -230,7 +256,10 @@ class ConfirmHandler(StepHandler):
 
 
 class PanelHandler(FrameHandler):
-    """Panel that stays for some refreshes or seconds; commands wait for the next step."""
+    """Panel that stays for some refreshes or seconds; commands wait for the next step.
+
+    may_close: whether the participant's confirmation closes it before its time.
+    """
 
     pictures = False
 
@@ -242,14 +271,16 @@ class PanelHandler(FrameHandler):
         refreshes: int = 1,
         seconds: float = 0.0,
         phase: str = "showing",
+        may_close: bool = False,
     ) -> None:
         self._context, self._step, self._panel, self._left, self._phase = context, step, panel, refreshes, phase
+        self._may_close, self._is_closed = may_close, False
         self._until_ns = context.display.now_ns() + round(seconds * 1e9)
         context.begin_step(step)
 
     def over(self) -> bool:
         """Return whether both the refreshes and the seconds are over."""
-        return self._left <= 0 and self._context.display.now_ns() >= self._until_ns
+        return self._is_closed or self._left <= 0 and self._context.display.now_ns() >= self._until_ns
 
     def label(self) -> Label:
         """Return the panel; called once a refresh."""
@@ -257,7 +288,8 @@ class PanelHandler(FrameHandler):
         return self._panel
 
     def handle(self, commands: Sequence[Command]) -> bool:
-        """Tell the console; the commands do nothing."""
+        """Tell the console; no command does anything but close it, where it may be."""
+        self._is_closed = self._may_close and any(one.control in CONFIRMS for one in commands)
         self._context.tell(self._step, lambda: {"phase": self._phase})
         return False
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..design import Ask, Pause, Read, Show, Step
+import attrs
+
+from ..design import Ask, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, SICK, STOPPED
 from .head_range import HeadRange
@@ -23,6 +25,8 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     """Return "trial 3 of 12", and the like."""
     if isinstance(step, Pause):
         return "break"
+    if isinstance(step, PageStep):
+        return "instructions"
     if isinstance(step, Read):
         return {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}.get(
             step.key, "consent"
@@ -33,16 +37,23 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     return f"trial {step.trial} of {_trials(steps)}" if step.trial else "practice"
 
 
-def ready_panel(next_step: Step, steps: Sequence[Step], resumed: bool, hints: InputHints) -> MessagePanel:
+def ready_panel(
+    next_step: Step, steps: Sequence[Step], resumed: bool, hints: InputHints, own: Page | None = None
+) -> MessagePanel:
     """Make the panel before the first step and the first trial of a run of the program.
 
     Nothing begins before the participant sits right, and no trial before they know how to look.
+    own: the plan's words or picture in place of ours.
     """
     next_name = "a break" if isinstance(next_step, Pause) else step_name(next_step, steps)
     resumes = f"We go on with {next_name}. " if resumed else ""
     look = f"{hints.look} " if isinstance(next_step, Show) else ""
+    begin = f"{hints.confirm}: begin"
+    if own is not None:
+        keys = f"{look}{hints.menu}: menu, break, stop\n{begin}"
+        return page_panel(own, keys, f"{resumes}{own.text}")
     menu = f"{hints.menu} opens a menu at any time: to have a break, or to stop without a reason."
-    return message_panel("Ready?", f"{resumes}Sit comfortably. {look}{menu}", f"{hints.confirm}: begin")
+    return message_panel("Ready?", f"{resumes}Sit comfortably. {look}{menu}", begin)
 
 
 def still_text(head: HeadRange) -> str:
@@ -67,9 +78,16 @@ def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:
     )
 
 
-def farewell_panel(status: str) -> MessagePanel:
-    """Make the last panel."""
+def farewell_panel(status: str, own: Page | None, hints: InputHints) -> MessagePanel:
+    """Make the last panel. own: the plan's words or picture in place of ours."""
+    if own is not None:
+        return page_panel(own, f"{hints.confirm}: close", own.text)
     return message_panel(*_FAREWELL[status])
+
+
+def page_panel(page: Page, hint: str, text: str) -> MessagePanel:
+    """Make the panel of a page without buttons."""
+    return attrs.evolve(message_panel(page.title, text, hint), picture=page.picture)
 
 
 def _trials(steps: Sequence[Step]) -> int:

@@ -16,7 +16,10 @@ _STATUS = """CASE WHEN s.status = 'stopped' AND EXISTS (
 _SESSION = f"""SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, {_STATUS}, plan.text,
   s.started_utc, s.ended_utc, s.why, s.facts
   FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
-_ANSWER = """SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing
+# Words are in the journal alone, so that stores from before there were any can be read.
+_ANSWER = """SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing,
+  coalesce((SELECT json_extract(e.data, '$.text') FROM event e WHERE e.session = answer.session AND e.kind = 'answer'
+    AND e.key = answer.key AND json_extract(e.data, '$.revision') = answer.revision), '')
   FROM answer"""
 _SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, complete, settings, trace, actual,
   measured, started_utc FROM showing"""

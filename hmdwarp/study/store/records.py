@@ -54,6 +54,7 @@ class Answer:
     by: str
     at_utc: str
     showing: int | None = None  # id of the Showing it is about
+    text: str = ""  # of an answer in words
 
 
 @attrs.frozen

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..design import Condition, Design
-from ..scales import Scale
+from ..scales import Item, Scale
 
 
 def plan_signature(design: Design, part: str) -> dict[str, Any]:
@@ -49,11 +49,16 @@ def _scale(scale: Scale) -> dict[str, Any]:
     """Return the questions in their words, and the possible answers."""
     return {
         "name": scale.name,
-        "asked": [scale.prompt, *([item.key, item.text] for item in scale.items)],
+        "asked": [scale.prompt, *([item.key, item.text, *_own(item)] for item in scale.items)],
         "range": [scale.least, scale.most, scale.step],
         "anchors": {f"{value:g}": words for value, words in sorted(scale.anchors.items())},
         "low_is_good": scale.low_is_good,
     }
+
+
+def _own(item: Item) -> list[Any]:
+    """Return the answers of a question that has its own."""
+    return [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []
 
 
 def _sickness(design: Design) -> dict[str, Any] | None:

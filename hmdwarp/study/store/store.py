@@ -230,10 +230,12 @@ class Store:
         seconds: float,
         by: str,
         showing: Showing | int | None = None,
+        text: str = "",
     ) -> Answer:
         """Record a confirmed answer; another one to the same question is a new revision.
 
-        value: None for "cannot say". seconds: since the question appeared. by: "participant",
+        value: None for "cannot say", and for an answer in words, which are `text`; the journal has
+        them. seconds: since the question appeared. by: "participant",
         "experimenter" or "simulated".
         """
         if value is not None and not math.isfinite(value):
@@ -241,7 +243,8 @@ class Store:
         with self._connection.running(session) as db:
             query = "SELECT coalesce(max(revision), 0) + 1 FROM answer WHERE session = ? AND key = ?"
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
-            self._connection.event(session, "answer", step.key, {"value": value, "revision": revision})
+            words = {"text": text} if text else {}
+            self._connection.event(session, "answer", step.key, {"value": value, "revision": revision, **words})
             id_ = admission.insert(
                 db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
                 scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,

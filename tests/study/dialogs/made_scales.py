@@ -9,7 +9,7 @@ from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs import KEYS, InputHints, QuestionDialog
 from hmdwarp.study.scales import Item, Scale, load_scale, scale_names
 
-SHIPPED = [load_scale(name) for name in scale_names()]
+SHIPPED = [scale for scale in map(load_scale, scale_names()) if scale.has_answers]
 STEPS = (0.01, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)
 
 

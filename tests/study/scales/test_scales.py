@@ -21,10 +21,10 @@ GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 
 def test_what_is_shipped():
-    assert scale_names() == ["acr", "fms", "grade", "misc", "slider", "ssq", "vrsq"]
+    assert scale_names() == ["acr", "comments", "demographics", "fms", "grade", "misc", "slider", "ssq", "vrsq"]
 
 
-@pytest.mark.parametrize("name", scale_names())
+@pytest.mark.parametrize("name", [name for name in scale_names() if load_scale(name).has_answers])
 def test_a_shipped_scale_is_whole(name):
     scale = load_scale(name)
     assert scale.name == name and scale.kind in KINDS and len(scale.source) > 20
@@ -33,6 +33,20 @@ def test_a_shipped_scale_is_whole(name):
     assert (scale.kind == QUESTIONNAIRE) == (len(scale.items) > 1) == bool(scale.scores)
     best, worst = (scale.least, scale.most) if scale.low_is_good else (scale.most, scale.least)
     assert scale.badness(best) == 0 and scale.badness(worst) == scale.most - scale.least
+
+
+@pytest.mark.parametrize("name", [name for name in scale_names() if not load_scale(name).has_answers])
+def test_a_questionnaire_whose_questions_have_their_own_answers(name):
+    scale = load_scale(name)
+    assert scale.kind == QUESTIONNAIRE and not scale.scores and not scale.anchors and not scale.direction
+    assert scored(scale, {item.key: None for item in scale.items}) == {}
+    for item in scale.items:
+        own = scale.of(item)
+        if item.answer == "choice":
+            assert own.values() == tuple(range(1, len(item.choices) + 1))
+            assert [scale.words_for(item, value, "") for value in own.values()] == list(item.choices)
+        with pytest.raises(InputError, match="expected an answer"):
+            scored(scale, {item.key: own.most + 1})
 
 
 def test_directions_and_ranges_as_published():

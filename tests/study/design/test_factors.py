@@ -1,0 +1,93 @@
+"""Conditions that cross several values of a setting."""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.study.design import Design, design_from_text
+
+from .test_plan_command import run
+
+PLAN = """schema = 1
+name = "s"
+title = "S"
+[common]
+scene = "planes"
+size = "96x120"
+[trial]
+scales = ["acr"]
+[[condition]]
+latency = [200, 400]
+warp = ["forward", "none"]
+fill = "none"
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+[[family]]
+name = "a warp against none"
+pairs = [["latency200-none", "latency200-forward"]]
+"""
+NAMES = ["latency200-forward", "latency200-none", "latency400-forward", "latency400-none", "reference"]
+
+
+def read(*changes: tuple[str, str]) -> Design:
+    text = PLAN
+    for found, put in changes:
+        assert found in text
+        text = text.replace(found, put)
+    return design_from_text(text, "study.toml")
+
+
+def names(design: Design) -> list[str]:
+    return [one.name for one in design.parts[0].conditions]
+
+
+def test_lists_of_values_are_crossed():
+    design = read()
+    assert names(design) == NAMES
+    settings = [dict(one.settings) for one in design.parts[0].conditions[:4]]
+    assert [(one["latency"], one["warp"], one["fill"]) for one in settings] == [
+        (200, "forward", "none"),
+        (200, "none", "none"),
+        (400, "forward", "none"),
+        (400, "none", "none"),
+    ]
+
+
+def test_a_condition_s_own_name_comes_first_and_values_become_plain_words():
+    factors = 'name = "x"\nwarp = ["mesh:cut=vertex"]\nguard = [1, 1.5]\nfused = [false]'
+    a, b = "x-mesh-cut-vertex-guard1-no-fused", "x-mesh-cut-vertex-guard1.5-no-fused"
+    design = read(
+        ('latency = [200, 400]\nwarp = ["forward", "none"]', factors), ("latency200-none", a), ("latency200-forward", b)
+    )
+    assert names(design) == [a, b, "reference"]
+
+
+def test_the_plan_prints_them(tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(PLAN, encoding="utf-8")
+    told = run(path)
+    assert all(name in told for name in NAMES)
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "told"),
+    [
+        (("[200, 400]", "[200, 400, 200]"), 10, "makes a second condition 'latency200-forward'"),
+        (('name = "reference"', 'name = "latency400-none"'), 14, "a second time"),
+        (("[200, 400]", "[]"), 10, "is an empty list"),
+        (("[200, 400]", str(list(range(1, 60)))), 10, "makes 118 combinations: expected 100 conditions at most"),
+        (('"forward", "none"]', '"forward", "nnone"]'), 11, "nnone"),
+        (('"forward", "none"]', '"forward", [1]]'), 11, "has [1]: expected texts, numbers"),
+        (('fill = "none"\n[[c', 'reference = true\n[[c'), 12, "expected one hidden reference"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_with_its_line(change, line, told):
+    with pytest.raises(InputError) as error:
+        read(change)
+    assert f"study.toml:{line}" in str(error.value) or f"line {line}" in str(error.value), error.value
+    assert told in str(error.value)

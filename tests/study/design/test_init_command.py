@@ -1,0 +1,48 @@
+"""hmdwarp study init: a plan to begin with."""
+
+from __future__ import annotations
+
+import pytest
+from typer.testing import CliRunner
+
+from hmdwarp.cli.study import app
+from hmdwarp.errors import InputError
+from hmdwarp.study.design import load_design, notes
+
+
+def init(name: str) -> str:
+    result = CliRunner().invoke(app, ["init", name])
+    if result.exception is not None:
+        raise result.exception
+    return result.stdout
+
+
+def test_the_plan_is_accepted_as_it_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "hmdwarp study plan mine.toml" in init("mine")
+    design = load_design("mine.toml")
+    assert design.name == "mine"
+    assert [one.name for one in design.parts[0].conditions] == [
+        "latency200-none",
+        "latency200-forward",
+        "latency400-none",
+        "latency400-forward",
+        "reference",
+    ]
+    assert all("odd number" in note for note in notes(design)), notes(design)
+
+
+def test_nothing_is_overwritten(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text("mine", encoding="utf-8")
+    with pytest.raises(InputError, match="is there already"):
+        init("mine")
+    assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "..", "mine.toml", "a b"])
+def test_a_name_that_no_study_has_is_refused(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="expected a name"):
+        init(name)
+    assert not list(tmp_path.iterdir())
