@@ -1,4 +1,4 @@
-"""`hmdwarp trace`: look at head traces, convert them, make them up."""
+"""`hmdwarp trace`: inspect and convert head traces, or write synthetic ones."""
 
 from __future__ import annotations
 
@@ -20,25 +20,34 @@ if TYPE_CHECKING:
     from ..poses.load import LoadedTrace
     from ..poses.track_statistics import Analysis
 
-app = typer.Typer(cls=Group, help="Look at head traces, convert them, make them up.", no_args_is_help=True)
+app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
 
 _TRACE = Option(
     "A file, or the bare name of a shipped recording.", required=True, name="trace", metavar="TRACE", positional=True
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
+_PLOT = Option("Draw the motion into this PNG: way from above, angles, speeds, view sphere.", Path, name="plot")
 _TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
 
 
 @app.command()
-@takes(_TRACE, TraceOptions, JSON)
+@takes(_TRACE, TraceOptions, _PLOT, FORCE, JSON)
 def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
     from ..poses import analyse, load_trace, trace_as_json
 
+    if said["plot"] is not None:
+        from ..report import refuse_existing
+
+        refuse_existing(said["plot"], force=said["force"])
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     figures = analyse(loaded.track)
+    if said["plot"] is not None:
+        from ..report import trace_plot_png, write_bytes
+
+        write_bytes(said["plot"], trace_plot_png(loaded.track, loaded.axes))
     if said["json"]:
         typer.echo(as_json(trace_as_json(loaded, figures)))
         return
@@ -87,7 +96,7 @@ def convert(said: Said) -> None:
 
 @attrs.frozen
 class SynthOptions(Declared):
-    """A head that is made up."""
+    """Synthetic head motion."""
 
     kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
     out: Path = out_field(attrs.NOTHING, "The file to write.")
@@ -100,7 +109,7 @@ class SynthOptions(Declared):
 @app.command()
 @takes(SynthOptions)
 def synth(said: Said) -> None:
-    """Make a head up: minimum-jerk gaze shifts, sway, walking bob."""
+    """Write synthetic head motion: minimum-jerk gaze shifts, sway, walking bob."""
     from ..poses.synth import synthesise, write_synthetic
     from ..report import counted, refuse_existing, write_stream
 

@@ -38,6 +38,7 @@ from .style import markers_of as markers_of
 from .style import warp_of as warp_of
 from .tables import comparison_rows as comparison_rows
 from .tables import summary_table as summary_table
+from .trace_plot import trace_plot_png as trace_plot_png
 from .transit import coding_rows as coding_rows
 from .transit import filled_rows as filled_rows
 from .transit import frame_rows as frame_rows

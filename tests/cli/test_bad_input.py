@@ -48,7 +48,7 @@ def kept(tmp_path):
 def traces() -> dict[str, bytes | None]:
     walk = WALK.read_bytes()
     lines = walk.splitlines(keepends=True)
-    bad = lines[20].split(b",")
+    cells = [line.split(b",") for line in lines[20:]]  # one bad row is dropped, so many rows of a file are bad
     return {
         "missing.csv": None,
         "empty.csv": b"",
@@ -56,8 +56,8 @@ def traces() -> dict[str, bytes | None]:
         "zeros.csv": bytes(3000),
         "header-only.csv": b"".join(lines[:5]),
         "one-row.csv": b"".join(lines[:6]),
-        "nan.csv": b"".join([*lines[:20], b",".join([bad[0], b"nan", *bad[2:]]), *lines[21:]]),
-        "infinite.csv": b"".join([*lines[:20], b",".join([*bad[:7], b"inf\n"]), *lines[21:]]),
+        "nan.csv": b"".join([*lines[:20], *(b",".join([c[0], b"nan", *c[2:]]) for c in cells)]),
+        "infinite.csv": b"".join([*lines[:20], *(b",".join([*c[:7], b"inf\n"]) for c in cells)]),
         "words.csv": b"this is not\na head trace\nat all\n",
         "cut-in-a-number.csv": walk[:330],
     }

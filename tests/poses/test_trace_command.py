@@ -7,7 +7,9 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from hmdwarp import resources
@@ -212,3 +214,17 @@ def test_the_command_starts_without_the_heavy_libraries():
     code = f"import sys, json, hmdwarp.cli.trace; print(json.dumps([m for m in {heavy} if m in sys.modules]))"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert json.loads(out) == []
+
+
+def test_a_plot_is_drawn_and_tells_an_upright_head_from_one_on_its_side(tmp_path):
+    """Pictures of one size; only the one read in other axes differs; nothing is overwritten."""
+    pictures = []
+    for axes in ("openxr", "world=x,z,y head=x,z,y", "openxr"):
+        out = tmp_path / f"{len(pictures)}.png"
+        run("info", "look-around", "--axes", axes, "--plot", out)
+        pictures.append(np.asarray(Image.open(out).convert("RGB")))
+    assert pictures[0].shape == pictures[1].shape == (750, 1200, 3)
+    below = slice(80, None)  # the title names the axes
+    assert np.array_equal(pictures[0][below], pictures[2][below])
+    assert (pictures[0][below] != pictures[1][below]).any(axis=2).mean() > 0.01
+    assert "exists already" in refused("info", "look-around", "--plot", tmp_path / "0.png")
