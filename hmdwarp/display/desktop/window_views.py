@@ -68,7 +68,7 @@ class SwitchableView:
 
     def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
         self._emulated, self._wanted_size = headset, size
-        self.set_view(view)
+        self._view = window_view(view, headset, size)
 
     def set_view(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another name."""
