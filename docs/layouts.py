@@ -274,7 +274,7 @@ def verdict(layout: Layout, truth: PoseTrack, folder: Path) -> tuple[str, str]:
 
 
 def _flag(name: str) -> str:
-    return "--rate" if name == "rate" else "--" + name.replace("_", "-")
+    return "--trace-rate" if name == "rate" else "--" + name.replace("_", "-")
 
 
 def layouts_table() -> str:

@@ -141,6 +141,7 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
         "format": loaded.format,
         "origin": loaded.track.origin or "not told by the file",
         "axes": loaded.axes,
+        "columns": loaded.columns,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
         "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",

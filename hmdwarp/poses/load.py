@@ -25,6 +25,7 @@ class LoadedTrace:
     defects: list[Defect]  # all defects and their repairs
     segments: list[Segment]  # recordings within the file, of which one was used
     time_unit: str  # of the file's clock, in words
+    columns: str  # which were read as what, by name or number
     axes: str  # of the file's world and head, who says so, and what the motion shows, in words
 
     def notes(self) -> list[str]:
@@ -59,7 +60,14 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     found = find_format(head, options)
     cleaned = found.read(head, options)
     return LoadedTrace(
-        cleaned.track, path, found.name, cleaned.defects, cleaned.segments, cleaned.time_unit, cleaned.axes
+        track=cleaned.track,
+        path=path,
+        format=found.name,
+        defects=cleaned.defects,
+        segments=cleaned.segments,
+        time_unit=cleaned.time_unit,
+        columns=cleaned.columns,
+        axes=cleaned.axes,
     )
 
 

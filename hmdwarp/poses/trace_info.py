@@ -20,6 +20,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         "format": loaded.format,
         "origin": loaded.track.origin,
         "axes": loaded.axes,
+        "columns": loaded.columns,
         "samples": figures.samples,
         "repeated_share": figures.repeated_share,
         "duration_s": figures.duration_s,

@@ -206,6 +206,24 @@ def test_poses_written_twice_are_one(tmp_path):
     assert len(loaded.track) == len(TRACK) and "paired-rows" in kinds(loaded)
 
 
+def test_rows_in_reverse_are_turned_around_and_it_is_said(tmp_path):
+    loaded = load_trace(write(tmp_path / "r.csv", TABLE[::-1]))
+    assert same_motion(loaded.track, TRACK) and "rows-reversed" in kinds(loaded)
+
+
+def test_shuffled_rows_are_refused(tmp_path):
+    order = np.random.default_rng(1).permutation(len(TABLE))
+    assert "they are shuffled" in refusal(write(tmp_path / "s.csv", [TABLE[i] for i in order]))
+
+
+def test_the_columns_that_were_taken_are_named(tmp_path):
+    table = [[*r, "9", "9", "9"] for r in TABLE]
+    loaded = load_trace(write(tmp_path / "n.csv", table, f"{HEADER},gaze_x,gaze_y,gaze_z"))
+    assert loaded.columns == "time: time; position: x, y, z; orientation: qx, qy, qz, qw"
+    bare = load_trace(write(tmp_path / "b.txt", TABLE, header="", separator=" "))
+    assert bare.columns == "time: 1; position: 2, 3, 4; orientation: 5, 6, 7, 8"
+
+
 # angles and matrices
 
 

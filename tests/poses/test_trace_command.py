@@ -77,7 +77,7 @@ def test_info_tells_every_defect_and_segment(tmp_path):
 def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     data = json.loads(run("info", "look-around", "--json"))
     assert list(data) == [
-        *("trace", "format", "origin", "axes", "samples", "repeated_share", "duration_s", "rate_hz"),
+        *("trace", "format", "origin", "axes", "columns", "samples", "repeated_share", "duration_s", "rate_hz"),
         *(
             "mean_rate_hz",
             "clock",

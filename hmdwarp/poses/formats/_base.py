@@ -64,7 +64,8 @@ class TraceFormat:
         rows = reader.read()
         layout = attrs.evolve(layout, caveats=(*layout.caveats, *reader.defects))
         cleaner = Cleaner(str(head.path), rows, layout, options, reader.ends_with_newline)
-        return cleaner.clean(head.path.stem, self.origin(head))
+        cleaned = cleaner.clean(head.path.stem, self.origin(head))
+        return attrs.evolve(cleaned, columns=_columns_taken(head, layout))
 
     def origin(self, head: Head) -> str:
         """Return the origin of the motion, if the file states it."""
@@ -175,6 +176,22 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     return Layout(
         time=0, position=(1, 2, 3), orientation=orientation, unit=unit, order_assumed=assumed, caveats=caveats
     )
+
+
+def _columns_taken(head: Head, layout: Layout) -> str:
+    """Return which columns were read as what, by name, or by number from 1."""
+    names = head.names or []
+    parts = {
+        "time": (layout.time, layout.nanoseconds),
+        "device": (layout.device,),
+        "position": layout.position or (),
+        "orientation": layout.orientation,
+    }
+    words = {
+        part: ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
+        for part, columns in parts.items()
+    }
+    return "; ".join(f"{part}: {said}" for part, said in words.items() if said)
 
 
 def _finest(head: Head, clocks: tuple[tuple[int, str | None], ...]) -> tuple[int | None, str | None]:

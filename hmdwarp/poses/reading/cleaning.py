@@ -29,6 +29,9 @@ WORST_NORM = 0.5
 _NEARER = 8
 _PAIRED = 0.3  # share of steps
 _LEAST_PAIRS = 20
+# Shares of steps back in time: a file with restarts has few, a shuffled one half.
+_SHUFFLED, _REVERSED = 0.2, 0.9
+_LEAST_STEPS = 10
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
@@ -58,6 +61,7 @@ class Cleaned:
     segments: list[Segment]  # recordings of the file
     time_unit: str  # of the file's clock, in words
     axes: str  # of the file's world and head, who says so, and what the motion shows, in words
+    columns: str = ""  # which columns were read as what
 
 
 class Cleaner:
@@ -234,14 +238,10 @@ class Cleaner:
 
         Rows are never sorted across a split.
         """
-        stamps = self._midnights(self._stamps)
-        self.rows.stamps = stamps
-        falls = (
-            np.flatnonzero(
-                (np.diff(stamps.whole) < 0) | ((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0))
-            )
-            + 1
-        )
+        self.rows.stamps = self._midnights(self._stamps)
+        self._judge_order()
+        stamps = self._stamps
+        falls = np.flatnonzero(stamps.steps() < 0) + 1
         starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
         seconds = UNITS_NS[self._unit(stamps)] / BILLION
         first, last = stamps[starts], stamps[ends - 1]
@@ -273,6 +273,20 @@ class Cleaner:
                 self._line(int(falls[0])),
             )
             self.rows.keep(slice(starts[taken], ends[taken]))
+
+    def _judge_order(self) -> None:
+        """Turn rows around that run backwards in time. Errors: TraceError for shuffled ones."""
+        steps = self._stamps.steps()
+        falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
+        if falls > _REVERSED and not (steps > 0).any():
+            what = "time falls from row to row: the file is in reverse order"
+            self.note("rows-reversed", what, "read from its end", len(steps), self._line(0))
+            self.rows.keep(slice(None, None, -1))
+        elif falls > _SHUFFLED:
+            raise TraceError(
+                f"{self.where}: time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several "
+                "recordings; sort them by time, or name the clock with --time-column"
+            )
 
     def _midnights(self, stamps: Stamps) -> Stamps:
         """Unwrap a time-of-day clock at midnight, where it falls by a day in one recording."""
