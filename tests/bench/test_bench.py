@@ -43,6 +43,7 @@ TIMES = ("time_ms", "passes")
 KEYS = {
     "schema",
     "hmdwarp",
+    "notes",
     "command",
     "machine",
     "clock",

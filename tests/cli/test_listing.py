@@ -155,7 +155,19 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
 def test_plan_for_programs_has_what_is_printed(command):
     asked = ("plan", "--scene", "planes", "--size", "640x400", "--rate", "90")
     data, told = json.loads(command(*asked, "--json").done().out), " ".join(command(*asked).done().out.split())
-    assert list(data) == ["source", "scene", "warp", "fill", "lens", "headset", "passes", "left_out", "frame", "slow"]
+    assert list(data) == [
+        "source",
+        "scene",
+        "warp",
+        "fill",
+        "lens",
+        "headset",
+        "passes",
+        "left_out",
+        "frame",
+        "slow",
+        "notes",
+    ]
     assert all(list(one) == ["stage", "name", "reason", "reads", "writes"] for one in data["passes"])
     assert data["passes"] and all(one["name"] in told and one["reason"] in told for one in data["passes"])
     assert data["left_out"] and all(one["name"] in told and one["reason"] in told for one in data["left_out"])

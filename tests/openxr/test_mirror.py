@@ -76,6 +76,8 @@ def test_keys_are_the_controls(runtime, screen):
         before = screen.picture()[:WINDOW, :WINDOW]
         press("h")
         until(display, lambda: (screen.picture()[:WINDOW, :WINDOW] != before).mean() > 0.05)
+        press("Escape")  # closes the help
+        until(display, lambda: (screen.picture()[:WINDOW, :WINDOW] != before).mean() < 0.05)
         press("Escape")
         with pytest.raises(Closed, match="window was closed"):
             until(display, lambda: False)

@@ -180,7 +180,7 @@ def test_pictures_have_an_end(monkeypatch, tmp_path):
     monkeypatch.setattr(log, "Pictures", functools.partial(log.Pictures, most=2))
     result, _ = go(monkeypatch, tmp_path / "out", options={"images_every": 1})
     assert len(list((tmp_path / "out" / "images").iterdir())) == 4
-    assert any("no more were kept" in note for note in result.summary["notes"])
+    assert any("2 pictures were kept: the limit" in note for note in result.summary["notes"])
 
 
 def test_what_happened_is_told(monkeypatch, tmp_path):
@@ -344,7 +344,7 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
         and "<b>lost" not in page
         and "&lt;out&gt;" in page
     )
-    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Age of the pose" in page
+    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at hand-over" in page
     # And nothing hidden.
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
 
