@@ -162,7 +162,10 @@ def checked(
     if not np.isfinite(linear).all():
         y, x = np.argwhere(~np.isfinite(linear).all(axis=2))[0]
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
-    inverse = inverse_depth_from_metres(_in_metres(depth_m, depth_scale))
+    metres = _in_metres(depth_m, depth_scale)
+    if (metres < 0).all():
+        raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
+    inverse = inverse_depth_from_metres(metres)
     covered = ~(np.isnan(inverse) | hidden)
     limit = float(np.finfo(np.float16).max)
     rgba = np.concatenate([np.clip(linear, -limit, limit) * covered[..., None], covered[..., None]], axis=2)
@@ -180,6 +183,11 @@ def _in_metres(depth: NDArray[Any], scale: float | None) -> NDArray[Any]:
         return depth
     if isinstance(scale, bool) or not isinstance(scale, Real) or not (math.isfinite(scale) and scale > 0):
         raise InputError(f"depth_scale is {scale!r}: expected metres per unit, a number above 0, such as 0.001")
+    if scale > 1:
+        raise InputError(
+            f"depth_scale is {scale:g}: expected metres per unit, at most 1; where a metre has {scale:g} units it is "
+            f"1/{scale:g}"
+        )
     return depth.astype(np.float64) * float(scale)
 
 

@@ -276,6 +276,7 @@ def test_twice_is_the_same():
 def test_whatever_the_depths_the_result_is_finite(data):
     values = st.sampled_from([0.0, -1.0, np.nan, np.inf, -np.inf, 1e-30, 1e-6, 0.02, 1.0, 1e6, 1e300, 5e-324])
     depth = np.array(data.draw(st.lists(values, min_size=35, max_size=35))).reshape(5, 7)
+    depth[2, 3] = 2.0  # nothing but negative values is refused
     warp = data.draw(st.sampled_from(PICTURE_WARPS))
     position = data.draw(st.tuples(*[st.floats(-2, 2)] * 3))
     out = warp_image(np.full((5, 7, 3), 0.5), depth, view(), view(position=position), warp)
@@ -314,7 +315,7 @@ def test_integer_depth_without_its_unit_is_refused(dtype):
         warp_image(COLOUR, np.full((4, 6), 2000, np.int64).astype(dtype), view(), view())
 
 
-@pytest.mark.parametrize("scale", [0, -1, math.nan, math.inf, True, "0.001", (1,)])
+@pytest.mark.parametrize("scale", [0, -1, 5000, math.nan, math.inf, True, "0.001", (1,)])
 def test_scales_that_make_no_sense_are_refused(scale):
     with pytest.raises(InputError, match="depth_scale is .*: expected metres per unit"):
         warp_image(COLOUR, DEPTH, view(), view(), depth_scale=scale)
@@ -466,3 +467,12 @@ def test_checked_gives_linear_colour_with_coverage():
     assert rgba[0, 0, 0] == pytest.approx(math.pow((128 / 255 + 0.055) / 1.055, 2.4), rel=1e-6)
     assert rgba[..., 3].tolist() == [[1, 1, 0]] and inverse.tolist() == [[0.5, 0, -1]]
     assert (rgba[0, 2] == 0).all()
+
+
+def test_depth_that_is_negative_everywhere_is_refused_not_taken_for_holes():
+    """OpenGL's z of visible points is negative; single values of a camera may be."""
+    with pytest.raises(InputError, match="metres along -z, which are above 0: negate it"):
+        warp_image(COLOUR, -DEPTH, view(), view())
+    some = DEPTH.copy()
+    some[0, 0] = -1
+    assert warp_image(COLOUR, some, view(), view()).coverage[0, 0] == 0
