@@ -266,6 +266,7 @@ def study_simulated(folder: Path) -> None:
 def trace_layouts(_: Path) -> None:
     """Read files of twenty layouts with known truth."""
     replace("layouts", layouts.layouts_table())
+    replace("contradicted", layouts.contradicted_text())
 
 
 PARTS = {

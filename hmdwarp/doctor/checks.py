@@ -66,7 +66,7 @@ def examine() -> list[Finding]:
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
-    """Tell whether nothing that replay needs is missing."""
+    """Return whether nothing that replay needs is missing."""
     return all(finding.state is not State.MISSING for finding in findings)
 
 

@@ -11,7 +11,6 @@ from ..registry import unknown_name
 from .defects import Defect
 from .options import TraceOptions
 from .reading.cleaning import Segment
-from .reading.rows import ASSUMED
 from .track import PoseTrack
 
 
@@ -26,11 +25,12 @@ class LoadedTrace:
     segments: list[Segment]  # recordings within the file, of which one was used
     time_unit: str  # of the file's clock, in words
     columns: str  # which were read as what, by name or number
+    axes_assumed: bool  # nothing says which they are
     axes: str  # of the file's world and head, who says so, and what the motion shows, in words
 
     def notes(self) -> list[str]:
         """Return a line for each defect, and one for axes that are only assumed."""
-        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if ASSUMED in self.axes else []
+        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
         return [*assumed, *map(str, self.defects)]
 
     @property
@@ -67,6 +67,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
         segments=cleaned.segments,
         time_unit=cleaned.time_unit,
         columns=cleaned.columns,
+        axes_assumed=cleaned.axes_assumed,
         axes=cleaned.axes,
     )
 

@@ -26,6 +26,7 @@ def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(layouts, tm
     outcomes = {layout.name: layouts.verdict(layout, truth, tmp_path) for layout in layouts.LAYOUTS}
     assert [name for name, (outcome, _) in outcomes.items() if outcome == layouts.WRONG] == []
     page = (ROOT / "docs" / "traces.md").read_text(encoding="utf-8")
+    assert layouts.contradicted_text() in page
     for layout in layouts.LAYOUTS:
         outcome, options = outcomes[layout.name]
         assert f"| {layout.name} | {layout.axes} | {outcome} | {options} |" in page

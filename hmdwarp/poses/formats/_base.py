@@ -112,7 +112,7 @@ def with_stated_columns(head: Head, layout: Layout, options: TraceOptions) -> La
     """Return the layout with the clock of --time-column, if there is one."""
     if options.time_column is None:
         return layout
-    return attrs.evolve(layout, time=column_of(head, options.time_column), unit=options.time_unit, nanoseconds=None)
+    return attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, nanoseconds=None)
 
 
 def named_layout(head: Head, options: TraceOptions, **known) -> Layout:

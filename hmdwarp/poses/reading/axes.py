@@ -58,7 +58,7 @@ class Axes:
         return f"{self.name} ({self.words()})" if self.name else self.words()
 
     def has_up(self, word: str) -> bool:
-        """Tell whether the world's up is this axis, for instance "z"."""
+        """Return whether the world's up is this axis, for instance "z"."""
         return _words_of(self.world).split(",")[1] == word
 
     def in_openxr(self, orientation: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -164,7 +164,7 @@ def tilted(axes: Axes, text: str) -> Axes:
 
 
 def is_tilt(text: str) -> bool:
-    """Tell whether `--up` holds a direction in numbers, and no names of axes."""
+    """Return whether `--up` holds a direction in numbers, and no names of axes."""
     return not re.search("[xyz]", text.lower())
 
 

@@ -61,6 +61,7 @@ class Cleaned:
     segments: list[Segment]  # recordings of the file
     time_unit: str  # of the file's clock, in words
     axes: str  # of the file's world and head, who says so, and what the motion shows, in words
+    axes_assumed: bool  # nothing says which they are
     columns: str = ""  # which columns were read as what
 
 
@@ -111,7 +112,9 @@ class Cleaner:
             epoch_ns=self.epoch_ns,
             jumps=tuple(jumps),
         )
-        return Cleaned(track, self.defects, self.segments, self.time_unit, self._axes_in_words())
+        return Cleaned(
+            track, self.defects, self.segments, self.time_unit, self._axes_in_words(), self.axes_by == ASSUMED
+        )
 
     def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
         """Record a defect and its repair."""
@@ -527,7 +530,7 @@ class Cleaner:
             )
 
     def _is_tilted(self) -> bool:
-        """Tell whether up lies between the file's axes: `report_tilt` then says by how much."""
+        """Return whether up lies between the file's axes: `report_tilt` then says by how much."""
         axis = gravity_axis(self.axes.in_openxr(self.rows.orientation))
         return axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
 

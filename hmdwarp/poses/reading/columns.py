@@ -132,13 +132,13 @@ class Columns:
 
 
 def is_head(name: str) -> bool:
-    """Tell whether a name is a head's, and no hand's, hip's or controller's."""
+    """Return whether a name is a head's, and no hand's, hip's or controller's."""
     found = set(words(name))
     return bool(found & _HEAD) and not found & _ELSEWHERE
 
 
 def names_rotation(name: str) -> bool:
-    """Tell whether a name is that of an orientation."""
+    """Return whether a name is that of an orientation."""
     return bool(set(words(name)) & _ROTATION)
 
 

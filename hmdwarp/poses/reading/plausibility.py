@@ -116,7 +116,7 @@ class Reading:
     gaze: Array  # forward of the head
 
     def same(self, other: Reading) -> bool:
-        """Tell whether both are one; right and the directions on the ground follow or are free."""
+        """Return whether both are one: right follows, directions on the ground are free."""
         return all(np.array_equal(a, b) for a, b in zip(self._parts(), other._parts(), strict=True))
 
     def _parts(self) -> tuple[Array, Array, Array]:
