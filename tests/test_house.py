@@ -45,6 +45,7 @@ FLOORS = [
     {"run"},
     {"bench"},
     {"study"},
+    {"thesis"},
     {"cli"},
     {"__main__"},
 ]

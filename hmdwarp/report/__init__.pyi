@@ -38,6 +38,8 @@ from .style import markers_of as markers_of
 from .style import warp_of as warp_of
 from .tables import comparison_rows as comparison_rows
 from .tables import summary_table as summary_table
+from .thesis_page import render_thesis_page as render_thesis_page
+from .thesis_page import summary_markdown as summary_markdown
 from .trace_plot import trace_plot_png as trace_plot_png
 from .transit import coding_rows as coding_rows
 from .transit import filled_rows as filled_rows

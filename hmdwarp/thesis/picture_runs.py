@@ -1,0 +1,203 @@
+"""Runs picture experiments through the loop of a replay, several on the same late frames."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from statistics import fmean, median
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..client.compensator import EyeResult
+from ..client.effects import effects
+from ..client.plan import build_plan, needs_of
+from ..colour import picture_from_linear
+from ..gpu.textures import download
+from ..metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
+from ..pipeline.loop import Refresh
+from ..pipeline.options import parse_guard
+from ..poses import GLIDES, synthesise
+from ..poses.synth import write_synthetic
+from ..run import RunOptions, draw_truth, set_up_replay
+from ..run.combination_bench import refreshes
+from ..run.combinations import Combination
+from ..run.read_back import coverage, shown_picture
+from ..run.replay_setup import ReplaySetup
+from ..scenes import load_scene
+from .hole_kinds import holes_of, seam
+from .runs import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun
+
+HEADSET = "flat-90"
+Picture = NDArray[np.uint8]
+EYES = (0, 1)
+
+
+@attrs.frozen
+class Thoroughness:
+    """How much is measured of each run."""
+
+    # Pixels of one eye where a run's scale is 1.
+    size: tuple[int, int]
+    instants: int
+    # Timed runs of each pass at each instant.
+    rounds: int
+
+
+@attrs.frozen(eq=False)
+class Looked:
+    """What a run gave."""
+
+    run: PictureRun
+    figures: Figures
+    # The shown picture and the truth at the first instant: (h, w, 3) sRGB, top row first.
+    picture: Picture
+    truth: Picture
+
+
+def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterator[Looked]:
+    """Measure runs that share their frames. folder: for the trace of the head.
+
+    Errors: as set_up_replay and build_plan.
+    """
+    first = runs[0]
+    assert {run.shared for run in runs} == {first.shared}
+    moved = first.motion
+    track = synthesise(moved.kind, seconds=TRACE_S, speed=moved.speed, amplitude=moved.amplitude)
+    path = folder / f"{moved}.csv".replace(" ", "-").replace("/", "-")
+    with path.open("w", encoding="utf-8") as stream:
+        write_synthetic(track, stream)
+    scene = load_scene(first.scene)
+    chosen = effects.selected(first.effects, effects.of(scene))
+    combinations = [
+        Combination(run.warp, run.fill, build_plan(chosen, run.warp, run.fill, "none", client_geometry=True))
+        for run in runs
+    ]
+    needs = needs_of(combination.plan for combination in combinations)
+    with set_up_replay(_options(first, how, path), needs) as setup:
+        numbers = _instants(setup, moved, how.instants)
+        watchers = [_Watcher(setup, run, one, how) for run, one in zip(runs, combinations, strict=True)]
+        wanted = {number - back for number in numbers for back in (0, 1)}
+        for number, refresh in refreshes(setup, needs, wanted):
+            turn = numbers.index(number) if number in numbers else None
+            eye = EYES[(numbers.index(number if turn is not None else number + 1)) % len(EYES)]
+            truth = draw_truth(setup.server, refresh.inputs[eye], setup.size, depth=turn is not None)
+            for watcher in watchers:
+                watcher.see(refresh, eye, picture_from_linear(truth.colour), truth.inverse_depth)
+        yield from (watcher.result() for watcher in watchers)
+
+
+def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
+    return RunOptions(
+        trace=str(trace),
+        scene=run.scene,
+        latency_ms=run.latency_ms,
+        warp="none",  # the loop's own; those of the runs see the same frames
+        fill="none",
+        effects=run.effects,
+        lens="none",
+        headset=HEADSET,
+        size=size_of(run, how),
+        rate_hz=RATE_HZ,
+        guard=parse_guard(run.guard),
+        against="",
+    )
+
+
+def size_of(run: PictureRun, how: Thoroughness) -> tuple[int, int]:
+    """Return the pixels of one eye."""
+    width, height = (max(8, round(side * run.scale)) for side in how.size)
+    return width, height
+
+
+def _instants(setup: ReplaySetup, motion: Motion, wanted: int) -> list[int]:
+    """Return at most `wanted` refreshes at which the head has moved at full speed for long."""
+    eased_s, turn_s = GLIDES[motion.kind].with_(motion.speed, motion.amplitude).steady_s
+    first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
+    from_s, to_s = eased_s + max(LATENCIES_MS) * 1e-3, turn_s
+    times_s = [from_s + (k + 0.5) / wanted * (to_s - from_s) for k in range(wanted)]
+    return sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
+
+
+class _Watcher:
+    """One warp and fill: its compensator, and the figures of its pictures."""
+
+    def __init__(self, setup: ReplaySetup, run: PictureRun, combination: Combination, how: Thoroughness) -> None:
+        self._setup, self._run, self._plan = setup, run, combination.plan
+        self._rounds = how.rounds if run.timed else 0
+        self._compensator = setup.compensator(combination.plan)
+        self._figures: list[Figures] = []
+        self._times: list[dict[str, float]] = []
+        self._before: Compared | None = None
+        self._first: tuple[Picture, Picture] | None = None
+
+    def see(self, refresh: Refresh, eye: int, truth: Picture, inverse_depth: NDArray | None) -> None:
+        """Run the passes for one eye; measure the picture unless the truth has no depth."""
+        inputs = self._setup.loop.inputs(refresh, self._plan.needs)[eye]
+        result = self._compensator.run(inputs)
+        self._setup.gpu.timer.collect()
+        now = Compared(shown_picture(result), truth, result.view)
+        if inverse_depth is None:
+            self._before = now
+            return
+        self._figures.append(self._measured(refresh, eye, result, now, inverse_depth))
+        self._before = None
+        self._first = self._first or (now.shown, truth)
+        for _ in range(self._rounds):
+            self._compensator.run(inputs)
+            stages = self._setup.gpu.timer.collect()
+            names = dict.fromkeys(name for name, _ in stages)
+            self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
+
+    def _measured(
+        self, refresh: Refresh, eye: int, result: EyeResult, now: Compared, inverse_depth: NDArray
+    ) -> Figures:
+        frame = refresh.frame.eyes[eye]
+        covered = coverage(result)
+        job = QualityJob(now, self._before, covered, inverse_depth, frame.view, frame.size)
+        measurement = Measurement(job, self._setup.pixels_per_degree)
+        empty = _alpha(result) == 0
+        kinds = holes_of(covered, inverse_depth, result.view, frame.view, download(frame.inverse_depth))
+        there = covered != 0
+        found: Figures = {
+            "psnr_db": psnr_db(now.shown, now.truth),
+            "hole_share": hole_share(covered),
+            "border_share": float(kinds.border.mean()),
+            "disoccluded_share": float(kinds.disoccluded.mean()),
+            "crack_share": float(kinds.cracks.mean()),
+            "empty_share": float(empty.mean()),
+            "cracks_left_share": float((kinds.cracks & empty).mean()),
+            "inner_share": float((kinds.disoccluded | kinds.cracks).mean()),
+            "inner_left_share": float((~kinds.border & empty).mean()),
+            "seam": seam(now.shown, now.truth, ~there & ~empty, there),
+            "flicker": metrics.get("flicker").compute(measurement) if self._run.flickers and self._before else None,
+        }
+        late = picture_from_linear(download(frame.colour))
+        if late.shape == now.shown.shape and there.any():
+            truth = now.truth[there][None]
+            found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(late[there][None], truth)
+        return found
+
+    def result(self) -> Looked:
+        """Return means over the instants, and medians of the times for one eye."""
+        names = dict.fromkeys(itertools.chain.from_iterable(self._figures))
+        figures: Figures = {name: _mean([one.get(name) for one in self._figures]) for name in names}
+        for stage in dict.fromkeys(itertools.chain.from_iterable(self._times)):
+            figures[f"{stage}_ms"] = median(times.get(stage, 0.0) for times in self._times)
+        width, height = self._setup.size
+        figures["pixels"] = float(width * height)
+        figures["instants"] = float(len(self._figures))
+        assert self._first is not None
+        return Looked(self._run, figures, *self._first)
+
+
+def _alpha(result: EyeResult) -> NDArray:
+    """Return the coverage after all fills."""
+    return download(result.filled[-1][1].texture)[..., 3] if result.filled else coverage(result)
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return fmean(known) if known else None
