@@ -1,4 +1,4 @@
-"""thesis.html: the experiments of the thesis beside their numbers, on one page without a network."""
+"""thesis.html: the thesis's experiments beside their numbers, on a page that needs no network."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
     return environment().get_template("thesis.html").render(
         experiments=experiments,
         command=data.get("command") or "",
-        tiles=[Tile(verdict, "", str(count), "of the experiments below") for verdict, count in data["verdicts"].items()],
+        tiles=[Tile(name, "", str(count), "of the experiments below") for name, count in data["verdicts"].items()],
         size="x".join(map(str, data["size"])),
         quick=data["quick"],
         seconds=data["seconds"],
@@ -43,7 +43,7 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
 
 
 def cells_table(one: Mapping[str, Any]) -> PageTable:
-    """Return the table of an experiment's numbers: settings in rows and columns, each with a mark."""
+    """Return an experiment's numbers by setting, each marked by whether the claim holds there."""
     columns = list(dict.fromkeys(cell["column"] for cell in one["cells"]))
     rows = list(dict.fromkeys(cell["row"] for cell in one["cells"]))
     texts = {(cell["row"], cell["column"]): _cell_text(one, cell) for cell in one["cells"]}

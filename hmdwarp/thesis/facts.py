@@ -24,7 +24,7 @@ def fact(run: FactRun) -> Figures:
 
 
 def ratings(run: RatingsRun) -> Figures:
-    """Return what the published ratings of one part and latency say, and what was published of them.
+    """Return what the published ratings of one part and latency say, and what the thesis says.
 
     mean: of the pairs' differences, positive where the warped picture was rated better, on the
     scale of grades; p: exact, two-sided, after Holm within the part.

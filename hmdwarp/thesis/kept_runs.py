@@ -37,8 +37,8 @@ class KeptRuns:
         """Return the figures of a run, or None if it has to be run (again)."""
         with suppress(OSError, ValueError, RecursionError):
             data = json.loads(self._path(run).read_bytes())
-            if data["made_with"] == self._made_with(run) and not (with_picture and not data["pictures"]):
-                return data["figures"]
+            if isinstance(data, dict) and data.get("made_with") == self._made_with(run):
+                return data["figures"] if data["pictures"] or not with_picture else None
         return None
 
     def keep(self, run: Run, figures: Figures, pictures: Mapping[str, NDArray[np.uint8]]) -> None:

@@ -24,7 +24,7 @@ from .kept_runs import KEPT, PICTURE, TRUTH, KeptRuns, fingerprint
 from .library import experiments_named
 from .options import ThesisOptions
 from .picture_runs import Thoroughness, look
-from .runs import FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
+from .runs import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
 from .stream_runs import stream
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 
@@ -71,6 +71,7 @@ def run_thesis(
         }  # fmt: skip
         kept = KeptRuns(options.out / KEPT, made_with)
         figures = _figures(chosen, how, kept, progress, say)
+        judged = [_judged(one, figures) for one in chosen]
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -79,12 +80,12 @@ def run_thesis(
             "clock": clock,
             "size": list(options.eye_size),
             "quick": options.quick,
-            "experiments": [_judged(one, figures) for one in chosen],
+            "verdicts": _counts(judged),
+            "experiments": judged,
             "seconds": time.perf_counter() - started,
         }
-        data["verdicts"] = _counts(data["experiments"])
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, kept)))
-        out.write_csv(TABLE, _rows(data["experiments"]), COLUMNS)
+        out.write_csv(TABLE, _rows(judged), COLUMNS)
         out.write_json(DATA, data)
     return ThesisResult(options.out, data)
 

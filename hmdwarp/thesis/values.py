@@ -55,6 +55,19 @@ def least_growth(name: str) -> Value:
     return value
 
 
+def least_step(name: str) -> Value:
+    """Return the least difference of a figure from that of the run before it."""
+
+    def value(runs: Sequence[Figures]) -> float | None:
+        found = [run.get(name) for run in runs]
+        known = [one for one in found if one is not None]
+        if len(known) < len(found):
+            return None
+        return min(after - before for before, after in zip(known, known[1:], strict=False))
+
+    return value
+
+
 def closed(left: str, whole: str) -> Value:
     """Return the part of the holes `whole` that the last run does not leave; None for none."""
 
@@ -81,7 +94,7 @@ def relative_time(stage: str, to: str, expected: float) -> Value:
 
 
 def growth_exponent(name: str) -> Value:
-    """Return n where the figure grows as pixels to the power of n, from the first run to the last."""
+    """Return n where the figure grows as pixels to the power of n, from first run to last."""
 
     def value(runs: Sequence[Figures]) -> float | None:
         grown, pixels = ratio(name)(runs), ratio("pixels")(runs)

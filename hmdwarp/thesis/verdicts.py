@@ -103,7 +103,7 @@ def verdict_of(findings: Iterable[Finding]) -> Verdict:
 
 
 def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
-    """Return the settings whose findings are so: "sideways 0.25 m/s (200, 400 ms); rotate 30 deg/s".
+    """Return the settings whose findings are so, as in "sideways 0.25 m/s (200, 400 ms); rotate".
 
     The columns of a row are named unless all of them are so; rows with the same columns share them.
     "" where there are none.
