@@ -64,7 +64,7 @@ APART = {
 }
 CLOCK_READERS = {"gpu/timers.py", "pipeline/channel.py", "pipeline/loop.py", "doctor/checks.py", "study/store/clock.py"}
 # Display: its clock is the one all live times are on.
-CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")
+CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/", "thesis/")
 HEAVY = (
     "scipy",
     "moderngl",

@@ -3,9 +3,9 @@ from .experiment import Experiment as Experiment
 from .library import EXPERIMENTS as EXPERIMENTS
 from .library import experiments_named as experiments_named
 from .options import ThesisOptions as ThesisOptions
-from .runs import Motion as Motion
-from .runs import PictureRun as PictureRun
-from .runs import StreamRun as StreamRun
+from .run_kinds import Motion as Motion
+from .run_kinds import PictureRun as PictureRun
+from .run_kinds import StreamRun as StreamRun
 from .thesis_run import ThesisResult as ThesisResult
 from .thesis_run import run_thesis as run_thesis
 from .verdicts import AtLeast as AtLeast

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import attrs
 
-from .runs import Figures, PictureRun, Run
+from .run_kinds import Figures, PictureRun, Run
 from .verdicts import Rule
 
 # The number of a cell from the figures of its runs, in their order; None where it is not known.

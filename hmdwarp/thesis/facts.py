@@ -10,7 +10,7 @@ from ..pipeline.build import refreshes_of
 from ..scenes import load_scene
 from ..study.analysis import SourceOptions, analyse, from_csv, load_claims
 from ..study.design import SHIPPED
-from .runs import RATE_HZ, FactRun, Figures, RatingsRun
+from .run_kinds import RATE_HZ, FactRun, Figures, RatingsRun
 
 _FACTS: dict[str, Callable[[], float]] = {
     "triangles": lambda: float(load_scene("room").triangle_count),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..report import jpeg_bytes, write_bytes, write_json
 from ..resources import folder as resource_folder
-from .runs import Figures, Run
+from .run_kinds import Figures, Run
 
 KEPT = "kept"
 PICTURE, TRUTH = "shown", "truth"

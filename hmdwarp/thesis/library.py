@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from ..registry import unknown_name
 from .experiment import Cell, Experiment
-from .runs import (
+from .run_kinds import (
     BACKWARD,
     FORWARD,
     LATENCIES_MS,

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..options import Declared, force_field, option, out_field, same_as
 from ..run import RunOptions
 from .library import experiments_named
-from .runs import FULL_SIZE
+from .run_kinds import FULL_SIZE
 
 _RUN = attrs.fields(RunOptions)
 QUICK_SIZE = (160, 100)

@@ -28,7 +28,7 @@ from ..run.read_back import coverage, shown_picture
 from ..run.replay_setup import ReplaySetup
 from ..scenes import load_scene
 from .hole_kinds import holes_of, seam
-from .runs import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun
+from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun
 
 HEADSET = "flat-90"
 # By the wall clock a shorter pass is mostly the driver's overhead.

@@ -7,7 +7,7 @@ from pathlib import Path
 from ..link.codec import Coding
 from ..run import RunOptions, replay
 from .picture_runs import HEADSET
-from .runs import FULL_SIZE, RATE_HZ, Figures, StreamRun
+from .run_kinds import FULL_SIZE, RATE_HZ, Figures, StreamRun
 
 
 def stream(run: StreamRun, size: tuple[int, int], seconds: float, folder: Path) -> Figures:

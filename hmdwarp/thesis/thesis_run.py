@@ -24,7 +24,7 @@ from .kept_runs import KEPT, PICTURE, TRUTH, KeptRuns, fingerprint
 from .library import experiments_named
 from .options import ThesisOptions
 from .picture_runs import Thoroughness, look
-from .runs import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
+from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
 from .stream_runs import stream
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 

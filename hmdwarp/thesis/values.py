@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from .experiment import Value
-from .runs import Figures
+from .run_kinds import Figures
 
 # Shares below this are a few pixels: their ratios say nothing.
 LEAST_SHARE = 1e-4
