@@ -26,6 +26,7 @@ _PLAIN = (
     "headset",
     "frames",
     "rate_hz",
+    "server_rate_hz",
     "guard",
     "predict",
     "clock",

@@ -106,7 +106,7 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, 0, history.offer, setup.server.recycle)
+    channel = Channel(LinkOptions(), 0, None, 0, history.offer, setup.server.recycle, setup.schedule.rate_hz)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
@@ -118,7 +118,7 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
         setup.headset,
     )
     for back in range(needs.others.past, -1, -1):
-        loop.draw(-back * max(1, needs.others.spacing_ns))
+        loop.draw_at(-back * max(1, needs.others.spacing_ns))
     return loop
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
+from ..link import LinkOptions
 from ..options import (
     Declared,
     Number,
@@ -28,7 +29,7 @@ from ..scenes.options import SceneOptions
 
 Size = tuple[int, int]
 
-_RUN = attrs.fields(RunOptions)
+_RUN, _LINK = attrs.fields(RunOptions), attrs.fields(LinkOptions)
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
@@ -73,6 +74,8 @@ class BenchOptions(Declared):
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     headset: str = same_as(_RUN.headset)
     rate_hz: float | None = same_as(_RUN.rate_hz)
+    # Empty for the display's.
+    server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     guard: float = option(

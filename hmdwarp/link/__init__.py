@@ -5,6 +5,7 @@ from .delays import DelayModel, delay_models
 from .link import Link
 from .loss import GilbertElliott
 from .options import LinkOptions
+from .pacer import Pacer
 from .response import ResponseTime, figures_of_parts, response_figures
 from .tally import Tally, TransitStats
 
@@ -15,6 +16,7 @@ __all__ = [
     "GilbertElliott",
     "Link",
     "LinkOptions",
+    "Pacer",
     "TransitStats",
     "ResponseTime",
     "Tally",

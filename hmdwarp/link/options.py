@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Option, option
+from ..options import Declared, Number, Option, option
 from .bandwidth import QUEUE_MS, Bandwidth
 from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
@@ -75,9 +75,9 @@ _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, nam
 
 @attrs.frozen
 class LinkOptions(Declared):
-    """Delays, losses and bandwidth of the network.
+    """Delays, losses and bandwidth of the network, and how often the server sends through it.
 
-    By default the latency alone.
+    By default the latency alone, and a frame for each refresh.
     """
 
     # Of each frame.
@@ -110,6 +110,14 @@ class LinkOptions(Declared):
     )
     # The same seed gives the same network, whatever is sent through it.
     seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
+    # None for the display's own. See Pacer.
+    server_rate_hz: float | None = option(
+        None,
+        "Frames that the server draws per second; by default one for each refresh.",
+        kind=float,
+        unit="Hz",
+        valid=Number(least=0.1, most=1000),
+    )
 
     def __attrs_post_init__(self) -> None:
         if not 0 <= self.seed < _MOST_SEED:
@@ -137,7 +145,11 @@ class LinkOptions(Declared):
     @property
     def is_plain(self) -> bool:
         """Whether every frame takes exactly the latency and arrives."""
-        return attrs.evolve(self, seed=0) == LinkOptions()
+        return attrs.evolve(self, seed=0, server_rate_hz=None) == LinkOptions()
+
+    def sends_hz(self, display_hz: float) -> float:
+        """Return the server's rate beside this display."""
+        return self.server_rate_hz or display_hz
 
     def longest_ns(self, latency_ns: int) -> int:
         """Return a bound on the time from sending to arrival, without the transfer of bytes."""

@@ -37,9 +37,14 @@ class Tally:
         """Frames passed to the link."""
         return self.dropped + self.sent
 
+    @property
+    def never_shown(self) -> int:
+        """Frames that were drawn in vain, without those that may still arrive."""
+        return self.drawn - self.shown - self.under_way
+
     def as_dict(self) -> dict[str, int]:
-        """Return the counts for summary.json: drawn, sent, then the fields."""
-        return {"drawn": self.drawn, "sent": self.sent, **attrs.asdict(self)}
+        """Return the counts for summary.json: drawn, sent, never_shown, then the fields."""
+        return {"drawn": self.drawn, "sent": self.sent, "never_shown": self.never_shown, **attrs.asdict(self)}
 
 
 @attrs.frozen

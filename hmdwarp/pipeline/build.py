@@ -48,17 +48,21 @@ def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
     Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
     read.
     """
+    sends_hz = options.network.sends_hz(rate_hz)
     if options.network.is_plain:
-        return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
-    return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.others.past
+        # Those sent since the refresh before, less the latency.
+        return refreshes_of(options.latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
+    return options.network.most_under_way(latency_ns(options), sends_hz) + 2 + needs.others.past
 
 
-def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
-    """Return the expected age of a frame when it is seen.
+def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
+    """Return the mean age of a frame when it is seen.
 
-    plain_ns: the age over a link that only delays.
+    plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
     """
-    return plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+    stays_ns = max(0.0, 1e9 / options.network.sends_hz(rate_hz) - 1e9 / rate_hz)
+    newest_ns = plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+    return newest_ns + round(stays_ns / 2)
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
@@ -183,7 +187,8 @@ def _channel(
     coder = None
     if not codecs.get(options.coding.codec).is_none:
         coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, server.recycle)
+    recycle = server.recycle
+    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, recycle, target.rate_hz)
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

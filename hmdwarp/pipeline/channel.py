@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..colour import picture_from_linear
 from ..frames.layers import PACKED
 from ..gpu.textures import download, upload
+from ..link import Pacer
 from ..link.codec import Coding, Decoder, Encoder, Packet, Undecodable, packed_bytes
 from ..metrics import psnr_db
 
@@ -49,7 +50,8 @@ class Channel:
     is reported, never simulated, so that a replay is the same twice.
 
     weight_bytes: size of a frame where nothing is encoded. offer: called with each frame that the
-    client used and no longer needs. recycle: called with each frame that it never used.
+    client used and no longer needs. recycle: called with each frame that it never used. rate_hz: of
+    the display.
     """
 
     def __init__(
@@ -60,10 +62,12 @@ class Channel:
         weight_bytes: int,
         offer: Callable[[Frame], None],
         recycle: Callable[[Frame], None],
+        rate_hz: float,
     ) -> None:
         self._coder, self._weight = coder, weight_bytes
         self.latency_ns = latency_ns
-        self._frames = self._bytes = 0
+        self._pacer = Pacer(network.server_rate_hz, rate_hz)
+        self._refreshes = self._frames = self._bytes = 0
         self.link: Link[EncodedFrame] = network.link(
             latency_ns,
             discard=lambda encoded: offer(encoded.frame),
@@ -78,6 +82,11 @@ class Channel:
         """
         self.link.delay_by(network.delays(latency_ns))
         self.latency_ns = latency_ns
+
+    def due(self, now_ns: int) -> list[int]:
+        """Return the instants at which the server draws, up to now; call it once a refresh."""
+        self._refreshes += 1
+        return self._pacer.due(now_ns)
 
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
@@ -100,12 +109,14 @@ class Channel:
         return self.link.transit
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
-        """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec."""
-        mean_bytes = self._bytes / self._frames if self._frames else 0.0
+        """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec.
+
+        rate_hz: refreshes per second.
+        """
         return {
             "frames": self.link.tally.as_dict(),
-            "mbit_s": mean_bytes * 8 * rate_hz / 1e6,
-            "frame_bytes": mean_bytes,
+            "mbit_s": self._bytes / max(1, self._refreshes) * 8 * rate_hz / 1e6,
+            "frame_bytes": self._bytes / max(1, self._frames),
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
         }
 

@@ -95,7 +95,7 @@ class Refresh:
 
 
 class Loop:
-    """The loop over refreshes: `draw` sends a frame, `show` warps the newest that has arrived.
+    """The loop over refreshes: `draw` sends what is due, `show` warps the newest that has arrived.
 
     eyes: the views that belong to a head pose.
     """
@@ -119,6 +119,11 @@ class Loop:
         self.compensator, self._last = compensator, None
 
     def draw(self, now_ns: int) -> None:
+        """Let the server draw and send what is due by now; call it once a refresh."""
+        for instant_ns in self._channel.due(now_ns):
+            self.draw_at(instant_ns)
+
+    def draw_at(self, now_ns: int) -> None:
         """Draw all eyes on the server for the head pose at `now_ns`, and send the frame."""
         asked = self._requested
         head = asked.for_server(now_ns)

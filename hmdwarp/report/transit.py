@@ -23,6 +23,7 @@ _RESPONSE = {
 _FRAMES = {
     "drawn": "drawn",
     "sent": "sent",
+    "never_shown": "drawn in vain (never shown)",
     "dropped": "dropped before a full queue",
     "lost": "lost on the network",
     "undecodable": "undecodable (depend on a lost frame)",

@@ -74,6 +74,7 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
         "size": list(facts.size),
         "frames": frames,
         "rate_hz": facts.rate_hz,
+        "server_rate_hz": options.network.server_rate_hz,
         "guard": options.guard,
         "predict": options.predict,
         "pixels_per_degree": facts.pixels_per_degree,
