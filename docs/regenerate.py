@@ -3,7 +3,7 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `guard:FILE` takes the rows of an earlier run.
+defaults; `guard:FILE` takes the rows of an earlier run, `thesis:FILE` its results.json.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
 from hmdwarp.metrics import QUALITY
+from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 
 FIGURES = (*QUALITY, "mismatch")
@@ -273,6 +274,14 @@ def study_simulated(folder: Path) -> None:
     replace("power", studies.power_text(folder))
 
 
+def thesis(folder: Path, *ready: str) -> None:
+    """Run the experiments of the thesis. ready: results.json of an earlier run, to use instead."""
+    results = Path(ready[0]) if ready else folder / "thesis-again" / "results.json"
+    if not ready:
+        program("thesis", "--quiet", "--out", str(results.parent))
+    replace("thesis again", summary_markdown(json.loads(results.read_text(encoding="utf-8"))))
+
+
 def trace_layouts(_: Path) -> None:
     """Read files of twenty layouts with known truth."""
     replace("layouts", layouts.layouts_table())
@@ -298,6 +307,7 @@ PARTS = {
     "memory": memory,
     "guard": guard_bands,
     "link": link,
+    "thesis": thesis,
     "server-rates": server_rates,
     "readme": readme,
 }
