@@ -3,7 +3,8 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `guard:FILE` takes the rows of an earlier run, `thesis:FILE` its results.json.
+defaults; `guard:FILE` takes the rows of an earlier run, `thesis:FILE` its results.json,
+`gpu:FILE,FILE` the bench.json of runs on a machine with a GPU.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pathlib import Path
 import aims
 import bench_tables
 import front_page
+import gpu_tables
 import guard
 import layouts
 import panel
@@ -224,6 +226,15 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
     return f"```text\n{done.stdout.rstrip()}\n```"
 
 
+def on_a_gpu(_: Path, *ready: str) -> None:
+    """Write the times of bench runs on a machine with a GPU. ready: their bench.json."""
+    if not ready:
+        raise SystemExit("gpu: expected bench.json of runs on a GPU, as in OPTIONS=gpu:FILE,FILE")
+    data = [json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]
+    replace("gpu machine", bench_tables.machine_line(data[0]))
+    replace("gpu", gpu_tables.times_table([row for each in data for row in each["rows"]]))
+
+
 def speed(_: Path) -> None:
     """Measure the passes against OpenCV; needs an otherwise idle machine."""
     replace("speed", printed("bench_quick.py"))
@@ -299,6 +310,7 @@ PARTS = {
     "picture": opening_picture,
     "effects-picture": effects_picture,
     "speed": speed,
+    "gpu": on_a_gpu,
     "bench": bench,
     "border": border,
     "prediction": prediction,
@@ -315,7 +327,8 @@ PARTS = {
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
-        for part in sys.argv[1:] or PARTS:
+        # All but what needs a GPU, which the machine that writes the pages may not have.
+        for part in sys.argv[1:] or [part for part in PARTS if part != "gpu"]:
             which, _, ready = part.partition(":")
             PARTS[which](Path(name), *filter(None, ready.split(",")))
 
