@@ -8,84 +8,34 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from client_scene import ClientScene
 from reference.relight import Relit, relight
 from worlds import read
 
-from hmdwarp.client import PassInputs, ShownPicture, parse_fills
+from hmdwarp.client import parse_fills
 from hmdwarp.client.fills import relight as settings
 from hmdwarp.client.fills.relight import sample_offsets
 from hmdwarp.errors import InputError
-from hmdwarp.frames import EyeImage
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, Canvas, allocate
+from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
 from hmdwarp.server import Server
 
-SIZE = (150, 111)
-VIEW = View(Pose((0.05, 1.6, 0.1)), Fov(-0.6, 0.7, -0.55, 0.45))
+from .modelled import SIZE, VIEW, Shown, picture_of
+
 # What is stored as a half float is truncated: 2^-10 of it.
 STORED = 2.0**-10
 
 
-def picture_of(gpu, size) -> ShownPicture:
-    return ShownPicture(Canvas(gpu.gl, size), allocate(gpu.gl, size, SCALAR))
-
-
-class Shown:
-    """A scene seen from VIEW in another light than the one baked into it, with holes.
-
-    scene: a name. tint: of the light.
-    """
-
-    def __init__(self, gpu, scene: str, tint=(1.0, 1.0, 1.0), size=SIZE, holes=None, share=1.0) -> None:
-        self.gpu, self.size, self.share = gpu, size, share
-        self.geometry = ClientScene(gpu, scene)
-        drawn = self.geometry._server.draw(VIEW, size)
-        self.truth = read(drawn.colour) * (*tint, 1)
-        self.depth = read(drawn.inverse_depth)[..., 0]
-        y, x = np.mgrid[: size[1], : size[0]]
-        self.holes = (np.abs(x - 70) < 25) & (np.abs(y - 50) < 30) if holes is None else holes
-        self.colour = np.where(self.holes[..., None], 0, self.truth).astype(np.float16).astype(np.float64)
-        self.shown_depth = np.where(self.holes, -1, self.depth)
-
-    def fill(self, text: str, *, depth: bool = True) -> tuple[np.ndarray, np.ndarray]:
-        """Colour and inverse depth after a fill."""
-        (choice,) = parse_fills(text)
-        fill = choice.entry(self.gpu, self.size, self.size, choice.settings, self.geometry)
-        picture, into = picture_of(self.gpu, self.size), picture_of(self.gpu, self.size)
-        picture.colour.texture.write(self.colour.astype(np.float16).tobytes(), alignment=1)
-        picture.inverse_depth.write(self.shown_depth.astype(np.float32).tobytes(), alignment=1)
-        inputs = PassInputs(EyeImage(VIEW, picture.colour.texture, picture.inverse_depth), VIEW)
-        if not depth:
-            picture, into = attrs.evolve(picture, inverse_depth=None), attrs.evolve(into, inverse_depth=None)
-        fill.run(inputs, picture, into)
-        self.gpu.gl.memory_barrier()
-        found = read(into.colour.texture), read(into.inverse_depth)[..., 0] if depth else None
-        fill.close()
-        return found
-
-    def of_model(self, *, lit: bool) -> tuple[np.ndarray, np.ndarray]:
-        """What the client's model looks like."""
-        into = picture_of(self.gpu, self.size)
-        self.geometry.model(self.share, lit=lit).draw(VIEW, into, 0)
-        return read(into.colour.texture), read(into.inverse_depth)[..., 0]
-
-    def asked(self, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
-        (albedo, depth), (lit, _) = (self.of_model(lit=lit) for lit in (light == "baked", True))
-        offsets = sample_offsets(samples, reach * self.size[0])
-        weights = (
-            settings.SAME_DEPTH,
-            settings.SAME_SURFACE,
-            settings.NEAR,
-            settings.OFF_PLANE,
-            settings.MODEL_WEIGHT[light],
-        )
-        return Relit(VIEW.fov, self.colour, self.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
-
-    def error(self, found: np.ndarray) -> float:
-        """Root mean square inside the holes."""
-        return float(np.sqrt(((found - self.truth)[self.holes, :3] ** 2).mean()))
+def asked(shown: Shown, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
+    (albedo, depth), (lit, _) = (shown.of_model(lit=lit) for lit in (light == "baked", True))
+    offsets = sample_offsets(samples, reach * shown.size[0])
+    weights = (
+        settings.SAME_DEPTH,
+        settings.SAME_SURFACE,
+        settings.NEAR,
+        settings.OFF_PLANE,
+        settings.MODEL_WEIGHT[light],
+    )
+    return Relit(VIEW.fov, shown.colour, shown.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 
 
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
@@ -159,7 +109,7 @@ def test_bodies_are_drawn_where_they_are_when_shown(gpu):
 def test_relight_equals_its_twin(gpu, scene, size, light):
     rng = np.random.default_rng(4)
     shown = Shown(gpu, scene, (0.6, 0.9, 1.4), size, rng.uniform(size=size[::-1]) < 0.3, share=0.2)
-    wanted = relight(shown.asked(light))
+    wanted = relight(asked(shown, light))
     got = shown.fill(f"relight:light={light}")[0]
     off = np.abs(got - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
     # Truncated once; 32 weights of a few float32 operations each, on normals from differences of
