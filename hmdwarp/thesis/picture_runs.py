@@ -15,6 +15,7 @@ from ..client.compensator import EyeResult
 from ..client.effects import effects
 from ..client.plan import build_plan, needs_of
 from ..colour import picture_from_linear
+from ..frames import EyeImage
 from ..gpu.textures import download
 from ..metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
 from ..pipeline.loop import Refresh
@@ -83,11 +84,10 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
         watchers = [_Watcher(setup, run, one, how) for run, one in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
         for number, refresh in refreshes(setup, needs, wanted):
-            turn = numbers.index(number) if number in numbers else None
-            eye = EYES[(numbers.index(number if turn is not None else number + 1)) % len(EYES)]
-            truth = draw_truth(setup.server, refresh.inputs[eye], setup.size, depth=turn is not None)
+            turn = numbers.index(number if number in numbers else number + 1)
+            seen = _Seen.of(setup, refresh, EYES[turn % len(EYES)], is_measured=number in numbers)
             for watcher in watchers:
-                watcher.see(refresh, eye, picture_from_linear(truth.colour), truth.inverse_depth)
+                watcher.see(seen)
         yield from (watcher.result() for watcher in watchers)
 
 
@@ -123,6 +123,31 @@ def _instants(setup: ReplaySetup, motion: Motion, wanted: int) -> list[int]:
     return sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
 
 
+@attrs.frozen(eq=False)
+class _Seen:
+    """One eye at one refresh: what all runs share."""
+
+    refresh: Refresh
+    eye: int
+    truth: Picture
+    # None where the picture is only the predecessor of a measured one.
+    truth_inverse_depth: NDArray[np.float32] | None
+    late: Picture
+    late_inverse_depth: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, setup: ReplaySetup, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
+        drawn = draw_truth(setup.server, refresh.inputs[eye], setup.size, depth=is_measured)
+        frame = refresh.frame.eyes[eye]
+        late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
+        return cls(refresh, eye, picture_from_linear(drawn.colour), drawn.inverse_depth, late, depth)
+
+    @property
+    def rendered(self) -> EyeImage:
+        """The late frame of the eye."""
+        return self.refresh.frame.eyes[self.eye]
+
+
 class _Watcher:
     """One warp and fill: its compensator, and the figures of its pictures."""
 
@@ -135,52 +160,53 @@ class _Watcher:
         self._before: Compared | None = None
         self._first: tuple[Picture, Picture] | None = None
 
-    def see(self, refresh: Refresh, eye: int, truth: Picture, inverse_depth: NDArray | None) -> None:
-        """Run the passes for one eye; measure the picture unless the truth has no depth."""
-        inputs = self._setup.loop.inputs(refresh, self._plan.needs)[eye]
+    def see(self, seen: _Seen) -> None:
+        """Run the passes for the eye; measure the picture, or keep it to compare with the next."""
+        inputs = self._setup.loop.inputs(seen.refresh, self._plan.needs)[seen.eye]
+        if seen.truth_inverse_depth is None and not self._run.flickers:
+            return
         result = self._compensator.run(inputs)
         self._setup.gpu.timer.collect()
-        now = Compared(shown_picture(result), truth, result.view)
-        if inverse_depth is None:
+        now = Compared(shown_picture(result), seen.truth, result.view)
+        if seen.truth_inverse_depth is None:
             self._before = now
             return
-        self._figures.append(self._measured(refresh, eye, result, now, inverse_depth))
+        self._figures.append(self._measured(seen, seen.truth_inverse_depth, result, now))
         self._before = None
-        self._first = self._first or (now.shown, truth)
+        self._first = self._first or (now.shown, seen.truth)
         for _ in range(self._rounds):
             self._compensator.run(inputs)
             stages = self._setup.gpu.timer.collect()
             names = dict.fromkeys(name for name, _ in stages)
             self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
 
-    def _measured(
-        self, refresh: Refresh, eye: int, result: EyeResult, now: Compared, inverse_depth: NDArray
-    ) -> Figures:
-        frame = refresh.frame.eyes[eye]
+    def _measured(self, seen: _Seen, truth_inverse_depth: NDArray, result: EyeResult, now: Compared) -> Figures:
         covered = coverage(result)
-        job = QualityJob(now, self._before, covered, inverse_depth, frame.view, frame.size)
-        measurement = Measurement(job, self._setup.pixels_per_degree)
-        empty = _alpha(result) == 0
-        kinds = holes_of(covered, inverse_depth, result.view, frame.view, download(frame.inverse_depth))
+        empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
+        kinds = holes_of(covered, truth_inverse_depth, result.view, seen.rendered.view, seen.late_inverse_depth)
         there = covered != 0
         found: Figures = {
             "psnr_db": psnr_db(now.shown, now.truth),
             "hole_share": hole_share(covered),
             "border_share": float(kinds.border.mean()),
-            "disoccluded_share": float(kinds.disoccluded.mean()),
+            "inner_share": float((kinds.disoccluded | kinds.cracks).mean()),
             "crack_share": float(kinds.cracks.mean()),
             "empty_share": float(empty.mean()),
             "cracks_left_share": float((kinds.cracks & empty).mean()),
-            "inner_share": float((kinds.disoccluded | kinds.cracks).mean()),
             "inner_left_share": float((~kinds.border & empty).mean()),
             "seam": seam(now.shown, now.truth, ~there & ~empty, there),
-            "flicker": metrics.get("flicker").compute(measurement) if self._run.flickers and self._before else None,
+            "flicker": self._flicker(now),
         }
-        late = picture_from_linear(download(frame.colour))
-        if late.shape == now.shown.shape and there.any():
+        if seen.late.shape == now.shown.shape and there.any():
             truth = now.truth[there][None]
-            found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(late[there][None], truth)
+            found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)
         return found
+
+    def _flicker(self, now: Compared) -> float | None:
+        if self._before is None:
+            return None
+        job = Measurement(QualityJob(now, self._before), self._setup.pixels_per_degree)
+        return metrics.get("flicker").compute(job)
 
     def result(self) -> Looked:
         """Return means over the instants, and medians of the times for one eye."""
@@ -195,11 +221,6 @@ class _Watcher:
         figures["instants"] = float(len(self._figures))
         assert self._first is not None
         return Looked(self._run, figures, *self._first)
-
-
-def _alpha(result: EyeResult) -> NDArray:
-    """Return the coverage after all fills."""
-    return download(result.filled[-1][1].texture)[..., 3] if result.filled else coverage(result)
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
