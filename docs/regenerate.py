@@ -3,7 +3,7 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `guard:FILE` takes the rows of an earlier run.
+defaults.
 """
 
 from __future__ import annotations
@@ -189,11 +189,15 @@ def memory(folder: Path) -> None:
     replace("memory", passes.memory_table(partial(run, folder)))
 
 
-def guard_bands(folder: Path, *ready: str) -> None:
-    """Measure what guard bands and the wide view cost and save. ready: the rows of a run."""
-    rows = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else guard.measure(folder / "guard", program)
-    replace("guard", guard.band_table(rows))
-    replace("thesis guard", guard.finding_table(rows))
+def guard_bands(folder: Path) -> None:
+    """Measure what guard bands and the wide view cost and save."""
+    replace("guard", guard.band_table(guard.measure(folder / "guard", program)))
+
+
+def thesis_guard_bands(folder: Path) -> None:
+    """Measure which of the thesis's picture sizes suffices for which motion and speed."""
+    (folder / "thesis-guard").mkdir()
+    replace("thesis guard", guard.finding_table(guard.measure_thesis(folder / "thesis-guard", program)))
 
 
 def link(folder: Path) -> None:
@@ -287,6 +291,7 @@ PARTS = {
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
+    "thesis-guard": thesis_guard_bands,
     "link": link,
     "readme": readme,
 }
