@@ -86,14 +86,14 @@ def opening_picture(folder: Path) -> None:
 
 
 def bench(folder: Path, *ready: str) -> None:
-    """Measure every warp at 200, 400 and 800 ms: tables, the plot, and which aims were met.
+    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plot, and which aims were met.
 
     ready: bench.json of two earlier runs, to use instead.
     """
     if not ready:
         ready = (str(folder / "200" / "bench.json"), str(folder / "later" / "bench.json"))
         program("bench", "--quiet", "--out", str(folder / "200"))
-        later = "--latency 400 --latency 800 --instants 3 --rounds 1 --no-grid --no-fused --quiet --out"
+        later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused --quiet --out"
         program("bench", *shlex.split(later), str(folder / "later"))
     data, *more = (json.loads(Path(name).read_text(encoding="utf-8")) for name in ready)
     rows = [*data["rows"], *(row for other in more for row in other["rows"])]

@@ -6,7 +6,7 @@ heavy.
 """
 
 from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as
-from .guard import (
+from .guard_options import (
     AUTO,
     Guard,
     check_one_guard,
