@@ -53,7 +53,7 @@ def test_info_of_a_shipped_recording():
         "trace synth look-around",
     ):
         assert wanted in text
-    for latency in (20, 50, 100, 200, 400, 800):
+    for latency in (20, 50, 100, 200, 400, 600, 800):
         assert f"{latency} ms" in text
 
 
@@ -92,7 +92,7 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     ]
     assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
     assert [f"{data['angular_speed_deg_s'][name]:.1f}" for name in ("p50", "p95", "p99")] == ["29.2", "116.5", "200.3"]
-    assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 800]
+    assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 600, 800]
     table = rows(TRACK)
     two = write(tmp_path / "two.csv", [*table[:60], *table[:30], ["9", "9"]])
     data = json.loads(run("info", two, "--json"))
