@@ -7,6 +7,7 @@ from .loss import GilbertElliott
 from .options import LinkOptions
 from .pacer import Pacer
 from .response import ResponseTime, figures_of_parts, response_figures
+from .stage_times import StageTimes
 from .tally import Tally, TransitStats
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Pacer",
     "TransitStats",
     "ResponseTime",
+    "StageTimes",
     "Tally",
     "figures_of_parts",
     "response_figures",

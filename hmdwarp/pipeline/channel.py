@@ -46,8 +46,9 @@ class Channel:
     """Send each frame that the server draws; return the newest that has arrived, as it arrived.
 
     When an encoded frame arrives, its decoded colour and inverse depth are written over its own
-    textures; its other layers are counted as packed without loss. The time of encoding and decoding
-    is reported, never simulated, so that a replay is the same twice.
+    textures; its other layers are counted as packed without loss. The times of rendering, encoding
+    and decoding delay a frame only where the network's options say so. A server that is still at
+    work on a frame, or whose client is, draws none: the slowest stage sets the pace.
 
     weight_bytes: size of a frame where nothing is encoded. offer: called with each frame that the
     client used and no longer needs. recycle: called with each frame that it never used. rate_hz: of
@@ -67,12 +68,17 @@ class Channel:
         self._coder, self._weight = coder, weight_bytes
         self.latency_ns = latency_ns
         self._pacer = Pacer(network.server_rate_hz, rate_hz)
-        self._refreshes = self._frames = self._bytes = 0
+        self._stages = network.response
+        # When the server can draw again, and how long the last frame was decoded.
+        self._free_ns: int | None = None
+        self._decode_ns = 0
+        self._refreshes = self._frames = self._bytes = self._skipped = 0
         self.link: Link[EncodedFrame] = network.link(
             latency_ns,
             discard=lambda encoded: offer(encoded.frame),
             wasted=lambda encoded: recycle(encoded.frame),
             receive=coder.receive if coder is not None else None,
+            decoding=self._decoding,
         )
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
@@ -88,6 +94,13 @@ class Channel:
         self._refreshes += 1
         return self._pacer.due(now_ns)
 
+    def is_busy(self, now_ns: int) -> bool:
+        """Return whether the server cannot draw at this instant, which is counted."""
+        if self._free_ns is None or now_ns >= self._free_ns:
+            return False
+        self._skipped += 1
+        return True
+
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
         if self._coder is None:
@@ -96,7 +109,30 @@ class Channel:
             encoded, size, key = self._coder.encode(frame, wants_key=self.link.needs_key(now_ns))
         self._frames += 1
         self._bytes += size
-        self.link.send(encoded, now_ns, size, key)
+        render_ns, encode_ns = self._at_server(frame, now_ns)
+        self.link.send(encoded, now_ns, size, key, render_ns, encode_ns)
+
+    def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
+        """Return how long rendering and encoding delay the frame, and keep the server busy."""
+        if self._stages is None:
+            return 0, 0
+        took = frame.timings_ms
+        took["render"] = frame.render_ms if self._stages.render is None else 0.0
+        render_ns, encode_ns, decode_ns = self._stages.taken_ns(took, 1.0)
+        took |= {"render": render_ns * 1e-6, "encode": encode_ns * 1e-6}
+        if self._stages.decode is not None:
+            self._decode_ns = decode_ns
+        self._free_ns = now_ns + max(render_ns, encode_ns, self._decode_ns)
+        return render_ns, encode_ns
+
+    def _decoding(self, encoded: EncodedFrame) -> int:
+        """Return how long decoding delays a frame that was received."""
+        if self._stages is None:
+            return 0
+        took = encoded.frame.timings_ms
+        *_, self._decode_ns = self._stages.taken_ns(took, 1.0)
+        took["decode"] = self._decode_ns * 1e-6
+        return self._decode_ns
 
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
@@ -108,13 +144,18 @@ class Channel:
         """Transit statistics of the shown frame, or None before the first."""
         return self.link.transit
 
+    def fates(self) -> dict[str, int]:
+        """Return what became of every frame, and of the instants at which none was drawn."""
+        return {**self.link.tally.as_dict(), "skipped": self._skipped}
+
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec.
 
         rate_hz: refreshes per second.
         """
         return {
-            "frames": self.link.tally.as_dict(),
+            "frames": self.fates(),
+            **({"stages_ms": attrs.asdict(self._stages)} if self._stages is not None else {}),
             "mbit_s": self._bytes / max(1, self._refreshes) * 8 * rate_hz / 1e6,
             "frame_bytes": self._bytes / max(1, self._frames),
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),

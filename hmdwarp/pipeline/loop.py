@@ -89,8 +89,7 @@ class Refresh:
     def response(self) -> ResponseTime:
         """The response time, split into its parts."""
         took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.timings_ms.items()}
-        if self.frame.drawing is not None:
-            took["render_ms"] = _total(self.frame.drawing.read())
+        took["render_ms"] = self.frame.render_ms
         return ResponseTime.of(self.transit, warp_ms=sum(map(_total, self.stage_ms)), **took)
 
 
@@ -121,7 +120,8 @@ class Loop:
     def draw(self, now_ns: int) -> None:
         """Let the server draw and send what is due by now; call it once a refresh."""
         for instant_ns in self._channel.due(now_ns):
-            self.draw_at(instant_ns)
+            if not self._channel.is_busy(instant_ns):
+                self.draw_at(instant_ns)
 
     def draw_at(self, now_ns: int) -> None:
         """Draw all eyes on the server for the head pose at `now_ns`, and send the frame."""

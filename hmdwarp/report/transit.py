@@ -21,6 +21,7 @@ _RESPONSE = {
     "p95_ms": "response time (95th percentile)",
 }
 _FRAMES = {
+    "skipped": "not drawn (the server was busy)",
     "drawn": "drawn",
     "sent": "sent",
     "never_shown": "drawn in vain (never shown)",
@@ -37,7 +38,7 @@ _CODING = (
     ("decode_ms", "decoding (median of all frames)", "ms"),
     ("coded_psnr_db", "colour after coding", "dB PSNR"),
 )
-_TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
+_TROUBLE = ("skipped", "dropped", "lost", "late", "superseded", "undecodable")
 
 
 def filled_rows(summary: Summary) -> Pairs:

@@ -75,9 +75,10 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
         name: run(tmp_path / name, coding=Coding(name, crf), latency_ms=50.0, size=(160, 120)).summary
         for name, crf in (("none", None), ("h264", 18))
     }
-    assert told["none"]["link"] | {"frames": 0, "response_ms": 0} == {
+    assert told["none"]["link"] | {"frames": 0, "response_ms": 0, "timeline": 0} == {
         "frames": 0,
         "response_ms": 0,
+        "timeline": 0,
         "mbit_s": 2 * 160 * 120 * 12 * 8 * 60 / 1e6,
         "frame_bytes": 2 * 160 * 120 * 12,
         "codec": "none",
