@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from . import EyeSizes, Layer, Surface, layers
+from . import BRIGHT_VIDEO, DEPTH, VECTORS, EyeSizes, Layer, Surface, layers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -46,6 +46,8 @@ class Reflections(Layer):
     name = "reflection"
     summary = "what mirrors show, with the depth of the mirrored world"
     formats = ("rgba16f", "r32f", "rgba16f")
+    # What is seen is shown by a share of its light, so light beyond 1 matters.
+    codings = (BRIGHT_VIDEO, DEPTH, VECTORS)
     drawn_by = "reflections"
     something = Mirrored.PLANE | Mirrored.CURVED
 
