@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import zlib
 
 import attrs
 import numpy as np
@@ -15,12 +16,13 @@ from .coding import check_quality
 from .holes import covered
 from .packed_layers import pack, unpack
 from .stream import ColourDecoder, ColourEncoder
-from .transfer import STOPS, bytes_from_light, light_from_bytes, stops_of
+from .transfer import bytes_from_light, light_from_bytes, stops_of
 from .undecodable import Undecodable
 
-# Powers of 2 beyond 1, the light of uncovered pixels as half floats, bytes of the coverage, which
-# follows; then the video.
-_HEADER = struct.Struct("<B6sI")
+# CRC-32 of everything after it (a video decoder conceals what is damaged), powers of 2 beyond 1, the
+# light of uncovered pixels as half floats, bytes of the coverage, which follows; then the video.
+_HEADER = struct.Struct("<IB6sI")
+_CHECKED_FROM = 4
 # A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.
 _STEPS = 254
 _COVERED = np.float16(1).view(np.uint16)
@@ -99,7 +101,9 @@ class Encoder:
             self._stops = max(stops_of(light), 0 if wants_key else self._stops)
         colour, key = self._colour.encode(covered(bytes_from_light(light, self._stops), coverage == 0), wants_key)
         packed = pack(coverage)
-        data = _HEADER.pack(self._stops, empty.tobytes(), len(packed)) + packed + colour
+        head = _HEADER.pack(0, self._stops, empty.tobytes(), len(packed))
+        data = head[_CHECKED_FROM:] + packed + colour
+        data = zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
         self._number, self._key_wanted = number + 1, False
         self._last_key = number if key else self._last_key
         return Packet(number, key, data)
@@ -131,8 +135,6 @@ class Decoder:
         colour = self._colour.decode(video)
         self._next = packet.number + 1
         coverage = unpack(packed)
-        if coverage.shape != colour.shape[:2] or coverage.dtype != np.uint8:
-            raise Undecodable("damaged coverage (not of the stream's size)")
         out = np.empty((*coverage.shape, 4), np.float16)
         out[..., :3] = light_from_bytes(colour, stops)
         out[..., 3] = np.maximum(coverage.astype(np.float32) - 1, 0) / _STEPS
@@ -160,11 +162,11 @@ def _parts(data: bytes) -> tuple[int, NDArray[np.float16], bytes, bytes]:
     Errors: Undecodable.
     """
     try:
-        stops, empty, length = _HEADER.unpack_from(data)
+        checksum, stops, empty, length = _HEADER.unpack_from(data)
     except struct.error as error:
         raise Undecodable(f"damaged picture ({error})") from error
-    if stops not in STOPS:
-        raise Undecodable(f"damaged picture ({stops} powers of 2)")
+    if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
+        raise Undecodable("damaged picture (its checksum is wrong)")
     start = _HEADER.size + length
     return stops, np.frombuffer(empty, np.float16), data[_HEADER.size : start], data[start:]
 
