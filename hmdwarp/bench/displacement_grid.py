@@ -19,8 +19,8 @@ from ..gpu.textures import download
 from ..link import LinkOptions
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
+from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop, PoseRequest
-from ..pipeline.reads import Reads
 from ..poses import Origin, PoseSample
 from ..run.combinations import Combination
 from ..run.read_back import coverage, shown_picture

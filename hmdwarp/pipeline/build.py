@@ -23,10 +23,10 @@ from ..scenes import Scene
 from ..server import Server
 from .channel import Channel
 from .client_scene import ClientScene
-from .coder import Coder
+from .frame_coder import Coder
+from .layers_read import Reads
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
-from .reads import Reads
 from .sizes import check_room, eye_sizes
 
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from .coder import CodedFrame, Coder
-from .reads import Reads
+from .frame_coder import CodedFrame, Coder
+from .layers_read import Reads
 
 if TYPE_CHECKING:
     from ..frames import Frame
@@ -62,16 +62,14 @@ class Channel:
 
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
-        sizes = Counter[str]()
         if self._coder is None:
-            coded = CodedFrame(frame)
+            coded, sizes = CodedFrame(frame), Counter[str]()
             for (_, name), layer, data in self._reads.contents(frame):
                 sizes[name] += layer.sent_bytes(data)
         else:
             wants_key = self.link.needs_key(now_ns)
-            coded = self._coder.encode(frame, self._reads | self._beside, wants_key=wants_key)
-            for (eye, name), layer, data in self._reads.contents(frame):
-                sizes[name] += sum(coded.packets[eye, name, part].size_bytes for part, _ in enumerate(layer.sent(data)))
+            coded = self._coder.encode(frame, self._reads, self._beside, wants_key=wants_key)
+            sizes = coded.layer_bytes()
         self._frames += 1
         self._bytes.update(sizes)
         self.link.send(coded, now_ns, sizes.total(), coded.is_key)

@@ -188,7 +188,7 @@ def test_beyond_its_bounds_the_layer_is_empty_and_nothing_is_sent(server, view, 
 
 
 def test_bounds_are_no_larger_than_what_mirrors(server):
-    """A ball's are those of the cube around it: a third wider and higher on this picture at most."""
+    """A ball's are those of the cube around it: here a third wider and higher at most."""
     layer = layered(server, needs=Needs(reflection=Mirrored.CURVED))["reflection"]
     rows, columns = np.nonzero(read(layer.surface)[..., 0])
     low_x, low_y, high_x, high_y = layer.bounds

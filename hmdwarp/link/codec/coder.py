@@ -19,8 +19,9 @@ from .stream import ColourDecoder, ColourEncoder
 from .transfer import bytes_from_light, light_from_bytes, stops_of
 from .undecodable import Undecodable
 
-# CRC-32 of everything after it (a video decoder conceals what is damaged), powers of 2 beyond 1, the
-# light of uncovered pixels as half floats, bytes of the coverage, which follows; then the video.
+# CRC-32 of everything after it (a video decoder conceals what is damaged), powers of 2 beyond 1,
+# the light of uncovered pixels as half floats, bytes of the coverage, which follows, then the
+# video.
 _HEADER = struct.Struct("<IB6sI")
 _CHECKED_FROM = 4
 # A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.

@@ -17,7 +17,7 @@ def covered(colour: NDArray[np.uint8], hole: NDArray[np.bool_]) -> NDArray[np.ui
     if not hole.any() or hole.all():
         return colour
     across = np.take_along_axis(colour, _nearest(hole)[..., None], axis=1)
-    rows = hole.all(axis=1)
+    rows: NDArray = np.all(hole, axis=1)
     return across[_nearest(rows[None])[0]] if rows.any() else across
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from statistics import median
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from ..frames import Frame
-    from .reads import Reads
+    from .layers_read import Reads
 
 # At most so many samples are kept: half an hour at 60 Hz.
 KEPT = 1 << 17
@@ -107,6 +107,8 @@ class CodedFrame:
     frame: Frame
     # Empty where nothing is encoded.
     packets: Mapping[Key, Packet] = attrs.field(factory=dict)
+    # The packets that the client's plan reads; others are for plans that are compared with it.
+    counted: frozenset[Key] = frozenset()
     into: Mapping[Key, moderngl.Texture | NDArray[Any]] = attrs.field(factory=dict)
     # The pictures before encoding; kept only where the loss is measured.
     before: Mapping[Key, NDArray[np.uint8]] = attrs.field(factory=dict)
@@ -115,6 +117,13 @@ class CodedFrame:
     def is_key(self) -> bool:
         """Whether it can be decoded without those before it."""
         return all(packet.key for packet in self.packets.values())
+
+    def layer_bytes(self) -> Counter[str]:
+        """Return the bytes of what is counted, by layer."""
+        out = Counter[str]()
+        for key in self.counted:
+            out[key[1]] += self.packets[key].size_bytes
+        return out
 
 
 class Coder:
@@ -130,39 +139,45 @@ class Coder:
         self._encoded = 0
         self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
 
-    def encode(self, frame: Frame, reads: Reads, *, wants_key: bool) -> CodedFrame:
-        """Encode what is read of a frame; its time is entered in the frame's timings."""
+    def encode(self, frame: Frame, reads: Reads, beside: Reads | None = None, *, wants_key: bool) -> CodedFrame:
+        """Encode what is read of a frame; its time is entered in the frame's timings.
+
+        beside: what is read for comparison; it is coded too, and takes no time and no bytes.
+        """
+        counted = frozenset(_parts(frame, reads))
         contents = {
-            (eye, name, number): _Content(into, coding, into if isinstance(into, np.ndarray) else download(into))
-            for (eye, name), layer, data in reads.contents(frame)
-            for number, (into, coding) in enumerate(layer.coded(data))
+            key: _Content(into, coding, into if isinstance(into, np.ndarray) else download(into))
+            for key, (into, coding) in _parts(frame, reads | beside if beside is not None else reads).items()
         }
         self._open(contents)
-        started = time.perf_counter_ns()
-        packets = {}
+        packets, took_ms = {}, 0.0
         for key, content in contents.items():
+            started = time.perf_counter_ns()
             if wants_key:
                 self._streams[key].request_key()
             packets[key] = self._streams[key].encode(content.drawn)
-        frame.timings_ms["encode"] = _milliseconds_since(started)
-        self._encode_ms.append(frame.timings_ms["encode"])
-        looked_at = contents if self._encoded % LOOK_EVERY == 0 else {}
-        before = {key: picture_from_linear(one.drawn) for key, one in looked_at.items() if one.coding in _VIDEOS}
+            took_ms += _milliseconds_since(started) if key in counted else 0
+        frame.timings_ms["encode"] = took_ms
+        self._encode_ms.append(took_ms)
+        looked_at = counted if self._encoded % LOOK_EVERY == 0 else ()
+        before = {key: picture_from_linear(contents[key].drawn) for key in looked_at if contents[key].video_pixels}
         self._encoded += 1
-        return CodedFrame(frame, packets, {key: one.into for key, one in contents.items()}, before)
+        return CodedFrame(frame, packets, counted, {key: one.into for key, one in contents.items()}, before)
 
     def receive(self, coded: CodedFrame) -> bool:
         """Decode into the frame's own textures; return False if the frame cannot be decoded."""
-        started = time.perf_counter_ns()
         arrived: dict[Key, NDArray[Any]] = {}
+        took_ms = 0.0
         for key, packet in coded.packets.items():
+            started = time.perf_counter_ns()
             # Each stream gets its packet, whatever has become of the others.
             with suppress(Undecodable):
                 arrived[key] = self._streams[key].decode(packet)
+            took_ms += _milliseconds_since(started) if key in coded.counted else 0
         if len(arrived) < len(coded.packets):
             return False
-        coded.frame.timings_ms["decode"] = _milliseconds_since(started)
-        self._decode_ms.append(coded.frame.timings_ms["decode"])
+        coded.frame.timings_ms["decode"] = took_ms
+        self._decode_ms.append(took_ms)
         for key, into in coded.into.items():
             if isinstance(into, np.ndarray):
                 into[...] = arrived[key]
@@ -198,6 +213,15 @@ class Coder:
         beyond = content.coding == BRIGHT_VIDEO
         encoder = Encoder(asked.codec, size, self._rate_hz, crf=asked.crf, bitrate_mbit=rate, keeps_beyond_1=beyond)
         return _Video(encoder, Decoder(asked.codec, size))
+
+
+def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDArray[Any], str]]:
+    """Return every texture and array that is read, with its coding."""
+    return {
+        (eye, name, number): part
+        for (eye, name), layer, data in reads.contents(frame)
+        for number, part in enumerate(layer.coded(data))
+    }
 
 
 def _milliseconds_since(started_ns: int) -> float:
