@@ -13,16 +13,18 @@ from ..auto.governor import Governor
 from ..auto.levels import QualityLevel
 from ..client.compensator import Compensator
 from ..client.history import History
-from ..client.plan import Plan, needs_of
-from ..frames import EyeSizes, Needs, frame_bytes
+from ..client.plan import Plan
+from ..frames import EyeSizes, Needs
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
-from .channel import Channel, Coder
+from .channel import Channel
 from .client_scene import ClientScene
+from .frame_coder import Coder
+from .layers_read import Reads
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
 from .sizes import check_room, eye_sizes
@@ -109,6 +111,7 @@ class Pipeline:
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
+        self.channel.read_beside(Reads.of([plan]))
         made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
         self._made.append(made)
         return made
@@ -118,7 +121,9 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made, before = self.compensator(plan), self.loop.compensator
+        made, before = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry), self.loop.compensator
+        self._made.append(made)
+        self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)
         before.close()
@@ -161,7 +166,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, target, plans, history, server)
+        channel = _channel(options, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -180,15 +185,11 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
-    reads = {name for plan in plans for name in plan.layers}
-    weight = sum(frame_bytes(needs_of(plans), sizes, reads).values())
-    coder = None
-    if not codecs.get(options.coding.codec).is_none:
-        coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    recycle = server.recycle
-    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, recycle, target.rate_hz)
+    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
+    latency_ns, reads = target.link_latency_ns, Reads.of(plans)
+    return Channel(options.network, latency_ns, coder, reads, history.offer, server.recycle, target.rate_hz)
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

@@ -22,6 +22,7 @@ from .run_kinds import (
     RatingsRun,
     StreamRun,
     motions,
+    size_text,
     usual,
 )
 from .values import (
@@ -38,8 +39,8 @@ from .values import (
 from .verdicts import AtLeast, AtMost, Between
 
 KINDS = (FORWARD, ROTATE, SIDEWAYS, BACKWARD)
-# The thesis's sizes of the rendered picture, as factors of 1280x800 on each axis.
-SIZES = {"1280x800": "1", "1600x900": "1.25x1.125", "1920x1080": "1.5x1.35"}
+# The thesis's sizes of the rendered picture: 1.41 and 2.03 times the pixels of the first.
+SIZES = {size_text(guard): guard for guard in ((1.0, 1.0), (1.25, 1.125), (1.5, 1.35))}
 # A share of the picture that nobody sees: one pixel in a thousand.
 NEGLIGIBLE = 0.001
 INTERPOLATE = "interpolate"

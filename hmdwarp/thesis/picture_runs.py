@@ -19,7 +19,6 @@ from ..frames import EyeImage
 from ..gpu.textures import download
 from ..metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
 from ..pipeline.loop import Refresh
-from ..pipeline.options import parse_guard
 from ..poses import GLIDES, synthesise
 from ..poses.synth import write_synthetic
 from ..run import RunOptions, draw_truth, set_up_replay
@@ -103,7 +102,7 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
         headset=HEADSET,
         size=size_of(run, how),
         rate_hz=RATE_HZ,
-        guard=parse_guard(run.guard),
+        guard=run.guard,
         against="",
     )
 

@@ -45,8 +45,8 @@ class PictureRun:
     latency_ms: float
     warp: str = "forward"
     fill: str = "none"
-    # How much larger the rendered picture is: as `--guard` takes it.
-    guard: str = "1"
+    # Factors of the rendered picture's pixels on both axes.
+    guard: tuple[float, float] = (1.0, 1.0)
     scene: str = "room"
     effects: str = "auto"
     # Of each side of the picture.
@@ -65,7 +65,7 @@ class PictureRun:
         """What its picture shows."""
         fill = "" if self.fill == "none" else f" + {self.fill}"
         more = [
-            *([f"rendered {self.guard} as wide and high"] if self.guard != "1" else []),
+            *([f"rendered {size_text(self.guard)} for {size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
             *([f"effects {self.effects}"] if self.effects != "auto" else []),
         ]
         return ", ".join([f"{self.motion}, {self.latency_ms:g} ms: {self.warp}{fill}", *more])
@@ -81,6 +81,8 @@ class StreamRun:
     size: tuple[int, int] = FULL_SIZE
     latency_ms: float = 100.0
     trace: str = "walk"
+    # Mbit/s of the link; then rendering, encoding and decoding delay a frame as well.
+    bandwidth_mbit: float | None = None
 
 
 @attrs.frozen(kw_only=True)
@@ -100,6 +102,11 @@ class FactRun:
 
 Run = PictureRun | StreamRun | RatingsRun | FactRun
 Figures = dict[str, float | None]
+
+
+def size_text(guard: tuple[float, float]) -> str:
+    """Return the rendered picture's pixels for FULL_SIZE."""
+    return "x".join(str(round(side * factor)) for side, factor in zip(FULL_SIZE, guard, strict=True))
 
 
 def motions(*kinds: str) -> tuple[Motion, ...]:

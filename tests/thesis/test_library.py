@@ -8,7 +8,6 @@ import pytest
 
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.pipeline import parse_guard
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 from hmdwarp.thesis import EXPERIMENTS, PictureRun, experiments_named
@@ -100,6 +99,5 @@ def test_runs_name_what_there_is():
     for run in PICTURE_RUNS:
         parse_warp(run.warp)
         parse_fills(run.fill)
-        parse_guard(run.guard)
         assert run.scene in scenes.names()
         GLIDES[run.motion.kind].with_(run.motion.speed, run.motion.amplitude)
