@@ -14,6 +14,7 @@ from worlds import read
 from hmdwarp.client import parse_fills
 from hmdwarp.client.fills import relight as settings
 from hmdwarp.client.fills.relight import sample_offsets
+from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
@@ -44,6 +45,59 @@ def test_the_whole_model_fills_with_the_truth(gpu, scene):
     colour, depth = shown.fill("model:share=1")
     assert np.array_equal(colour, shown.truth)
     assert np.array_equal(depth, shown.depth)
+
+
+def by_server(gpu, scene: Scene, shown: Shown) -> np.ndarray:
+    """(h, w, 4) what a server of that scene draws, in the holes."""
+    drawn = read(Server(gpu, scene).draw(VIEW, shown.size).colour)
+    return np.where(shown.holes[..., None], drawn, shown.colour)
+
+
+def test_with_light_off_the_model_is_the_bare_albedo(gpu):
+    """As a server draws a scene in which nothing but the albedo is left, put together by hand."""
+    scene, shown = load_scene("spheres"), Shown(gpu, "spheres")
+    assert all(mesh.albedo is not None for mesh in scene.meshes)
+    bare = attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=mesh.albedo) for mesh in scene.meshes])
+    got, depth = shown.fill("model:share=1,light=off")
+    assert np.array_equal(got, by_server(gpu, bare, shown))
+    assert not np.array_equal(got, shown.fill("model:share=1")[0])
+    assert np.array_equal(depth, shown.depth)
+
+
+def test_smaller_textures_are_means_of_the_larger_ones(gpu):
+    """A half on each axis, by means of four texels; the pictures of `planes` divide by two."""
+    scene, shown = load_scene("planes"), Shown(gpu, "planes")
+    halves = []
+    for texture in scene.textures:
+        light = linear_from_srgb(texture.image / 255) if texture.srgb else texture.image / 255
+        high, wide = (side // 2 for side in light.shape[:2])
+        mean = light.reshape(high, 2, wide, 2, 3).mean(axis=(1, 3))
+        encoded = srgb_from_linear(mean) if texture.srgb else mean
+        halves.append(attrs.evolve(texture, image=np.rint(255 * encoded).astype(np.uint8)))
+    got = shown.fill("model:share=1,texture=0.5")[0]
+    assert np.array_equal(got, by_server(gpu, attrs.evolve(scene, textures=halves), shown))
+    errors = [shown.error(shown.fill(f"model:share=1,texture={scale}")[0]) for scale in (1, 0.5, 0.125)]
+    assert errors[0] == 0
+    assert errors == sorted(errors)
+
+
+def test_a_client_holds_what_its_models_weigh(gpu):
+    shown = Shown(gpu, "planes")
+    for text in ("model:share=1", "model:share=1,texture=0.25,light=off", "relight:share=1", "composite"):
+        shown.fill(text)
+    scene = load_scene("planes")
+    texels = sum(texture.image.size for texture in scene.textures)
+    whole, quarter = shown.geometry.weights()
+    # Five quads of four vertices (8 floats) and two triangles (3 indices). One model serves light
+    # and no light.
+    assert whole == {
+        "share": 1.0,
+        "texture": 1.0,
+        "triangles": 10,
+        "geometry_bytes": 4 * (20 * 8 + 10 * 3),
+        "texture_bytes": texels,
+    }
+    assert quarter == {**whole, "texture": 0.25, "texture_bytes": texels // 16}
 
 
 def test_a_model_without_depth_fills_the_same(gpu):
@@ -166,14 +220,24 @@ def test_samples_are_the_same_every_time_and_within_reach():
 
 
 @pytest.mark.parametrize(
-    "text", ["model:share=0", "model:share=1.1", "relight:samples=0", "relight:reach=0", "relight:share=-1"]
+    "text",
+    [
+        "model:share=0",
+        "model:share=1.1",
+        "model:texture=0",
+        "model:texture=2",
+        "model:light=on",
+        "relight:samples=0",
+        "relight:reach=0",
+        "relight:share=-1",
+    ],
 )
 def test_settings_that_are_none_are_refused(text):
     with pytest.raises(InputError, match="expected"):
         parse_fills(text)
 
 
-@pytest.mark.parametrize("name", ["model", "relight"])
+@pytest.mark.parametrize("name", ["model", "model:texture=0.25,light=off", "relight"])
 def test_nothing_is_made_once_it_runs(gpu, name):
     shown = Shown(gpu, "spheres")
     shown.fill(name)
