@@ -47,6 +47,7 @@ class Reflections(Layer):
     summary = "what mirrors show, with the depth of the mirrored world"
     formats = ("rgba16f", "r32f", "rgba16f")
     drawn_by = "reflections"
+    apart = True
     something = Mirrored.PLANE | Mirrored.CURVED
 
     @classmethod
