@@ -77,6 +77,22 @@ def test_each_effect_is_paid_by_those_who_call_for_it(scene):
         assert fewer != everything, f"{name} costs nothing at all"
 
 
+@pytest.mark.parametrize("scene", SCENES)
+def test_warp_none_is_an_imposter_in_every_scene(scene):
+    """It shows the picture and nothing else is sent, whatever the scene calls for."""
+    costs = costs_of(scene=scene, warp="none")
+    assert not {path for path in costs.shaders if path.startswith("effects/")}
+    assert set(costs.layers) == {"rendered.colour"}
+    assert costs.sent == 2 * 96 * 80 * 8
+    assert costs == costs_of(scene=scene, warp="none", effects="none")
+
+
+@pytest.mark.parametrize("scene", CALLING)
+def test_an_imposter_pays_for_what_is_asked_for_by_name(scene):
+    named = ",".join(scenes.get(scene).effects)
+    assert costs_of(scene=scene, warp="none", effects=named).sent > costs_of(scene=scene, warp="none").sent
+
+
 @pytest.mark.parametrize("name", effects.names())
 def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
     plain, forced = (costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))

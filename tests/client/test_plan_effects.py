@@ -78,7 +78,7 @@ def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
 
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
 def test_fused_with_the_lens_nothing_is_composited(warp):
-    plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True)
+    plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True, named=EVERY_EFFECT)
     assert all(issubclass(one.made_by, RenderedPass) for one in plan.effect_passes)
     assert not any(SHOWN in step.writes for step in plan.steps)
     for effect in effects:
@@ -91,6 +91,19 @@ def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
     left_out = dict(plan_of(EVERY_EFFECT, warp).left_out)
     for effect in effects:
         assert ("carries nothing" in left_out.get(effect.name, "")) == effect.made_by.carries
+
+
+@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
+def test_an_imposter_compensates_only_what_is_asked_for_by_name(declared):
+    imposters = [warp.name for warp in warps if warp.imposter]
+    assert imposters == ["none"]
+    plan = plan_of(declared, "none", fill="interpolate", lens="radial")
+    assert plan.effects == () and plan.needs == Needs() and plan.layers == ("rendered.colour",)
+    assert not any(step.stage == "effects" for step in plan.steps)
+    reasons = [dict(plan.left_out)[name] for name in declared]
+    assert all("warp 'none' compensates nothing unless" in one or one.startswith("it refines") for one in reasons)
+    by_name = plan_of(declared, "none", named=declared)
+    assert by_name.effects == plan_of(declared).effects and by_name.needs == plan_of(declared).needs
 
 
 def test_what_was_forced_or_forbidden_is_told_as_that():
