@@ -11,6 +11,7 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
+from .frame_ways import timeline_svg as timeline_svg
 from .live_lines import budget_rows as budget_rows
 from .live_lines import live_lines as live_lines
 from .live_page import render_live_report as render_live_report

@@ -17,15 +17,16 @@ _CLASSES = {
 def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[tuple[str, str]]]) -> str:
     """Return the text of the page from the content of results.json.
 
-    pictures: (caption, data URI) of each experiment's pictures, by its name. All text from the data
-    is escaped.
+    pictures: (caption, data URI or <svg> element) of each experiment's pictures, by its name. All
+    text from the data is escaped.
     """
     experiments = [
         {
             **one,
             "kind": _CLASSES[one["verdict"]],
             "table": cells_table(one),
-            "pictures": pictures.get(one["name"], ()),
+            "pictures": [pair for pair in pictures.get(one["name"], ()) if pair[1].startswith("data:")],
+            "charts": [pair for pair in pictures.get(one["name"], ()) if pair[1].startswith("<svg")],
         }
         for one in data["experiments"]
     ]

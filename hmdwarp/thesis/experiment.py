@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import attrs
 
-from .run_kinds import Figures, PictureRun, Run
+from .run_kinds import Figures, PictureRun, Run, StreamRun
 from .verdicts import Rule
 
 # The number of a cell from the figures of its runs, in their order; None where it is not known.
@@ -46,8 +46,8 @@ class Experiment:
     # Turns the number into `unit`.
     scale: float = 1.0
     cells: tuple[Cell, ...] = ()
-    # Runs whose pictures are shown.
-    pictures: tuple[PictureRun, ...] = ()
+    # Runs whose pictures are shown; of a stream the time line of its frames.
+    pictures: tuple[PictureRun | StreamRun, ...] = ()
     # What the reader must know; not computed.
     note: str = ""
 

@@ -18,7 +18,7 @@ from ..resources import folder as resource_folder
 from .run_kinds import Figures, Run
 
 KEPT = "kept"
-PICTURE, TRUTH = "shown", "truth"
+PICTURE, TRUTH, TIMELINE = "shown", "truth", "timeline"
 # What neither draws nor measures a picture: a change there leaves the figures as they are.
 _NOT_OF_PICTURES = ("cli", "display", "doctor", "report", "study", "thesis")
 
@@ -41,19 +41,20 @@ class KeptRuns:
                 return data["figures"] if data["pictures"] or not with_picture else None
         return None
 
-    def keep(self, run: Run, figures: Figures, pictures: Mapping[str, NDArray[np.uint8]]) -> None:
-        """Write a run's figures, after its pictures (PICTURE and TRUTH, or none).
+    def keep(self, run: Run, figures: Figures, pictures: Mapping[str, NDArray[np.uint8] | str]) -> None:
+        """Write a run's figures, after its pictures (PICTURE and TRUTH, TIMELINE as SVG, or none).
 
         Errors: InputError or MachineError for a place that cannot be written.
         """
         for kind, picture in pictures.items():
-            write_bytes(self.picture(run, kind), jpeg_bytes(picture))
+            content = picture.encode() if isinstance(picture, str) else jpeg_bytes(picture)
+            write_bytes(self.picture(run, kind), content)
         data = {"made_with": self._made_with(run), "figures": figures, "pictures": sorted(pictures)}
         write_json(self._path(run), data)
 
     def picture(self, run: Run, kind: str) -> Path:
         """Return the path of a picture."""
-        return self.folder / f"{self._name(run)}-{kind}.jpg"
+        return self.folder / f"{self._name(run)}-{kind}.{'svg' if kind == TIMELINE else 'jpg'}"
 
     def _path(self, run: Run) -> Path:
         return self.folder / f"{self._name(run)}.json"

@@ -84,6 +84,12 @@ class StreamRun:
     # Mbit/s of the link; then rendering, encoding and decoding delay a frame as well.
     bandwidth_mbit: float | None = None
 
+    @property
+    def caption(self) -> str:
+        """What its time line shows."""
+        size = "x".join(map(str, self.size))
+        return f"way of the last frames: {size}, {self.codec}, {self.bandwidth_mbit:g} Mbit/s, {self.latency_ms:g} ms"
+
 
 @attrs.frozen(kw_only=True)
 class RatingsRun:

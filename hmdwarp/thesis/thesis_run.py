@@ -20,7 +20,7 @@ from ..run.run_summary import machine_of
 from ..version import __version__
 from .experiment import Experiment
 from .facts import fact, ratings
-from .kept_runs import KEPT, PICTURE, TRUTH, KeptRuns, fingerprint
+from .kept_runs import KEPT, PICTURE, TIMELINE, TRUTH, KeptRuns, fingerprint
 from .library import experiments_named
 from .options import ThesisOptions
 from .picture_runs import Thoroughness, look
@@ -119,7 +119,7 @@ def _figures(
 
 
 def _run_all(
-    runs: Sequence[Run], how: Thoroughness, kept: KeptRuns, pictured: set[PictureRun], folder: Path
+    runs: Sequence[Run], how: Thoroughness, kept: KeptRuns, pictured: set[PictureRun | StreamRun], folder: Path
 ) -> Iterator[tuple[Run, Figures]]:
     """Yield the figures of each run as soon as it is kept."""
     pictures = [run for run in runs if isinstance(run, PictureRun)]
@@ -132,11 +132,13 @@ def _run_all(
     for run in runs:
         if isinstance(run, PictureRun):
             continue
+        timeline: dict[str, str] = {}
         if isinstance(run, StreamRun):
-            figures = stream(run, how.size, kept.made_with["stream_s"], folder / "stream")
+            figures, drawn = stream(run, how.size, kept.made_with["stream_s"], folder / "stream")
+            timeline = {TIMELINE: drawn} if run in pictured else {}
         else:
             figures = ratings(run) if isinstance(run, RatingsRun) else fact(run)
-        kept.keep(run, figures, {})
+        kept.keep(run, figures, timeline)
         yield run, figures
 
 
@@ -199,18 +201,19 @@ def _rows(experiments: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def _pictures(chosen: Sequence[Experiment], kept: KeptRuns) -> dict[str, list[tuple[str, str]]]:
-    """Return (caption, data URI) of the pictures of each experiment, by its name."""
+    """Return (caption, data URI or <svg> element) of each experiment's pictures, by its name."""
     return {one.name: [*_pictures_of(one, kept)] for one in chosen}
 
 
 def _pictures_of(one: Experiment, kept: KeptRuns) -> Iterator[tuple[str, str]]:
-    shown: set[tuple[Any, ...]] = set()
-    for run in one.pictures:
+    pictures = [run for run in one.pictures if isinstance(run, PictureRun)]
+    for run in pictures:
         yield run.caption, _uri(kept.picture(run, PICTURE))
-    for run in one.pictures:
-        if (run.scene, run.motion) not in shown:
-            yield f"what should be seen: {run.motion}", _uri(kept.picture(run, TRUTH))
-        shown.add((run.scene, run.motion))
+    for run in {(run.scene, run.motion): run for run in pictures}.values():
+        yield f"what should be seen: {run.motion}", _uri(kept.picture(run, TRUTH))
+    for stream_run in one.pictures:
+        if isinstance(stream_run, StreamRun):
+            yield stream_run.caption, kept.picture(stream_run, TIMELINE).read_text(encoding="utf-8")
 
 
 def _uri(path: Path) -> str:
