@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..client.compensator import EyeResult
-from ..client.effects import effects
-from ..client.plan import build_plan, needs_of
+from ..client.plan import needs_of
 from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..gpu.textures import download
+from ..headsets import load_headset
 from ..metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
 from ..pipeline.loop import Refresh
+from ..pipeline.planning import build_plan_for
 from ..poses import GLIDES, synthesise
 from ..poses.synth import write_synthetic
 from ..run import RunOptions, draw_truth, set_up_replay
@@ -71,14 +72,13 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     path = folder / f"{moved}.csv".replace(" ", "-").replace("/", "-")
     with path.open("w", encoding="utf-8") as stream:
         write_synthetic(track, stream)
-    scene = load_scene(first.scene)
-    chosen = effects.selected(first.effects, effects.of(scene))
+    options, headset, scene = _options(first, how, path), load_headset(HEADSET), load_scene(first.scene)
     combinations = [
-        Combination(run.warp, run.fill, build_plan(chosen, run.warp, run.fill, "none", client_geometry=True))
+        Combination(run.warp, run.fill, build_plan_for(options.with_pair(run.warp, run.fill), headset, scene))
         for run in runs
     ]
     needs = needs_of(combination.plan for combination in combinations)
-    with set_up_replay(_options(first, how, path), needs) as setup:
+    with set_up_replay(options, needs) as setup:
         numbers = _instants(setup, moved, how.instants)
         watchers = [_Watcher(setup, run, one, how) for run, one in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
