@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .parts import CLOCK_NAMES, Cell, Line, PageTable, Tile, environment
+from .words import plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
 # CSS classes of the verdicts.
@@ -57,7 +58,7 @@ def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
     value = cell["value"]
     if value is None:
         return "–"
-    return f"{value * one['scale']:.{one['digits']}f}{MARKS[cell['holds']]}"
+    return f"{plain(value * one['scale'], one['digits'])}{MARKS[cell['holds']]}"
 
 
 def summary_markdown(data: Mapping[str, Any]) -> str:

@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 
 from ..gpu import Gpu
-from ..report import OutputFolder, jpeg_bytes, render_thesis_page
+from ..report import OutputFolder, jpeg_bytes, plain, render_thesis_page
 from ..run.run_summary import machine_of
 from ..version import __version__
 from .experiment import Experiment
@@ -179,7 +179,7 @@ def _ours(one: Experiment, findings: Sequence[Finding]) -> str:
     values = sorted(finding.value * one.scale for finding in findings if finding.value is not None)
     if not values:
         return ""
-    ends = list(dict.fromkeys(f"{value:.{one.digits}f}" for value in (values[0], values[-1])))
+    ends = list(dict.fromkeys(plain(value, one.digits) for value in (values[0], values[-1])))
     return f"{' to '.join(ends)} {one.unit}".strip()
 
 

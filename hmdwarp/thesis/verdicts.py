@@ -134,7 +134,7 @@ def _together(texts: Sequence[str]) -> str:
         else:
             at = next((place for place, word in enumerate(words) if _is_number(word)), 0)
             groups.append((" ".join(words[:at]), " ".join(words[at + 1 :]), [words[at]]))
-    return ", ".join(" ".join(filter(None, (head, ", ".join(middle), tail))) for head, tail, middle in groups)
+    return " and ".join(" ".join(filter(None, (head, ", ".join(middle), tail))) for head, tail, middle in groups)
 
 
 def _is_number(text: str) -> bool:
