@@ -7,7 +7,7 @@ from functools import reduce
 from operator import add
 from typing import Any
 
-from ..client.abilities import lacking
+from ..client.capability import lacking
 from ..clients import Client
 from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, pooled
 from ..run.combination_bench import Measured

@@ -35,8 +35,8 @@ from ..version import __version__
 from . import displacement_grid, fused
 from .bench_rows import COLUMNS, flat, row_of
 from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
+from .client_notes import left_out_notes
 from .options import BenchOptions
-from .what_client_lacks import left_out_notes
 
 OWNED = ("bench.csv", "bench.html")
 Progress = Callable[[int, int], None]

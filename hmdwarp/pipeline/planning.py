@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..auto.levels import QualityLevel
-from ..client.abilities import check_client
+from ..client.capability import check_client
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
 from ..clients import load_client
