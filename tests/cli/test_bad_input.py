@@ -185,7 +185,7 @@ def test_numbers_that_cannot_be_meant(option, value, told, command, quick, kept)
 
 
 def test_a_guard_beyond_the_gl_limit(command, quick, kept):
-    command("replay", "still", *quick, "--size", "4000x4000", "--guard", "8").refused("guard 8", "this GPU's limit")
+    command("replay", "still", *quick, "--size", "8000x8000", "--guard", "8").refused("guard 8", "this GPU's limit")
 
 
 def test_more_frames_than_memory_holds(command, quick, kept):

@@ -167,10 +167,9 @@ def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
     validate_summary(result.summary)
     assert (result.summary["warp"], result.summary["fill"], result.summary["lens"]) == (warp, fill, lens)
     assert result.summary["frames"] == 6
-    for row in result.rows:
-        assert row["warp_ms"] > 0
-        assert (row["fill_ms"] > 0) == (fill != "none")
-        assert (row["lens_ms"] > 0) == (lens != "none")
+    # Of six refreshes: a GPU's timer has ticks, and one pass of so few pixels may fall between two.
+    for stage, runs in (("warp_ms", True), ("fill_ms", fill != "none"), ("lens_ms", lens != "none")):
+        assert (sum(row[stage] for row in result.rows) > 0) == runs, stage
     assert all(math.isfinite(result.summary["quality"][name]["mean"]) for name in QUALITY_AT)
 
 
