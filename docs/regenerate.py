@@ -3,8 +3,7 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `guard:FILE` takes the rows of an earlier run, `gpu:FILE,FILE` the bench.json of runs on a
-machine with a GPU.
+defaults; `gpu:FILE,FILE` the bench.json of runs on a machine with a GPU.
 """
 
 from __future__ import annotations
@@ -88,14 +87,14 @@ def opening_picture(folder: Path) -> None:
 
 
 def bench(folder: Path, *ready: str) -> None:
-    """Measure every warp at 200, 400 and 800 ms: tables, the plot, and which aims were met.
+    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plot, and which aims were met.
 
     ready: bench.json of two earlier runs, to use instead.
     """
     if not ready:
         ready = (str(folder / "200" / "bench.json"), str(folder / "later" / "bench.json"))
         program("bench", "--quiet", "--out", str(folder / "200"))
-        later = "--latency 400 --latency 800 --instants 3 --rounds 1 --no-grid --no-fused --quiet --out"
+        later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused --quiet --out"
         program("bench", *shlex.split(later), str(folder / "later"))
     data, *more = (json.loads(Path(name).read_text(encoding="utf-8")) for name in ready)
     rows = [*data["rows"], *(row for other in more for row in other["rows"])]
@@ -191,11 +190,15 @@ def memory(folder: Path) -> None:
     replace("memory", passes.memory_table(partial(run, folder)))
 
 
-def guard_bands(folder: Path, *ready: str) -> None:
-    """Measure what guard bands and the wide view cost and save. ready: the rows of a run."""
-    rows = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else guard.measure(folder / "guard", program)
-    replace("guard", guard.band_table(rows))
-    replace("thesis guard", guard.finding_table(rows))
+def guard_bands(folder: Path) -> None:
+    """Measure what guard bands and the wide view cost and save."""
+    replace("guard", guard.band_table(guard.measure(folder / "guard", program)))
+
+
+def thesis_guard_bands(folder: Path) -> None:
+    """Measure which of the thesis's picture sizes suffices for which motion and speed."""
+    (folder / "thesis-guard").mkdir()
+    replace("thesis guard", guard.finding_table(guard.measure_thesis(folder / "thesis-guard", program)))
 
 
 def link(folder: Path) -> None:
@@ -306,6 +309,7 @@ PARTS = {
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
+    "thesis-guard": thesis_guard_bands,
     "link": link,
     "readme": readme,
 }

@@ -27,6 +27,7 @@ from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.combination_bench import Comparison
 from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from ..run.options import RunOptions
 from ..run.replay_setup import set_up_replay
 from ..run.run_summary import machine_of
 from ..run.schedule import schedule_of
@@ -151,7 +152,7 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
     starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = []
     for case in cases_of(options):
-        guarded_size(options.guard, headset, case.size)
+        guarded_size(options.guard_band, headset, case.size)
         run = run_options(options, case, start_s=starts[case.recording])
         count = schedule_of(traces[case.recording].track, run, rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
@@ -181,7 +182,7 @@ def _examined(
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
         batched = {
             work.case: batches(
-                work.combinations, guarded_size(options.guard, headset, work.case.size), work.case.size, most
+                work.combinations, guarded_size(options.guard_band, headset, work.case.size), work.case.size, most
             )
             for work in works
         }
@@ -192,7 +193,7 @@ def _examined(
 
 
 def _check_room(gpu: Gpu, run: PipelineOptions, headset: Headset, needs: Needs) -> None:
-    sizes = eye_sizes(run.guard_factor, headset, run.size or headset.eye_size_px)
+    sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
     check_held(gpu, run, needs, sizes, run.rate_hz or headset.refresh_hz)
 
 
@@ -232,9 +233,17 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
     unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
     with (
         _pool(options, headset, displacement_grid.SIZE) as pool,
-        set_up_replay(attrs.evolve(work.run, size=displacement_grid.SIZE), needs_of(c.plan for c in unfilled)) as setup,
+        set_up_replay(
+            _at_size(work.run, work.case.size, displacement_grid.SIZE), needs_of(c.plan for c in unfilled)
+        ) as setup,
     ):
         return displacement_grid.grid_rows(setup, unfilled, pool, steps)
+
+
+def _at_size(run: RunOptions, shown: tuple[int, int], size: tuple[int, int]) -> RunOptions:
+    """Return the run at another size, with the same field of view."""
+    guard = run.guard_band.factors(shown)
+    return attrs.evolve(run, size=size, guard=(guard.x, guard.y), rendered_size=None)
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:

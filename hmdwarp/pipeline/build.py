@@ -65,7 +65,7 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the largest number of frames alive at once fits. Errors: as check_room."""
-    check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
+    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
 @attrs.frozen(eq=False)

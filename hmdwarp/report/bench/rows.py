@@ -20,7 +20,7 @@ _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("size", lambda v: f"{v[0]}x{v[1]}"),
     ("headset", str),
     ("lens", lambda v: f"lens {v}"),
-    ("guard", lambda v: f"guard {v:g}"),
+    ("guard", lambda v: f"guard {v}" if isinstance(v, str) else f"guard {v:g}"),
     ("predict", lambda v: f"predict {v}"),
     ("rate_hz", lambda v: f"{v:g} Hz"),
 )
