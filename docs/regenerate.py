@@ -263,6 +263,12 @@ def controls(_: Path) -> None:
     replace("controls", "\n".join(lines))
 
 
+def clients(_: Path) -> None:
+    """Write what the shipped client classes can do."""
+    command = [sys.executable, "-m", "hmdwarp", "list", "clients", "--markdown"]
+    replace("clients", subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
 def live_cost(_: Path) -> None:
     """Measure the loop outside OpenGL and the garbage collector; needs an idle machine."""
     # Status 1: the limit is exceeded, which the table says.
@@ -309,6 +315,7 @@ PARTS = {
     "study-simulated": study_simulated,
     "hard-cases": hard_cases,
     "controls": controls,
+    "clients": clients,
     "live-picture": live_picture,
     "live-cost": live_cost,
     "picture": opening_picture,

@@ -12,6 +12,7 @@ import attrs
 
 from ..auto.levels import choose
 from ..client.plan import build_plan, needs_of
+from ..clients import Client, load_client
 from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
@@ -35,6 +36,7 @@ from ..version import __version__
 from . import displacement_grid, fused
 from .bench_rows import COLUMNS, flat, row_of
 from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
+from .client_notes import left_out_notes
 from .options import BenchOptions
 
 OWNED = ("bench.csv", "bench.html")
@@ -89,7 +91,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
     started = time.perf_counter()
-    headset = load_headset(options.headset)
+    headset, client = load_headset(options.headset), load_client(options.client)
     works, notes = _checked(options, headset)
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
         machine, bandwidth, clocks, batched = _examined(options, headset, works)
@@ -98,7 +100,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
         for size, group in itertools.groupby(works, key=lambda work: work.case.size):
             with _pool(options, headset, size) as pool:
                 for work in group:
-                    rows += _case_rows(options, work, batched[work.case], pool, bandwidth, steps)
+                    rows += _case_rows(options, work, batched[work.case], pool, bandwidth, client, steps)
         first, has_grid, has_fused = works[0], options.grid, options.fused and headset.lens is not None
         data = {
             "schema": SCHEMA,
@@ -108,7 +110,8 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
             "copy_gb_s": bandwidth.bytes_per_s * 1e-9,
-            "notes": notes,
+            "client": client.name,
+            "notes": [*notes, *left_out_notes(rows, client)],
             "rows": rows,
             "grid": _grid(options, headset, first, steps) if has_grid else [],
             "grid_at": {"scene": rows[0]["scene"], "size": list(displacement_grid.SIZE), "eye": "left"}
@@ -118,7 +121,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "fused_at": _fused_at(options, rows[0]) if has_fused else None,
             "choice": None,
         }
-        data["choice"], refused = _choice(rows, options.budget_ms)
+        data["choice"], refused = _choice([row for row in rows if not row["lacks"]], options.budget_ms)
         data["seconds"] = time.perf_counter() - started
         _write(out, data)
     return BenchResult(options.out, data, refused)
@@ -212,6 +215,7 @@ def _case_rows(
     batched: list[list[Combination]],
     pool: QualityPool,
     bandwidth: Bandwidth,
+    client: Client,
     steps: _Steps,
 ) -> Iterator[dict[str, Any]]:
     for batch in batched:
@@ -219,7 +223,7 @@ def _case_rows(
             comparison = Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
-            yield from (row_of(setup, measured, pool, bandwidth.bytes_per_s) for measured in comparison.measured)
+            yield from (row_of(setup, each, pool, bandwidth.bytes_per_s, client) for each in comparison.measured)
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:

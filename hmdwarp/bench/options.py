@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from ..clients import PICTURE_CLIENT
 from ..errors import InputError
 from ..link import LinkOptions
 from ..options import (
@@ -96,6 +97,10 @@ class BenchOptions(Declared):
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
+    # All combinations are measured; the front and the budget are for those that it can run.
+    client: str = same_as(
+        _RUN.client, PICTURE_CLIENT, help="Client that the Pareto front and --budget are for; all is measured."
+    )
     # Chooses the most accurate combination within it.
     budget_ms: float | None = same_as(
         _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."

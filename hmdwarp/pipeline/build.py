@@ -13,8 +13,10 @@ from ..auto.governor import Governor
 from ..auto.levels import QualityLevel
 from ..client.compensator import Compensator
 from ..client.history import History
-from ..client.plan import Plan
-from ..frames import EyeSizes, Needs
+from ..client.plan import Plan, needs_of
+from ..clients import load_client
+from ..errors import InputError
+from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -159,6 +161,7 @@ def build_pipeline(
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)
     check_held(gpu, options, needs, sizes, target.rate_hz)
+    _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -190,6 +193,20 @@ def _channel(
     coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
     latency_ns, reads = target.link_latency_ns, Reads.of(plans)
     return Channel(options.network, latency_ns, coder, reads, history.offer, server.recycle, target.rate_hz)
+
+
+def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
+    """Check that the client decodes as fast as frames come. Errors: InputError."""
+    if not options.client_name or codecs.get(options.coding.codec).is_none:
+        return
+    weights = frame_bytes(needs_of(plans), sizes, {name for plan in plans for name in plan.layers})
+    client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
+    if needed > client.decoder_mpx_s:
+        raise InputError(
+            f"frames of {video_pixels(weights) * 1e-6:.1f} Mpx at {rate_hz:g} Hz are {needed:.0f} Mpx/s to decode: "
+            f"client '{client.name}' decodes {client.decoder_mpx_s:g}; use a smaller --size or --guard, or another "
+            "client"
+        )
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import attrs
 
+from ..clients import PICTURE_CLIENT, load_client
 from ..errors import InputError
-from ..link import LinkOptions
+from ..link import Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..options import (
     AUTO,
@@ -68,6 +70,12 @@ class PipelineOptions(Declared):
     scene_options: SceneOptions = group(SceneOptions)
     # From drawing a frame to showing it.
     latency_ms: float = option(200.0, "Milliseconds from drawing a frame to showing it.", unit="ms", valid=Number())
+    # "" for a client that can do all that is asked of it; warp "auto" takes the client "picture".
+    client: str = option(
+        "",
+        f"What the client can do: {names_in('clients', '*.toml')}, or a .toml file; what it lacks is refused, and "
+        "never chosen. By default all, and picture where --warp auto chooses.",
+    )
     warp: str = option("forward", f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
@@ -167,7 +175,7 @@ class PipelineOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
-        values = super().values_of(said)
+        values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
         values["fill"] = _fill_for(said.get("warp", ""), said.get("fill"), fused=fused, wide=wide)
@@ -186,6 +194,11 @@ class PipelineOptions(Declared):
         return self.warp == AUTO
 
     @property
+    def client_name(self) -> str:
+        """The client whose abilities count; "" where anything goes."""
+        return self.client or (PICTURE_CLIENT if self.chooses_warp else "")
+
+    @property
     def guard_band(self) -> GuardBand:
         """The guard band. Errors: InputError while it is "auto"."""
         return guard_band(self)
@@ -200,7 +213,7 @@ class PipelineOptions(Declared):
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
-        return attrs.evolve(self, warp=warp, fill=fill, budget_ms=None, bench=None)
+        return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
 
     def _check_auto(self) -> None:
         if self.budget_ms is None:
@@ -213,6 +226,22 @@ class PipelineOptions(Declared):
                 "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; "
                 "leave one out"
             )
+
+
+def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
+    """Add the client's budget for warp auto and, for frames that are coded, its download.
+
+    What was said counts more.
+    """
+    if not said.get("client"):
+        return values
+    client = load_client(said["client"])
+    if said.get("warp") == AUTO and said.get("budget") is None and math.isfinite(client.budget_ms):
+        values["budget_ms"] = client.budget_ms
+    coded = values["coding"].codec != "none" if "coding" in values else False
+    if coded and not said.get("bandwidth") and math.isfinite(client.download_mbit_s):
+        values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(client.download_mbit_s))
+    return values
 
 
 def _own_lens(headset: str) -> str:
