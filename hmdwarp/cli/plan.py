@@ -61,7 +61,7 @@ class _About:
     show: Callable[[], None]
 
 
-def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for
 
     built = build_plan_for(options, headset, scene, **told)
