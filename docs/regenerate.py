@@ -3,7 +3,7 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `thesis:FILE` takes the results.json of an earlier run, `gpu:FILE,FILE` the bench.json of
+defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the bench.json of
 runs on a machine with a GPU.
 """
 
@@ -296,11 +296,14 @@ def study_simulated(folder: Path) -> None:
 
 
 def thesis(folder: Path, *ready: str) -> None:
-    """Run the experiments of the thesis. ready: results.json of an earlier run, to use instead."""
-    results = Path(ready[0]) if ready else folder / "thesis-again" / "results.json"
+    """Run the experiments of the thesis.
+
+    ready: results.json of earlier runs, to use instead; what several have is taken from the last.
+    """
     if not ready:
-        program("thesis", "--quiet", "--out", str(results.parent))
-    replace("thesis again", summary_markdown(json.loads(results.read_text(encoding="utf-8"))))
+        ready = (str(folder / "thesis-again" / "results.json"),)
+        program("thesis", "--quiet", "--out", str(Path(ready[0]).parent))
+    replace("thesis again", summary_markdown([json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]))
 
 
 def trace_layouts(_: Path) -> None:

@@ -61,19 +61,20 @@ def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
     return f"{plain(value * one['scale'], one['digits'])}{MARKS[cell['holds']]}"
 
 
-def summary_markdown(data: Mapping[str, Any]) -> str:
-    """Return the verdicts as a Markdown table, one row for each experiment."""
-    heads = ("experiment", "the thesis", "ours", "rule", "verdict", "holds at")
-    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
-    for one in data["experiments"]:
+def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
+    """Return the verdicts as a Markdown table, one row for each experiment.
+
+    results: contents of results.json; an experiment that several have is that of the last.
+    """
+    experiments = {one["name"]: (one, data) for data in results for one in data["experiments"]}
+    used = {id(data): data for _, data in experiments.values()}.values()
+    runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
+    heads = ("claim", "the thesis", "ours", "rule", "verdict", "holds at")
+    lines = [f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}.", ""]
+    lines += ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    for one, _ in experiments.values():
         where = one["holds_at"] if one["verdict"] == "holds under conditions" else ""
-        texts = (
-            f"{one['claim']} ({one['source']})",
-            one["thesis"],
-            one["ours"] or "–",
-            one["rule"],
-            one["verdict"],
-            where,
-        )
+        claim = f"{one['claim']} ({one['source']})"
+        texts = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"], where)
         lines.append("| " + " | ".join(text.replace("|", "/") for text in texts) + " |")
     return "\n".join(lines)

@@ -13,6 +13,7 @@ from .library import experiments_named
 from .run_kinds import FULL_SIZE
 
 _RUN = attrs.fields(RunOptions)
+QUICK_SCALE = 1 / 8
 QUICK_SIZE = (160, 100)
 
 
@@ -40,7 +41,8 @@ class ThesisOptions(Declared):
     )
     quick: bool = option(False, "Small pictures and the middle speed only: whether everything runs, in two minutes.")
     size: tuple[int, int] | None = same_as(
-        _RUN.size, help=f"Pixels of one eye; by default {FULL_SIZE[0]}x{FULL_SIZE[1]} as in the thesis."
+        _RUN.size,
+        help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; those of streams are given by the thesis.",
     )
     command: str = ""
 

@@ -77,7 +77,6 @@ class StreamRun:
 
     warp: str = "none"
     codec: str = "h264"
-    # Where the other runs' pictures have FULL_SIZE.
     size: tuple[int, int] = FULL_SIZE
     latency_ms: float = 100.0
     trace: str = "walk"

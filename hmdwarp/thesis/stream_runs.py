@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from ..link import Bandwidth, LinkOptions, StageTimes
 from ..link.codec import Coding
 from ..report import timeline_svg
-from ..run import RunOptions, replay
+from ..run import RunOptions, figures
 from .picture_runs import HEADSET
-from .run_kinds import FULL_SIZE, RATE_HZ, Figures, StreamRun
+from .run_kinds import RATE_HZ, Figures, StreamRun
 
 
-def stream(run: StreamRun, size: tuple[int, int], seconds: float, folder: Path) -> tuple[Figures, str]:
+def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     """Return what the frames of one eye weigh and how late they are, and their time line as SVG.
 
-    size: of the pictures where the run's is FULL_SIZE. folder: for the results of the replay.
-    Errors: as replay.
+    scale: of each side of the pictures. Errors: as replay.
     """
-    width, height = (max(16, round(side * to / full)) for side, to, full in zip(run.size, size, FULL_SIZE, strict=True))
-    summary = replay(
+    width, height = (max(16, round(side * scale)) for side in run.size)
+    link = figures(
         RunOptions(
             trace=run.trace,
             latency_ms=run.latency_ms,
@@ -36,23 +33,19 @@ def stream(run: StreamRun, size: tuple[int, int], seconds: float, folder: Path) 
             against="",
             metrics_every=10**6,
             workers=0,
-            images=0,
-            out=folder,
-            force=True,
         )
-    ).summary
-    link = summary["link"]
+    )["link"]
     per_eye = link["mbit_s"] / 2
-    figures: Figures = {
+    found: Figures = {
         "mbit_s": per_eye,
         **{f"{name}_mbit_s": value / 2 for name, value in link["layers_mbit_s"].items()},
     }
-    if (width, height) == run.size:  # what depends on the size has no counterpart in smaller pictures
-        figures["full_size_mbit_s"] = per_eye
-        figures["response_ms"] = (link["response_ms"] or {}).get("median_ms")
+    if scale == 1:  # smaller pictures tell nothing of these
+        found["full_size_mbit_s"] = per_eye
+        found["response_ms"] = (link["response_ms"] or {}).get("median_ms")
         if run.bandwidth_mbit is not None:
-            figures["load_share"] = link["mbit_s"] / run.bandwidth_mbit
-    return figures, timeline_svg(link.get("timeline") or ())
+            found["load_share"] = link["mbit_s"] / run.bandwidth_mbit
+    return found, timeline_svg(link.get("timeline") or ())
 
 
 def _limited(mbit_s: float) -> LinkOptions:

@@ -22,7 +22,7 @@ from .experiment import Experiment
 from .facts import fact, ratings
 from .kept_runs import KEPT, PICTURE, TIMELINE, TRUTH, KeptRuns, fingerprint
 from .library import experiments_named
-from .options import ThesisOptions
+from .options import QUICK_SCALE, ThesisOptions
 from .picture_runs import Thoroughness, look
 from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
 from .stream_runs import stream
@@ -66,9 +66,13 @@ def run_thesis(
         with Gpu() as gpu:
             machine, clock = machine_of(gpu), gpu.timer.clock
         made_with = {
-            "hmdwarp": __version__, "program": fingerprint(), "gl_renderer": machine["gl_renderer"],
-            "stream_s": 0.25 if options.quick else 2.0, **attrs.asdict(how),
-        }  # fmt: skip
+            "hmdwarp": __version__,
+            "program": fingerprint(),
+            "gl_renderer": machine["gl_renderer"],
+            "stream_s": 0.25 if options.quick else 1.0,
+            "stream_scale": QUICK_SCALE if options.quick else 1.0,
+            **attrs.asdict(how),
+        }
         kept = KeptRuns(options.out / KEPT, made_with)
         figures = _figures(chosen, how, kept, progress, say)
         judged = [_judged(one, figures) for one in chosen]
@@ -134,7 +138,7 @@ def _run_all(
             continue
         timeline: dict[str, str] = {}
         if isinstance(run, StreamRun):
-            figures, drawn = stream(run, how.size, kept.made_with["stream_s"], folder / "stream")
+            figures, drawn = stream(run, kept.made_with["stream_scale"], kept.made_with["stream_s"])
             timeline = {TIMELINE: drawn} if run in pictured else {}
         else:
             figures = ratings(run) if isinstance(run, RatingsRun) else fact(run)

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from commands import hmdwarp
 
+from hmdwarp.report import summary_markdown
 from hmdwarp.thesis import EXPERIMENTS, Verdict
 
 FEW = "scene,fig28-30,ratings-figures"
@@ -39,6 +40,8 @@ def test_quick_gives_every_experiment_its_verdict(tmp_path):
     with (out / "results.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == sum(len(one["cells"]) for one in data["experiments"])
+    table = summary_markdown([data, {**data, "experiments": data["experiments"][:1]}]).splitlines()
+    assert len(table) == 4 + len(EXPERIMENTS)
 
 
 def test_a_killed_command_goes_on_where_it_was(tmp_path):
