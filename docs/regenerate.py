@@ -199,6 +199,12 @@ def guard_bands(folder: Path, *ready: str) -> None:
 def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
+    layers(folder)
+
+
+def layers(folder: Path) -> None:
+    """Measure what each kind of layer sends."""
+    replace("layers", passes.layers_table(partial(run, folder)))
 
 
 def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **environment: str) -> str:
@@ -288,6 +294,7 @@ PARTS = {
     "memory": memory,
     "guard": guard_bands,
     "link": link,
+    "layers": layers,
     "readme": readme,
 }
 
