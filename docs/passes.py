@@ -31,6 +31,7 @@ FILLS = (
     "wide+pyramid",
     "memory+pyramid",
     "model",
+    "interpolate+composite",
     "relight",
     "memory+relight",
     "interpolate+memory+pyramid",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 
 import attrs
@@ -13,7 +13,7 @@ from ..auto.governor import Governor
 from ..auto.levels import QualityLevel
 from ..client.compensator import Compensator
 from ..client.history import History
-from ..client.plan import Plan
+from ..client.plan import Plan, needs_of
 from ..clients import load_client
 from ..errors import InputError
 from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
@@ -157,6 +157,7 @@ def build_pipeline(
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)
     check_held(gpu, options, needs, sizes, target.rate_hz)
+    _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -164,7 +165,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, target, plans, history, server)
+        channel = _channel(options, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -183,19 +184,17 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
-    reads, coder = Reads.of(plans), None
-    if not codecs.get(options.coding.codec).is_none:
-        _check_decoder(options, frame_bytes(reads.needs, sizes, reads.names), target.rate_hz)
-        coder = Coder(options.coding, target.rate_hz)
-    return Channel(options.network, target.link_latency_ns, coder, reads, history.offer, server.recycle)
+    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
+    return Channel(options.network, target.link_latency_ns, coder, Reads.of(plans), history.offer, server.recycle)
 
 
-def _check_decoder(options: PipelineOptions, weights: Mapping[str, int], rate_hz: float) -> None:
+def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the client decodes as fast as frames come. Errors: InputError."""
-    if not options.client_name:
+    if not options.client_name or codecs.get(options.coding.codec).is_none:
         return
+    weights = frame_bytes(needs_of(plans), sizes, {name for plan in plans for name in plan.layers})
     client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
     if needed > client.decoder_mpx_s:
         raise InputError(

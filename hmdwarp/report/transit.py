@@ -50,6 +50,18 @@ def filled_rows(summary: Summary) -> Pairs:
     ]
 
 
+def model_rows(summary: Summary) -> Pairs:
+    """Return (model, what it weighs) of each model that the client drew for itself."""
+    return [
+        (
+            f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}",
+            f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
+            f"textures {one['texture_bytes'] / 1e6:.1f} MB",
+        )
+        for one in summary.get("client_models") or ()
+    ]
+
+
 def response_rows(summary: Summary) -> Pairs:
     """Return (part, mean ms) of the response time, without parts that took no time.
 
@@ -90,6 +102,7 @@ def transit_lines(summary: Summary) -> list[str]:
     filled = filled_rows(summary)
     if len(filled) > 2:
         lines.append("holes: " + ", ".join(f"{name} {share}" for name, share in filled))
+    lines += [f"{name}: {weight}" for name, weight in model_rows(summary)]
     link = summary.get("link") or {}
     counts = link.get("frames") or {}
     if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
