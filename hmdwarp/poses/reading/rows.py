@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
 from ..defects import Defect
-from .file_head import COMMENT_SIGNS, Head, is_number, open_trace, split
+from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024
@@ -177,7 +177,7 @@ class RowReader:
     def _chunks(self) -> Iterator[_Chunk]:
         """Yield pieces of whole lines."""
         line, rest, newline = self.head.first_line, b"", self.head.newline
-        with open_trace(self.head.path) as file:
+        with self.head.open() as file:
             file.seek(self.head.first_byte)
             following = file.read(CHUNK_BYTES)
             while following:
