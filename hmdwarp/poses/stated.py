@@ -22,6 +22,7 @@ class StatedColumns(TraceFormat):
     summary = "columns as --columns names them"
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
+        from .reading.columns import find_columns
         from .reading.rows import Layout
 
         text = options.columns or ""
@@ -34,5 +35,6 @@ class StatedColumns(TraceFormat):
         return Layout(
             time=stated["t"][0] if "t" in stated else None,
             orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
+            device=find_columns(head.names).device if head.names else None,
             position=None if position is None else (position[0], position[1], position[2]),
         )

@@ -167,7 +167,7 @@ def test_seconds_and_nanoseconds_are_one_clock(tmp_path):
     table = [[*stamp, *r[1:]] for stamp, r in zip(stamps, TABLE, strict=True)]
     header = "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
     header += ",".join(f"pose.orientation.{a}" for a in "xyzw")
-    track = load_trace(write(tmp_path / "ros2.csv", table, header)).track
+    track = load_trace(write(tmp_path / "ros2.csv", table, header), TraceOptions(axes="openxr")).track
     assert np.array_equal(track.time_ns, TRACK.time_ns) and same_motion(track, TRACK)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 import attrs
 
@@ -32,6 +32,8 @@ class TraceFormat:
     name = ""  # the name of the format
     summary = ""  # one line for people
     writes = False  # whether `write` works
+    binary = False  # whether `write` takes a stream of bytes
+    axes_written = "openxr"  # of the files that `write` makes
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         """Return how likely the file is of this format: 0 not at all, 100 certainly.
@@ -62,16 +64,19 @@ class TraceFormat:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         reader = RowReader(head, layout)
         rows = reader.read()
-        layout = attrs.evolve(layout, caveats=(*layout.caveats, *reader.defects))
+        layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
         cleaner = Cleaner(str(head.path), rows, layout, options, reader.ends_with_newline)
+        cleaner.defects_of_devices = head.source.defects_of_devices
         cleaned = cleaner.clean(head.path.stem, self.origin(head))
-        return attrs.evolve(cleaned, columns=_columns_taken(head, layout))
+        return attrs.evolve(cleaned, columns=_columns_taken(head, layout, cleaned.device))
 
     def origin(self, head: Head) -> str:
         """Return the origin of the motion, if the file states it."""
-        return ""
+        return next(
+            (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:")), ""
+        )
 
-    def write(self, track: PoseTrack, stream: IO[str]) -> None:
+    def write(self, track: PoseTrack, stream: IO[Any]) -> None:
         """Write a track so that reading it gives the same poses bit for bit."""
         raise TraceError(f"format {self.name} is read, not written")
 
@@ -178,8 +183,11 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     )
 
 
-def _columns_taken(head: Head, layout: Layout) -> str:
-    """Return which columns were read as what, by name, or by number from 1."""
+def _columns_taken(head: Head, layout: Layout, device: str) -> str:
+    """Return which columns were read as what, by name, or by number from 1.
+
+    device: whose rows were taken; "" where the file does not say.
+    """
     names = head.names or []
     parts = {
         "time": (layout.time, layout.nanoseconds),
@@ -191,6 +199,8 @@ def _columns_taken(head: Head, layout: Layout) -> str:
         part: ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
         for part, columns in parts.items()
     }
+    if device:
+        words["device"] += f" = {device}"
     return "; ".join(f"{part}: {said}" for part, said in words.items() if said)
 
 

@@ -17,7 +17,7 @@ from ..defects import Defect
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
-from .columns import is_head
+from .columns import head_rank
 from .motion_faults import find_jumps, gravity_axis
 from .plausibility import CLEAR, Evidence, Verdict, best_points, evidence_of, judge, place_fault, rate_fault
 from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
@@ -62,6 +62,7 @@ class Cleaned:
     time_unit: str  # of the file's clock, in words
     axes: str  # of the file's world and head, who says so, and what the motion shows, in words
     axes_assumed: bool  # nothing says which they are
+    device: str = ""  # whose rows were taken, where a column names devices
     columns: str = ""  # which columns were read as what
 
 
@@ -78,6 +79,8 @@ class Cleaner:
         self._axes_wrong = False
         self.leaves_open = ""
         self.epoch_ns = 0
+        self.device = ""
+        self.defects_of_devices: dict[str, Defect] = {}
 
     def clean(self, name: str, origin: str) -> Cleaned:
         """Run all steps, each after those that it relies on."""
@@ -113,7 +116,13 @@ class Cleaner:
             jumps=tuple(jumps),
         )
         return Cleaned(
-            track, self.defects, self.segments, self.time_unit, self._axes_in_words(), self.axes_by == ASSUMED
+            track,
+            self.defects,
+            self.segments,
+            self.time_unit,
+            self._axes_in_words(),
+            self.axes_by == ASSUMED,
+            self.device,
         )
 
     def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
@@ -171,23 +180,18 @@ class Cleaner:
         stated = self.options.device
         if stated is not None and stated not in texts:
             raise TraceError(f"{self.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
+        if stated is None:
+            tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
+            lost = [not tracked[device == name].any() for name in names]
+            order = [float(t) for t in texts] if all(_is_index(t) for t in texts) else first.tolist()
+            taken = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
+        else:
+            taken = texts.index(stated)
+        self.device = texts[taken]
+        if self.device in self.defects_of_devices:
+            self.defects.append(self.defects_of_devices[self.device])
         if len(names) < 2:
             return
-        tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
-        lost = [i for i, name in enumerate(names) if not tracked[device == name].any()]
-        heads = [i for i, t in enumerate(texts) if is_head(t) and i not in lost]
-        if stated is not None:
-            taken = texts.index(stated)
-        elif heads:
-            taken = heads[0]
-        elif lost and len(lost) < len(names):
-            taken = min((i for i in range(len(names)) if i not in lost), key=lambda i: first[i])
-        else:
-            taken = (
-                min(range(len(texts)), key=lambda i: float(texts[i]))
-                if all(_is_index(t) for t in texts)
-                else int(np.argmin(first))
-            )
         others = len(device) - int(counts[taken])
         self.note(
             "devices-interleaved",

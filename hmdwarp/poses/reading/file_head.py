@@ -15,7 +15,9 @@ from typing import BinaryIO, cast
 import attrs
 
 from ...errors import TraceError
+from ..defects import Defect
 from .json_rows import table_of_json
+from .mcap_rows import MAGIC, table_of_mcap
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
@@ -31,9 +33,11 @@ COMMENT_SIGNS = ("#", "%", "//")
 class Source:
     """What the text of a file's rows comes from."""
 
-    kind: str  # "text", or "json" where the rows are made of its records
+    kind: str  # "text", or "json" or "mcap" where the rows are made of its records
     packed: bool = False  # by gzip
     table: bytes | None = None  # the rows that were made
+    defects: tuple[Defect, ...] = ()  # found while they were made
+    defects_of_devices: dict[str, Defect] = attrs.field(factory=dict)  # those of one device's rows
 
     def open(self, path: Path) -> BinaryIO:
         """Open the text of the rows. Errors: OSError."""
@@ -117,14 +121,23 @@ def read_head(path: Path) -> Head:
 
 
 def _source(path: Path) -> Source:
-    """Unpack what is no text of rows: gzip as it is read, JSON at once. Errors: OSError."""
-    with path.open("rb") as start:
-        text = Source("text", packed=start.read(2) == _GZIP)
+    """Unpack what is no text of rows: gzip as it is read, JSON and MCAP at once.
+
+    Errors: OSError; TraceError and MachineError as `table_of_mcap`.
+    """
+    with path.open("rb") as file:
+        text = Source("text", packed=file.read(2) == _GZIP)
     with text.open(path) as file:
-        first = file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")[:1]
-        if first not in (b"{", b"["):
-            return text
+        start = file.read(64)
         file.seek(0)
+        if start.startswith(MAGIC):
+            whole = io.BytesIO(file.read()) if text.packed else file
+            size = whole.seek(0, os.SEEK_END)
+            whole.seek(0)
+            made = table_of_mcap(path, whole, size)
+            return Source("mcap", text.packed, made.text, made.defects, made.nested)
+        if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"["):
+            return text
         table = table_of_json(file.read())
     return text if table is None else Source("json", text.packed, table)
 
@@ -156,7 +169,7 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
 
 def _inside(path: Path) -> str:
     try:
-        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum"))
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap"))
     except OSError:
         return ""
     return f", for instance {found[0]} in it" if found else ""

@@ -239,6 +239,8 @@ class RowReader:
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
                 return None
             stamps = parse_fields(table["t"]) if layout.time is not None else None
+            if layout.device is not None and table["d"].view(np.uint8).reshape(count, -1)[:, -1].any():
+                return None  # a name longer than its field would pass for another
             if stamps is not None and layout.nanoseconds is not None:
                 stamps.billionths += parse_fields(table["n"]).whole
         except (ValueError, OverflowError):
@@ -319,7 +321,7 @@ class RowReader:
             stamps = Stamps(whole, parts, any(t[2] for t in times))
         turns = len(self.layout.orientation)
         position = None if self.layout.position is None else table[:, turns:].copy()
-        device = None if self.layout.device is None else np.array(devices, dtype=f"S{WIDTH}")
+        device = None if self.layout.device is None else np.array(devices, dtype=np.bytes_)
         return Rows(stamps, table[:, :turns].copy(), position, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
