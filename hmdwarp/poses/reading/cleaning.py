@@ -60,7 +60,6 @@ class Cleaned:
     defects: list[Defect]  # every defect, with its repair
     segments: list[Segment]  # recordings of the file
     time_unit: str  # of the file's clock, in words
-    axes: str  # of the file's world and head, who says so, and what the motion shows, in words
     axes_assumed: bool  # nothing says which they are
     device: str = ""  # whose rows were taken, where a column names devices
     columns: str = ""  # which columns were read as what
@@ -111,6 +110,7 @@ class Cleaner:
             self.rows.orientation,
             name=name,
             origin=origin,
+            axes=self._axes_in_words(),
             notes=notes,
             epoch_ns=self.epoch_ns,
             jumps=tuple(jumps),
@@ -120,7 +120,6 @@ class Cleaner:
             self.defects,
             self.segments,
             self.time_unit,
-            self._axes_in_words(),
             self.axes_by == ASSUMED,
             self.device,
         )
