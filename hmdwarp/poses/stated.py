@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .formats import TraceFormat, column_of, ordered
+from .formats import TraceFormat, column_of, column_of_devices, ordered
 
 if TYPE_CHECKING:
     from .options import TraceOptions
@@ -22,7 +22,6 @@ class StatedColumns(TraceFormat):
     summary = "columns as --columns names them"
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        from .reading.columns import find_columns
         from .reading.rows import Layout
 
         text = options.columns or ""
@@ -35,6 +34,6 @@ class StatedColumns(TraceFormat):
         return Layout(
             time=stated["t"][0] if "t" in stated else None,
             orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
-            device=find_columns(head.names).device if head.names else None,
+            device=column_of_devices(head),
             position=None if position is None else (position[0], position[1], position[2]),
         )

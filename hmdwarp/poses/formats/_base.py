@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import IO, TYPE_CHECKING, Any
 
 import attrs
@@ -9,7 +10,7 @@ import attrs
 from ...errors import InputError, TraceError
 from ..defects import Defect
 from ..options import TraceOptions
-from ..reading.columns import Columns, find_columns
+from ..reading.columns import UNRANKED, Columns, find_columns, head_rank
 from ..reading.file_head import is_number
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ _ORDER_ASSUMED = Defect(
     "nothing in the file says whether w comes first or last in its quaternions",
     "w last taken, as in TUM files; --quat-order wxyz says otherwise",
 )
+_MIXED = 4  # rows of several devices change from one to another at least every fourth time
 
 
 class TraceFormat:
@@ -62,7 +64,7 @@ class TraceFormat:
             )
         if options.rate is not None:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
-        reader = RowReader(head, layout)
+        reader = RowReader(head, layout, options.lost_rows)
         rows = reader.read()
         layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
         cleaner = Cleaner(str(head.path), rows, layout, options, reader.ends_with_newline)
@@ -154,7 +156,7 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
         "euler": euler,
         "matrix": orientation is found.matrix,
         "position": found.position,
-        "device": found.device,
+        "device": column_of_devices(head),
         "scale": found.length_m or 1.0,
         "gravity_down": _mean_of(head, found.gravity),
     }
@@ -181,6 +183,24 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     return Layout(
         time=0, position=(1, 2, 3), orientation=orientation, unit=unit, order_assumed=assumed, caveats=caveats
     )
+
+
+def column_of_devices(head: Head) -> int | None:
+    """Return the column that names devices.
+
+    By its own name, or because it names heads or hands row by row.
+    """
+    names = head.names or []
+    named = find_columns(names).device
+    if named is not None:
+        return named
+    return next((c for c in range(len(names)) if _names_bodies([r[c] for r in head.rows if c < len(r)])), None)
+
+
+def _names_bodies(fields: list[str]) -> bool:
+    changes = sum(a != b for a, b in itertools.pairwise(fields))
+    told = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
+    return told and _MIXED * changes > len(fields)
 
 
 def _columns_taken(head: Head, layout: Layout, device: str) -> str:

@@ -19,7 +19,17 @@ from ..track import PoseTrack, gap_limit_ns
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
 from .columns import head_rank
 from .motion_faults import find_jumps, gravity_axis
-from .plausibility import CLEAR, Evidence, Verdict, best_points, evidence_of, judge, place_fault, rate_fault
+from .plausibility import (
+    CLEAR,
+    Evidence,
+    Verdict,
+    best_points,
+    evidence_of,
+    height_fault,
+    judge,
+    place_fault,
+    rate_fault,
+)
 from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
@@ -76,6 +86,7 @@ class Cleaner:
         self.time_unit = ""
         self.axes, self.axes_by = self._stated_axes()
         self._axes_wrong = False
+        self._tilt_deg = 0.0
         self.leaves_open = ""
         self.epoch_ns = 0
         self.device = ""
@@ -504,13 +515,15 @@ class Cleaner:
         """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
         p = self.rows.position
         metres = None if p is None else p * self._scale()
-        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
-        if what:
-            self.note("place-implausible", what, f"kept; {remedy}")
         evidence = evidence_of(time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
+        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
         if self.layout.order_assumed:
             self._check_order(time_ns, evidence)
         verdict = judge(evidence, self.axes)
+        if not what and not verdict.faults:
+            what, remedy = height_fault(float(self.axes.world[1] @ evidence.height_m))
+        if what:
+            self.note("place-implausible", what, f"kept; {remedy}")
         self.leaves_open = verdict.leaves_open
         auto = self.options.axes == AUTO
         if verdict.world_alone and self._is_tilted():
@@ -541,6 +554,8 @@ class Cleaner:
         words = f"{self.axes.label()}, {self.axes_by}"
         if self._axes_wrong:
             return f"{words}; the motion contradicts them"
+        if self._tilt_deg:
+            return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
         if self.axes_by != ASSUMED:
             return words
         return f"{words}; the motion {'does not show ' + self.leaves_open if self.leaves_open else 'agrees'}"
@@ -630,6 +645,7 @@ class Cleaner:
         if tilt > _TILT_SHOWN_DEG:
             shown = ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
+            self._tilt_deg = tilt
             self.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
 
 

@@ -70,6 +70,7 @@ _ELSEWHERE = {
     *("tracker", "base", "basestation"),
 }
 _HEAD = ("head", "hmd", "headset", "centereye", "maincam", "xrcam", "camera", "cam")  # the likeliest first
+UNRANKED = len(_HEAD)  # what `head_rank` gives for a name that tells nothing
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
 _TIMES = {
     "time",
@@ -135,9 +136,9 @@ class Columns:
 def head_rank(name: str) -> int:
     """Return how likely a device is the head, by its name: 0 most, hands and hips least."""
     found = set(words(name))
-    if found & _ELSEWHERE:
-        return len(_HEAD) + 1
-    return next((rank for rank, word in enumerate(_HEAD) if word in found), len(_HEAD))
+    if found & (_ELSEWHERE - {"eye"} if "camera" in found else _ELSEWHERE):  # "Camera (eye)" is SteamVR's head
+        return UNRANKED + 1
+    return next((rank for rank, word in enumerate(_HEAD) if word in found), UNRANKED)
 
 
 def names_rotation(name: str) -> bool:

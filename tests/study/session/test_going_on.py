@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.display import DisplayOptions
-from hmdwarp.display.offscreen import OffscreenDisplay
+from hmdwarp.display import DisplayOptions, OffscreenDisplay
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import load_trace
 from hmdwarp.study import actual, scales
