@@ -19,7 +19,7 @@ class Ros2Csv(TraceFormat):
     """
 
     name = "ros2_csv"
-    summary = "header.stamp.sec,header.stamp.nanosec,..position.x,..orientation.w; ROS axes"
+    summary = "header.stamp.sec, header.stamp.nanosec, .. position.x, .. orientation.w; ROS axes"
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if head.names is None or find_columns(head.names).nanoseconds is None:
