@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 
 import attrs
@@ -23,8 +23,10 @@ from ..headsets import Headset
 from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
-from .channel import Channel, Coder
+from .channel import Channel
 from .client_scene import ClientScene
+from .frame_coder import Coder
+from .layers_read import Reads
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
 from .sizes import check_room, eye_sizes
@@ -107,6 +109,7 @@ class Pipeline:
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
+        self.channel.read_beside(Reads.of([plan]))
         made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
         self._made.append(made)
         return made
@@ -116,7 +119,9 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made, before = self.compensator(plan), self.loop.compensator
+        made, before = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry), self.loop.compensator
+        self._made.append(made)
+        self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)
         before.close()
@@ -152,6 +157,7 @@ def build_pipeline(
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)
     check_held(gpu, options, needs, sizes, target.rate_hz)
+    _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -159,7 +165,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, target, plans, history, server)
+        channel = _channel(options, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -178,21 +184,17 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
-    reads = {name for plan in plans for name in plan.layers}
-    weights = frame_bytes(needs_of(plans), sizes, reads)
-    coder = None
-    if not codecs.get(options.coding.codec).is_none:
-        _check_decoder(options, weights, target.rate_hz)
-        coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    return Channel(options.network, target.link_latency_ns, coder, sum(weights.values()), history.offer, server.recycle)
+    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
+    return Channel(options.network, target.link_latency_ns, coder, Reads.of(plans), history.offer, server.recycle)
 
 
-def _check_decoder(options: PipelineOptions, weights: Mapping[str, int], rate_hz: float) -> None:
+def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the client decodes as fast as frames come. Errors: InputError."""
-    if not options.client_name:
+    if not options.client_name or codecs.get(options.coding.codec).is_none:
         return
+    weights = frame_bytes(needs_of(plans), sizes, {name for plan in plans for name in plan.layers})
     client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
     if needed > client.decoder_mpx_s:
         raise InputError(
