@@ -10,8 +10,11 @@ from . import fills
 from ._base import Fill
 
 if TYPE_CHECKING:
+    from ...gpu.context import Gpu
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
+
+WORKERS = 1 << 14  # invocations that share the list of holes
 
 
 def minimum_count(size: int) -> int:
@@ -42,6 +45,7 @@ class Interpolate(Fill):
     variants = ("size=5", "size=7")
 
     def prepare(self) -> None:
+        self._listed = None if self.settings.size == 3 else _ListedHoles(self.gpu, self.shown_size)
         self._program = self.gpu.shaders.compute("fills/interpolate.comp", SIZE=self.settings.size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
@@ -49,4 +53,35 @@ class Interpolate(Fill):
         into.colour.bind_for_writing()
         least = minimum_count(self.settings.size)
         self._program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size, minimum_count=least)
-        self._program.run(*self.shown_size)
+        if self._listed is None:
+            self._program.run(*self.shown_size)
+        else:
+            self._listed.find()
+            self._program.run(WORKERS)
+
+    def close(self) -> None:
+        if self._listed is not None:
+            self._listed.close()
+
+
+class _ListedHoles:
+    """The list of a picture's holes, for large kernels.
+
+    Run for every pixel, they take llvmpipe three to four times as long where holes are cracks.
+    """
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self._gpu, self._size = gpu, size
+        self._program = gpu.shaders.compute("fills/hole_list.comp", COPY=1)
+        self._holes = gpu.gl.buffer(reserve=16 + 4 * size[0] * size[1])
+
+    def find(self) -> None:
+        """Copy the bound picture to the one bound for writing, and list its holes."""
+        self._holes.write(bytes(16))
+        self._holes.bind_to_storage_buffer(2)
+        self._program.uniforms.set(warped=1, filled=0, shown_size=self._size)
+        self._program.run(*self._size)
+        self._gpu.barrier()
+
+    def close(self) -> None:
+        self._holes.release()
