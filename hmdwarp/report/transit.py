@@ -34,7 +34,7 @@ _FRAMES = {
 _CODING = (
     ("encode_ms", "encoding (median of all frames)", "ms"),
     ("decode_ms", "decoding (median of all frames)", "ms"),
-    ("coded_psnr_db", "colour after coding", "dB PSNR"),
+    ("coded_psnr_db", "pictures after coding", "dB PSNR"),
 )
 _TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
 
@@ -78,11 +78,14 @@ def frame_rows(summary: Summary) -> Pairs:
 
 
 def coding_rows(summary: Summary) -> Pairs:
-    """Return the data rate, and the time and loss of the codec."""
+    """Return the data rate, of each layer too, and the time and loss of the codec."""
     link = summary.get("link") or {}
     if "mbit_s" not in link:
         return []
     rows = [("rate, both eyes", f"{link['mbit_s']:.1f} Mbit/s{' uncompressed' if link['codec'] == 'none' else ''}")]
+    layers: Mapping[str, float] = link.get("layers_mbit_s") or {}
+    if len(layers) > 1:
+        rows.append(("of that", ", ".join(f"{name.replace('_', ' ')} {rate:.1f}" for name, rate in layers.items())))
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]

@@ -39,6 +39,7 @@ class Interpolate(Fill):
     """
 
     name = "interpolate"
+    needs_compute = False
     summary = "one 3x3 median pass: closes cracks, leaves wide holes"
     source = "the 2014 thesis's interpolation step"
     Settings = InterpolateSettings

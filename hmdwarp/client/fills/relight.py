@@ -82,7 +82,10 @@ class Relight(Fill):
     summary = "the client draws a model into the holes, in the light of what is shown around them on the same surface"
     reads = ("shown.colour", "shown.inverse_depth", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "this project's; Barrow and Tenenbaum 1978 (albedo and light apart); Roberts 2018 (samples)"
+    source = (
+        "this project's, in place of the 2014 thesis's composite; Barrow and Tenenbaum 1978 (albedo and light apart); "
+        "Roberts 2018 (samples)"
+    )
     complete = True
     Settings = RelightSettings
     variants = ("light=none",)
