@@ -61,6 +61,10 @@ class TraceOptions(Declared):
     euler: str | None = option(
         None, "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg)."
     )
+    # Share of all rows.
+    lost_rows: float = option(
+        0.2, "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.", kind=float
+    )
     # Number of the recording, from 1.
     segment: int | None = option(None, "Which recording of a file that holds several, from 1.", kind=int)
 
@@ -73,5 +77,7 @@ class TraceOptions(Declared):
             raise InputError(f"rate {self.rate}: expected samples per second, from 0.001 to 1e6")
         if self.time_unit is not None and self.time_unit not in TIME_UNITS:
             raise InputError(f"time unit '{self.time_unit}': expected {', '.join(TIME_UNITS)}")
+        if not 0 <= self.lost_rows < 1:
+            raise InputError(f"lost rows {self.lost_rows}: expected a share of the rows, from 0 to below 1")
         if self.segment is not None and self.segment < 1:
             raise InputError(f"segment {self.segment}: recordings in a file are counted from 1")
