@@ -4,13 +4,14 @@ from .bandwidth import Bandwidth
 from .delays import DelayModel, delay_models
 from .link import Link
 from .loss import GilbertElliott
-from .options import LinkOptions
+from .options import CHANGES, LinkOptions
 from .pacer import Pacer
 from .response import ResponseTime, figures_of_parts, response_figures
 from .stage_times import StageTimes
 from .tally import Tally, TransitStats
 
 __all__ = [
+    "CHANGES",
     "delay_models",
     "Bandwidth",
     "DelayModel",

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Number, Option, option
+from ..options import Declared, Number, Option, one_of, option
 from .bandwidth import QUEUE_MS, Bandwidth
 from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
@@ -19,6 +19,7 @@ from .loss import GilbertElliott
 from .stage_times import StageTimes, parse_response
 
 _MOST_SEED = 2**63
+ALL, CHANGES = "all", "changes"
 
 
 def parse_jitter(text: str) -> DelayModel:
@@ -76,7 +77,7 @@ _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, nam
 
 @attrs.frozen
 class LinkOptions(Declared):
-    """Delays, losses and bandwidth of the network, and how often the server sends through it.
+    """Delays, losses and bandwidth of the network, and which frames the server sends through it.
 
     By default the latency alone, and a frame for each refresh.
     """
@@ -128,6 +129,11 @@ class LinkOptions(Declared):
         unit="Hz",
         valid=Number(least=0.1, most=1000),
     )
+    send: str = option(
+        ALL,
+        "all frames; or changes: only those in which something moved by more than half a pixel.",
+        valid=one_of(ALL, CHANGES),
+    )
 
     def __attrs_post_init__(self) -> None:
         if not 0 <= self.seed < _MOST_SEED:
@@ -155,7 +161,7 @@ class LinkOptions(Declared):
     @property
     def is_plain(self) -> bool:
         """Whether every frame takes exactly the latency and arrives."""
-        return attrs.evolve(self, seed=0, server_rate_hz=None) == LinkOptions()
+        return attrs.evolve(self, seed=0, server_rate_hz=None, send=ALL) == LinkOptions()
 
     def sends_hz(self, display_hz: float) -> float:
         """Return the server's rate beside this display."""

@@ -1,5 +1,6 @@
 from .build import Target as Target
 from .build import build_pipeline as build_pipeline
+from .changes import Changes as Changes
 from .client_scene import ClientScene as ClientScene
 from .loop import Loop as Loop
 from .loop import PoseRequest as PoseRequest

@@ -18,9 +18,11 @@ from ..frames import EyeSizes, Needs, frame_bytes
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
+from ..link import CHANGES
 from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
+from .changes import Changes
 from .channel import Channel, Coder
 from .client_scene import ClientScene
 from .loop import Loop, PoseRequest
@@ -174,7 +176,8 @@ def build_pipeline(
             governor = Governor(levels, options.budget_ms)
             auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
-        loop = Loop(requested, server, channel, history, compensator, target.eyes)
+        changes = Changes(scene) if options.network.send == CHANGES else None
+        loop = Loop(requested, server, channel, history, compensator, target.eyes, changes)
         parts = (gpu, server, geometry, channel, loop, auto, lens_of)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 

@@ -72,7 +72,7 @@ class Channel:
         # When the server can draw again, and how long the last frame was decoded.
         self._free_ns: int | None = None
         self._decode_ns = 0
-        self._refreshes = self._frames = self._bytes = self._skipped = 0
+        self._refreshes = self._frames = self._bytes = self._skipped = self._unchanged = 0
         self.link: Link[EncodedFrame] = network.link(
             latency_ns,
             discard=lambda encoded: offer(encoded.frame),
@@ -100,6 +100,10 @@ class Channel:
             return False
         self._skipped += 1
         return True
+
+    def leave_out(self) -> None:
+        """Count a frame that was not drawn, because nothing would have changed."""
+        self._unchanged += 1
 
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
@@ -146,7 +150,7 @@ class Channel:
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame, and of the instants at which none was drawn."""
-        return {**self.link.tally.as_dict(), "skipped": self._skipped}
+        return {**self.link.tally.as_dict(), "skipped": self._skipped, "unchanged": self._unchanged}
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec.

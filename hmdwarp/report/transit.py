@@ -22,6 +22,7 @@ _RESPONSE = {
 }
 _FRAMES = {
     "skipped": "not drawn (the server was busy)",
+    "unchanged": "not drawn (nothing would have changed)",
     "drawn": "drawn",
     "sent": "sent",
     "never_shown": "drawn in vain (never shown)",
@@ -38,7 +39,7 @@ _CODING = (
     ("decode_ms", "decoding (median of all frames)", "ms"),
     ("coded_psnr_db", "colour after coding", "dB PSNR"),
 )
-_TROUBLE = ("skipped", "dropped", "lost", "late", "superseded", "undecodable")
+_TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
 
 
 def filled_rows(summary: Summary) -> Pairs:
