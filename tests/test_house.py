@@ -29,7 +29,7 @@ FLOORS = [
     {"errors", "version"},
     {"registry", "resources", "colour", "geometry"},
     {"tables", "options"},
-    {"gpu", "poses", "headsets"},
+    {"gpu", "poses", "headsets", "clients"},
     {"scenes"},
     {"frames"},
     {"server"},
@@ -188,6 +188,7 @@ SAME_NAME = {
 }
 # Names that differ by an s.
 APART_BY_S = {
+    "client": "what runs at the head; clients are what such machines can do, as data",
     "codec": "the package of coding, with the registry of codecs in it",
     "frame": "the class, in its package",
     "metric": "the class, in its package",

@@ -110,7 +110,7 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
-        PoseRequest(source, None, setup.size, setup.options.guard_factor, needs),
+        PoseRequest(source, None, setup.size, setup.options.guard_band, needs),
         setup.server,
         channel,
         history,

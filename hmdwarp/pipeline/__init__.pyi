@@ -6,7 +6,6 @@ from .loop import Loop as Loop
 from .loop import PoseRequest as PoseRequest
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions
-from .options import parse_guard as parse_guard
 from .planning import build_plan_for as build_plan_for
 from .planning import plans_for as plans_for
 from .sizes import eye_sizes as eye_sizes

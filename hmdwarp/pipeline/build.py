@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 
 import attrs
@@ -14,7 +14,9 @@ from ..auto.levels import QualityLevel
 from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import Plan, needs_of
-from ..frames import EyeSizes, Needs, frame_bytes
+from ..clients import load_client
+from ..errors import InputError
+from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -69,7 +71,7 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the largest number of frames alive at once fits. Errors: as check_room."""
-    check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
+    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
 @attrs.frozen(eq=False)
@@ -186,12 +188,26 @@ def _channel(
     options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
     reads = {name for plan in plans for name in plan.layers}
-    weight = sum(frame_bytes(needs_of(plans), sizes, reads).values())
+    weights = frame_bytes(needs_of(plans), sizes, reads)
     coder = None
     if not codecs.get(options.coding.codec).is_none:
+        _check_decoder(options, weights, options.network.sends_hz(target.rate_hz))
         coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    recycle = server.recycle
+    recycle, weight = server.recycle, sum(weights.values())
     return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, recycle, target.rate_hz)
+
+
+def _check_decoder(options: PipelineOptions, weights: Mapping[str, int], rate_hz: float) -> None:
+    """Check that the client decodes as fast as frames come. Errors: InputError."""
+    if not options.client_name:
+        return
+    client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
+    if needed > client.decoder_mpx_s:
+        raise InputError(
+            f"frames of {video_pixels(weights) * 1e-6:.1f} Mpx at {rate_hz:g} Hz are {needed:.0f} Mpx/s to decode: "
+            f"client '{client.name}' decodes {client.decoder_mpx_s:g}; use a smaller --size or --guard, or another "
+            "client"
+        )
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

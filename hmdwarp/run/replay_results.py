@@ -44,7 +44,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         scene=setup.scene.name,
         effects=list(setup.plan.effects),
         headset=setup.headset.name,
-        size=setup.size,
+        sizes=setup.pipeline.sizes,
         rate_hz=setup.schedule.rate_hz,
         pixels_per_degree=setup.pixels_per_degree,
         machine=machine_of(setup.gpu),

@@ -50,6 +50,7 @@ KEYS = {
     "clock",
     "clocks",
     "copy_gb_s",
+    "client",
     "rows",
     "grid",
     "grid_at",

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from holed import Holed
 from reference.interpolate import interpolate
+from reference.picture import ReferencePicture
 from worlds import World, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
-from hmdwarp.geometry import View
+from hmdwarp.geometry import GuardBand
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
 # against the other.
@@ -32,7 +33,10 @@ def test_shader_equals_the_float64_twin(gpu, name, seed):
     size = SIZES[seed % len(SIZES)]
     shown = size if seed % 2 else (size[0] + 6, max(size[1] - 5, 1))
     world = World(gpu, seed, size, shown)
-    got, wanted = world.warp(gpu, name), world.reference(name)
+    assert_equals_twin(world.warp(gpu, name), world.reference(name))
+
+
+def assert_equals_twin(got: np.ndarray, wanted: ReferencePicture) -> None:
     decided = ~wanted.undecided
     # Rounding may decide only near borders between pixels and near equal depths: a few pixels in a
     # hundred at these sizes.
@@ -52,17 +56,23 @@ def test_uncovered_is_black_with_alpha_zero_and_nothing_is_nan(gpu, name):
 
 
 @pytest.mark.parametrize("name", CHOICES)
-def test_a_guard_band_is_cut_off_exactly(gpu, name):
+def test_shader_equals_the_float64_twin_with_an_uneven_guard_band(gpu, name):
+    world = World(gpu, 6, (60, 44))
+    world.render_wider(gpu, (1.5, 1.1))
+    assert_equals_twin(world.warp(gpu, name), world.reference(name))
+
+
+@pytest.mark.parametrize("name", CHOICES)
+@pytest.mark.parametrize("guard", [1.3, (1.1, 1.4), GuardBand(size=(85, 50))], ids=str)
+def test_a_guard_band_is_cut_off_exactly(gpu, name, guard):
     world = World(gpu, 5, (60, 44), moved=False)
     if parse_warp(name).entry.resamples:
         wanted = world.look_along_a_face(gpu, 1, margin=7)
         assert np.array_equal(world.warp(gpu, name), wanted)
         return
-    fov, size = world.rendered_view.fov.guarded(1.3, world.size)
-    inner, world.size = world.size, size
-    world.rendered_view, world.shown_view = View(world.rendered_view.pose, fov), world.rendered_view
-    world.shown_size = inner
-    world._draw()
+    inner = world.shown_size
+    world.render_wider(gpu, guard)
+    fov, size = world.rendered_view.fov, world.size
     left, right, down, up = fov.tangents
     x = round((world.shown_view.fov.tangents[0] - left) / (right - left) * size[0])
     y = round((world.shown_view.fov.tangents[2] - down) / (up - down) * size[1])

@@ -30,6 +30,7 @@ class Fill(ABC):
     # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
     complete: ClassVar[bool] = False  # Whether it leaves nothing empty, provided that anything is covered.
+    needs_compute: ClassVar[bool] = True  # As a warp's.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
 

@@ -20,6 +20,7 @@ class Interpolate(Fill):
     """Give an empty pixel with at least three covered neighbours their median, by channel."""
 
     name = "interpolate"
+    needs_compute = False
     summary = "one 3x3 median pass: closes cracks, leaves wide holes"
     source = "the 2014 thesis's interpolation step"
 

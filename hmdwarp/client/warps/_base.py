@@ -53,6 +53,9 @@ class Warp(ABC):
     fuses: ClassVar[bool] = False  # Whether it can write the panel in one resample.
     scans_out: ClassVar[bool] = False  # Whether it can give every row a view of its own.
     resamples: ClassVar[bool] = False  # Whether its result is a resample even for an unmoved head.
+    # Whether it scatters, sorts or shares between pixels. Without, each shown pixel looks something
+    # up by itself, which clients without compute shaders can do too.
+    needs_compute: ClassVar[bool] = True
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
 

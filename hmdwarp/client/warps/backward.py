@@ -31,6 +31,7 @@ class Backward(GatherWarp):
     """A gather with the client's own depth; a test against the rendered depth leaves holes."""
 
     name = "backward"
+    needs_compute = False
     summary = "the client draws its own depth now and fetches the colour from the rendered picture"
     reads = ("rendered.colour", "rendered.inverse_depth", "client.inverse_depth")
     exact_when = "always, up to one bilinear resample, where the rendered picture saw the surface"
