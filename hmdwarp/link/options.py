@@ -16,10 +16,12 @@ from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
+from .overload import Overload
 from .stage_times import StageTimes, parse_response
 
 _MOST_SEED = 2**63
 ALL, CHANGES = "all", "changes"
+DROP, RESOLUTION = "drop", "resolution"
 
 
 def parse_jitter(text: str) -> DelayModel:
@@ -134,6 +136,12 @@ class LinkOptions(Declared):
         "all frames; or changes: only those in which something moved by more than half a pixel.",
         valid=one_of(ALL, CHANGES),
     )
+    # See Overload.
+    overload: str = option(
+        DROP,
+        "Where frames cannot keep up: drop some of them; or resolution, which is lowered first.",
+        valid=one_of(DROP, RESOLUTION),
+    )
 
     def __attrs_post_init__(self) -> None:
         if not 0 <= self.seed < _MOST_SEED:
@@ -161,7 +169,14 @@ class LinkOptions(Declared):
     @property
     def is_plain(self) -> bool:
         """Whether every frame takes exactly the latency and arrives."""
-        return attrs.evolve(self, seed=0, server_rate_hz=None, send=ALL) == LinkOptions()
+        return attrs.evolve(self, seed=0, server_rate_hz=None, send=ALL, overload=DROP) == LinkOptions()
+
+    def overload_at(self, display_hz: float) -> Overload | None:
+        """Return what lowers the resolution, None where frames are dropped."""
+        if self.overload == DROP:
+            return None
+        queue_ms = self.bandwidth.queue_ms if self.bandwidth is not None else QUEUE_MS
+        return Overload(round(1e9 / self.sends_hz(display_hz)), round(queue_ms * 1e6))
 
     def sends_hz(self, display_hz: float) -> float:
         """Return the server's rate beside this display."""

@@ -20,7 +20,7 @@ from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link import CHANGES
+from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
@@ -29,6 +29,7 @@ from .channel import Channel, Coder
 from .client_scene import ClientScene
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
+from .sized import SizedCompensator
 from .sizes import check_room, eye_sizes
 
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
@@ -108,12 +109,13 @@ class Pipeline:
     # Chooses the warp; None where the options name one.
     auto: AdaptiveCompensator | None
     lens_of: Headset | None
+    _options: PipelineOptions
     _made: list[Compensator | AdaptiveCompensator]
     _cleanup: ExitStack
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
-        made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
+        made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
         self._made.append(made)
         return made
 
@@ -170,7 +172,7 @@ def build_pipeline(
         with ExitStack() as unfinished:
             compensators = []
             for plan in plans:
-                compensators.append(_compensator(gpu, plan, lens_of, sizes, geometry))
+                compensators.append(_compensator(options, gpu, plan, lens_of, sizes, geometry))
                 unfinished.callback(compensators[-1].close)
             unfinished.pop_all()
         auto = None
@@ -180,7 +182,7 @@ def build_pipeline(
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
         changes = Changes(scene) if options.network.send == CHANGES else None
         loop = Loop(requested, server, channel, history, compensator, target.eyes, changes)
-        parts = (gpu, server, geometry, channel, loop, auto, lens_of)
+        parts = (gpu, server, geometry, channel, loop, auto, lens_of, options)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
@@ -210,5 +212,8 @@ def _check_decoder(options: PipelineOptions, weights: Mapping[str, int], rate_hz
         )
 
 
-def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:
-    return Compensator(gpu, plan, headset, sizes.rendered, sizes.shown, geometry)
+def _compensator(
+    options: PipelineOptions, gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene
+) -> Compensator:
+    kind = SizedCompensator if options.network.overload == RESOLUTION else Compensator
+    return kind(gpu, plan, headset, sizes.rendered, sizes.shown, geometry)

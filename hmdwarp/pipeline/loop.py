@@ -8,7 +8,8 @@ import attrs
 
 from ..client.inputs import PassInputs
 from ..frames import Frame
-from ..link import ResponseTime
+from ..geometry import GuardBand
+from ..link import ResponseTime, scaled_size
 from .changes import SEEN_PX
 
 if TYPE_CHECKING:
@@ -129,10 +130,10 @@ class Loop:
                 if self._has_moved(head, instant_ns):
                     self._draw(head, instant_ns)
                 else:
-                    self._channel.leave_out()
+                    self._channel.leave_out(instant_ns)
 
     def _has_moved(self, head: PoseSample, now_ns: int) -> bool:
-        if self._changes is None or self._channel.link.needs_key(now_ns):
+        if self._changes is None or self._channel.has_to_send(now_ns):
             return True
         return self._changes.moved_px(self._eyes.views(head.pose), now_ns) > SEEN_PX
 
@@ -144,10 +145,18 @@ class Loop:
         asked = self._requested
         timer = self._server.gpu.timer
         with timer.stage("render"):
-            frame = self._server.draw_frame(self._eyes.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
+            views, (size, guard) = self._eyes.views(head.pose), self._resolution()
+            frame = self._server.draw_frame(views, now_ns, size, guard, asked.needs, shown_size=asked.size)
         if self._changes is not None:
             self._changes.sent(frame)
         self._channel.send(Frame(frame.eyes, frame.drawn_ns, head, timer.lap()), now_ns)
+
+    def _resolution(self) -> tuple[tuple[int, int], Guard]:
+        """Return the size to draw in, without the guard band, and the guard band."""
+        asked, scale = self._requested, self._channel.scale
+        if scale == 1:
+            return asked.size, asked.guard
+        return scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head pose at `shown_ns`.
@@ -202,7 +211,9 @@ class Loop:
         Frames may carry more layers, for plans that run on the same refresh.
         """
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
-        past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])
+        # Passes are made for pictures of one size.
+        size = frame.eyes[eye].size
+        past = (one for older in self.history.frames[: needs.others.past] if (one := older.eyes[eye]).size == size)
         others = tuple(image.only(needs) for image in (*beside, *past))
         return {"rendered": frame.eyes[eye].only(needs), "others": others}
 

@@ -77,6 +77,13 @@ def coding_rows(summary: Summary) -> Pairs:
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
+    if "resolution" in link:
+        rows += [
+            (f"frames at {float(scale):.0%} of the width and height", str(count))
+            for scale, count in link["resolution"]["frames"].items()
+            if count
+        ]
+        rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
 
 
