@@ -20,7 +20,7 @@ class Overload:
 
     Down: one step when a frame waits for longer than a period (or half the longest queue, if that
     is less), so before frames are dropped, or when the server is still busy at an instant. What
-    already waits gets the time to leave before the next step. Up: one step after a second without a
+    already waits gets the time to leave before the next step, unless the wait grows on. Up: one step after a second without a
     wait, if the slowest stage is expected to have room for more pixels. After each step up that had
     to be taken back the patience doubles, to 16 s at most.
 
@@ -31,8 +31,9 @@ class Overload:
     queue_ns: int
     changes: int = attrs.field(default=0, init=False)
     _level: int = attrs.field(default=0, init=False)
-    # No step down before this instant.
+    # No step down before this instant, unless frames wait for longer than this.
     _settled_ns: int | None = attrs.field(default=None, init=False)
+    _waited_ns: int = attrs.field(default=0, init=False)
     # Since when nothing has waited, and when it was last raised.
     _clear_ns: int | None = attrs.field(default=None, init=False)
     _raised_ns: int | None = attrs.field(default=None, init=False)
@@ -61,12 +62,13 @@ class Overload:
 
     def _lower(self, now_ns: int, waits_ns: int) -> None:
         self._clear_ns = None
-        if self._level + 1 == len(SCALES) or now_ns < (self._settled_ns or 0):
+        is_settling = self._settled_ns is not None and now_ns < self._settled_ns
+        if self._level + 1 == len(SCALES) or (is_settling and waits_ns <= self._waited_ns):
             return
         if self._raised_ns is not None and now_ns - self._raised_ns < self._patience_ns:
             self._patience_ns = min(2 * self._patience_ns, _MOST_PATIENCE_NS)
         self._raised_ns = None
-        self._settled_ns = now_ns + waits_ns + self.period_ns
+        self._settled_ns, self._waited_ns = now_ns + waits_ns + self.period_ns, waits_ns
         self._go(self._level + 1)
 
     def _has_room(self, slowest_ns: int) -> bool:
