@@ -20,9 +20,10 @@ class Overload:
 
     Down: one step when a frame waits for longer than a period (or half the longest queue, if that
     is less), so before frames are dropped, or when the server is still busy at an instant. What
-    already waits gets the time to leave before the next step, unless the wait grows on. Up: one step after a second without a
-    wait, if the slowest stage is expected to have room for more pixels. After each step up that had
-    to be taken back the patience doubles, to 16 s at most.
+    already waits gets the time to leave before the next step, unless the wait grows on.
+
+    Up: one step after a second without a wait, if the slowest stage is expected to have room for
+    more pixels. After each step up that had to be taken back the patience doubles, to 16 s at most.
 
     period_ns: of the server. queue_ns: the longest wait at the bottleneck.
     """

@@ -45,8 +45,7 @@ def test_given_times_are_in_proportion_to_the_pixels(tmp_path):
 def test_every_warp_takes_frames_of_any_size(tmp_path, name):
     late, whole = both(tmp_path, warp=name, fill="pyramid", guard=1.2)
     assert late["psnr_db"] > min(whole["psnr_db"] - 3, 20), "coarser, and not torn"
-    # Points that are scattered one by one leave three of four pixels to the fill where they are
-    # drawn at the same scale; all others close up.
+    # Points that are scattered one by one cannot cover a picture of more pixels; all others close.
     if not name.startswith("forward"):
         assert late["hole_share"] < whole["hole_share"] + 0.05
 
