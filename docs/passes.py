@@ -29,6 +29,7 @@ FILLS = (
     "wide+pyramid",
     "memory+pyramid",
     "model",
+    "interpolate+composite",
     "relight",
     "memory+relight",
     "interpolate+memory+pyramid",

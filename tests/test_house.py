@@ -61,7 +61,13 @@ APART = {
     "report": {"client", "server", "link", "gpu"},
     "doctor": {"client", "server", "scenes", "poses"},
 }
-CLOCK_READERS = {"gpu/timers.py", "pipeline/channel.py", "pipeline/loop.py", "doctor/checks.py", "study/store/clock.py"}
+CLOCK_READERS = {
+    "gpu/timers.py",
+    "pipeline/frame_coder.py",
+    "pipeline/loop.py",
+    "doctor/checks.py",
+    "study/store/clock.py",
+}
 # Display: its clock is the one all live times are on.
 CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")
 HEAVY = (

@@ -232,7 +232,7 @@ def _layer_row(layer: type[Layer], sizes: EyeSizes, headset: str) -> dict[str, s
         "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset}" if count else "none",
         "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
         "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
-        "coded_as": layer.coding if count else "nothing",
+        "coded_as": " + ".join(layer.coded_as()) if count else "nothing",
     }
 
 

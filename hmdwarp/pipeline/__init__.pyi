@@ -1,7 +1,11 @@
 from .build import Target as Target
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
+from .channel import Channel as Channel
 from .client_scene import ClientScene as ClientScene
+from .frame_coder import CodedFrame as CodedFrame
+from .frame_coder import Coder as Coder
+from .layers_read import Reads as Reads
 from .loop import Loop as Loop
 from .loop import PoseRequest as PoseRequest
 from .loop import Refresh as Refresh

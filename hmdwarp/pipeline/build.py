@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 
 import attrs
@@ -25,8 +25,10 @@ from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
 from .changes import Changes
-from .channel import Channel, Coder
+from .channel import Channel
 from .client_scene import ClientScene
+from .frame_coder import Coder
+from .layers_read import Reads
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
 from .sized import SizedCompensator
@@ -115,6 +117,7 @@ class Pipeline:
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
+        self.channel.read_beside(Reads.of([plan]))
         made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
         self._made.append(made)
         return made
@@ -124,7 +127,10 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made, before = self.compensator(plan), self.loop.compensator
+        made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
+        before = self.loop.compensator
+        self._made.append(made)
+        self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)
         before.close()
@@ -160,6 +166,7 @@ def build_pipeline(
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)
     check_held(gpu, options, needs, sizes, target.rate_hz)
+    _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -167,7 +174,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, target, plans, history, server)
+        channel = _channel(options, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -187,22 +194,18 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
-    reads = {name for plan in plans for name in plan.layers}
-    weights = frame_bytes(needs_of(plans), sizes, reads)
-    coder = None
-    if not codecs.get(options.coding.codec).is_none:
-        _check_decoder(options, weights, options.network.sends_hz(target.rate_hz))
-        coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    recycle, weight = server.recycle, sum(weights.values())
-    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, recycle, target.rate_hz)
+    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
+    latency, rate_hz, recycle = target.link_latency_ns, target.rate_hz, server.recycle
+    return Channel(options.network, latency, coder, Reads.of(plans), history.offer, recycle, rate_hz)
 
 
-def _check_decoder(options: PipelineOptions, weights: Mapping[str, int], rate_hz: float) -> None:
+def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the client decodes as fast as frames come. Errors: InputError."""
-    if not options.client_name:
+    if not options.client_name or codecs.get(options.coding.codec).is_none:
         return
+    weights = frame_bytes(needs_of(plans), sizes, {name for plan in plans for name in plan.layers})
     client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
     if needed > client.decoder_mpx_s:
         raise InputError(

@@ -14,7 +14,7 @@ from .frame_ways import timeline_svg
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
-from .transit import coding_rows, filled_rows, frame_rows, response_rows
+from .transit import coding_rows, filled_rows, frame_rows, model_rows, response_rows
 from .words import listed
 
 Rows = Sequence[Mapping[str, Any]]
@@ -78,6 +78,7 @@ def render_report(
         measured=_measured(summary),
         auto=_auto(summary),
         filled=filled_rows(summary),
+        models=model_rows(summary),
         response=response_rows(summary),
         frames=frame_rows(summary),
         coding=coding_rows(summary),

@@ -75,6 +75,8 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
         "timeline": log.timeline.as_list(),
     }
     summary |= more
+    if weights := setup.pipeline.geometry.weights():
+        summary["client_models"] = weights
     if auto is not None:
         summary["auto"] = auto_entry(auto, rows)
         summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]

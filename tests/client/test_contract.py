@@ -10,7 +10,8 @@ from reference.picture import ReferencePicture
 from worlds import World, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
-from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
+from hmdwarp.client.fills.interpolate import minimum_count
+from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
@@ -120,11 +121,28 @@ def test_nothing_to_fill_and_nothing_to_fill_from(gpu, name):
             assert np.array_equal(got, holed.colour)
 
 
-def test_interpolate_equals_its_twin(gpu):
-    holed = Holed(gpu, 8, (67, 53), empty=0.5)
-    wanted = interpolate(holed.colour, MINIMUM_COUNT)
+# Three eighths of 8, 24 and 48.
+LEAST = {3: 3, 5: 9, 7: 18}
+
+
+@pytest.mark.parametrize("kernel", LEAST)
+@pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
+def test_interpolate_equals_its_twin(gpu, kernel, size):
+    holed = Holed(gpu, 8, size, empty=0.6)
+    wanted = interpolate(holed.colour, LEAST[kernel], kernel)
     # The mean of two half floats is stored as a half float: up to 2^-10 relative (truncated),
     # colours below 2.
-    assert np.abs(holed.fill(gpu, "interpolate")[0] - wanted).max() <= 2 * 2.0**-10
-    assert (wanted[..., 3] > holed.colour[..., 3]).any()
-    assert (wanted[..., 3] == 0).any()
+    assert np.abs(holed.fill(gpu, f"interpolate:size={kernel}")[0] - wanted).max() <= 2 * 2.0**-10
+    if size == SIZES[0]:
+        assert (wanted[..., 3] > holed.colour[..., 3]).any()
+        assert (wanted[..., 3] == 0).any()
+
+
+def test_the_least_count_is_three_eighths_of_the_neighbours():
+    assert {kernel: minimum_count(kernel) for kernel in LEAST} == LEAST
+
+
+@pytest.mark.parametrize("kernel", [0, 1, 2, 4, 9, -3, "3.0", "big"])
+def test_other_kernels_are_refused(kernel):
+    with pytest.raises(InputError, match=f"interpolate:size={kernel}': size is '{kernel}': expected 3 or 5 or 7"):
+        parse_fills(f"interpolate:size={kernel}")

@@ -471,3 +471,13 @@ def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch)
         replay(small(tmp_path, images=3, video=True, workers=1), stop)
     assert contents(tmp_path) == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["frames.csv", "images", "report.html", "summary.json"]
+
+
+def test_a_report_says_what_the_client_must_hold(tmp_path, gpu):
+    fill = "interpolate+model:share=0.5,texture=0.5,light=off"
+    result = run(tmp_path / "out", page=True, gpu=gpu, fill=fill, seconds=0.1)
+    (model,) = result.summary["client_models"]
+    assert (model["share"], model["texture"], model["triangles"]) == (0.5, 0.5, 10)  # few enough to keep all of them
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "client&#39;s model, 50 % of the triangles, textures at 0.5" in page
+    assert "client_models" not in run(tmp_path / "none", gpu=gpu, seconds=0.1).summary

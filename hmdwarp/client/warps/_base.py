@@ -95,13 +95,18 @@ class Warp(ABC):
         return Needs()
 
     @classmethod
+    def reads_for(cls, settings: Any) -> tuple[str, ...]:
+        """Return what it reads with these settings: `reads`, or some of it."""
+        return cls.reads
+
+    @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """Return the least bytes that one eye's picture reads and writes, each byte once.
 
         The bench compares times with this bound. By default that of a gather: for each shown pixel,
         one colour, one of each depth that it reads, and the result.
         """
-        depths = sum(name.endswith("inverse_depth") for name in cls.reads)
+        depths = sum(name.endswith("inverse_depth") for name in cls.reads_for(settings))
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES * depths)
 
     def set_sizes(self, program: Compute) -> None:
