@@ -166,6 +166,16 @@ def layers_table(run: Run) -> str:
     return "\n".join([*_head("warp, fill or scene", "Mbit/s uncompressed", "h264", "of that"), *lines])
 
 
+def server_rates_table(rows: list[Summary]) -> str:
+    """Return FLIP of each warp at each rate of the server, from the rows of a bench."""
+    rates = sorted({row["server_rate_hz"] for row in rows})
+    flip = {(row["warp"], row["server_rate_hz"]): f"{_quality(row, 'flip'):.3f}" for row in rows}
+    lines = _head("warp", *(f"{rate:g} Hz" for rate in rates))
+    for warp in dict.fromkeys(row["warp"] for row in rows):
+        lines.append(_line(f"`{warp}`", *(flip[warp, rate] for rate in rates)))
+    return "\n".join(lines)
+
+
 def _link_figures(summary: Summary) -> list[str]:
     link, frames = summary["link"], summary["link"]["frames"]
     lost = frames["lost"] + frames["undecodable"] + frames["dropped"]

@@ -8,6 +8,7 @@ from typing import Any
 from ..client.effects import effects
 from ..client.plan import build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
+from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
 from ..poses import PoseTrack
 from ..run.combinations import Case, Combination
@@ -18,9 +19,11 @@ from .options import BenchOptions
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
-    """Return all cases, a recording's latencies one after the other."""
-    product = itertools.product(options.sizes, options.scenes, options.recordings, options.latencies_ms)
-    return [Case(scene, recording, latency, size) for size, scene, recording, latency in product]
+    """Return all cases, a recording's latencies one after the other, with every server's rate."""
+    product = itertools.product(
+        options.sizes, options.scenes, options.recordings, options.latencies_ms, options.server_rates_hz or (None,)
+    )
+    return [Case(scene, recording, latency, size, hz) for size, scene, recording, latency, hz in product]
 
 
 def warps_of(options: BenchOptions) -> list[str]:
@@ -66,6 +69,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "headset": options.headset,
         "size": case.size,
         "rate_hz": options.rate_hz,
+        "network": LinkOptions(server_rate_hz=case.server_rate_hz),
         "start_s": options.start_s,
         "seconds": options.seconds,
         "guard": 1.0 if options.rendered_size else options.guard,

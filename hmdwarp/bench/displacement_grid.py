@@ -107,7 +107,8 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, setup.server.recycle)
+    recycle, rate_hz = setup.server.recycle, setup.schedule.rate_hz
+    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, recycle, rate_hz)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
@@ -119,7 +120,7 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
         setup.headset,
     )
     for back in range(needs.others.past, -1, -1):
-        loop.draw(-back * max(1, needs.others.spacing_ns))
+        loop.draw_at(-back * max(1, needs.others.spacing_ns))
     return loop
 
 

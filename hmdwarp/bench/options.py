@@ -10,6 +10,7 @@ import attrs
 
 from ..clients import PICTURE_CLIENT
 from ..errors import InputError
+from ..link import LinkOptions
 from ..options import (
     Declared,
     Guard,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 Size = tuple[int, int]
 
-_RUN = attrs.fields(RunOptions)
+_RUN, _LINK = attrs.fields(RunOptions), attrs.fields(LinkOptions)
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
@@ -81,6 +82,8 @@ class BenchOptions(Declared):
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     headset: str = same_as(_RUN.headset)
     rate_hz: float | None = same_as(_RUN.rate_hz)
+    # Empty for the display's.
+    server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     guard: Guard = guard_field(

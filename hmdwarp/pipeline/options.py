@@ -203,6 +203,14 @@ class PipelineOptions(Declared):
         """The guard band. Errors: InputError while it is "auto"."""
         return guard_band(self)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the results must know of the options, one sentence each."""
+        if self.network.response is None:
+            return ()
+        told = f"The latency of {self.latency_ms:g} ms is the network's alone"
+        return (f"{told}: rendering, encoding, queue, size over bandwidth and decoding come on top (response sum).",)
+
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)

@@ -63,10 +63,11 @@ def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Ite
 
     The results are those of the whole run, but only the frames they use are drawn.
     """
-    used = frames_used(setup.schedule, setup.channel.latency_ns, needs, numbers)
+    rate_hz = setup.options.network.server_rate_hz
+    used = frames_used(setup.schedule, setup.channel.latency_ns, needs, numbers, rate_hz)
     for number, instant_ns in setup.schedule.numbered():
-        if instant_ns in used:
-            setup.loop.draw(instant_ns)
+        for drawn_ns in used[number]:
+            setup.loop.draw_at(drawn_ns)
         if number in numbers and number >= 0:
             refresh = setup.loop.show(instant_ns)
             assert refresh is not None
