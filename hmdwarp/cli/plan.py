@@ -87,7 +87,7 @@ def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
     from ..display.openxr import RUNTIME_LABEL
 
     if source not in (REPLAY, OPENXR, DESKTOP):
-        raise InputError(f"source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
+        raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
     kind = PipelineOptions if source == REPLAY else LiveOptions
     return kind, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
 

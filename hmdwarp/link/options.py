@@ -10,14 +10,12 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Option, option
+from ..options import Declared, Number, Option, option
 from .bandwidth import QUEUE_MS, Bandwidth
 from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
-
-_MOST_SEED = 2**63
 
 
 def parse_jitter(text: str) -> DelayModel:
@@ -33,13 +31,13 @@ def parse_loss(text: str) -> GilbertElliott | None:
         return None
     wanted = "expected p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
     if "=" not in text:
-        share = _number(text, f"loss '{text}'", wanted)
+        share = _number(text, f"--loss '{text}'", wanted)
         if not 0 <= share <= 1:
-            raise InputError(f"loss '{text}': expected a share of the frames, from 0 to 1")
+            raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
         return GilbertElliott(share, 1 - share)
-    values = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
+    values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
-        raise InputError(f"loss '{text}': {wanted}")
+        raise InputError(f"--loss '{text}': {wanted}")
     return GilbertElliott(**values)
 
 
@@ -49,8 +47,8 @@ def parse_bandwidth(text: str) -> Bandwidth | None:
         return None
     rate, *more = text.split(",")
     wanted = "expected Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
-    values = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
-    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
+    values = _pairs(more, f"--bandwidth '{text}'", wanted, ("queue",))
+    return Bandwidth(_number(rate, f"--bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
 
 
 def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:
@@ -109,11 +107,7 @@ class LinkOptions(Declared):
         parse=parse_bandwidth,
     )
     # The same seed gives the same network, whatever is sent through it.
-    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
-
-    def __attrs_post_init__(self) -> None:
-        if not 0 <= self.seed < _MOST_SEED:
-            raise InputError(f"seed {self.seed}: expected a whole number, 0 or more")
+    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed", valid=Number(most=2**63 - 1))
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -130,7 +124,7 @@ class LinkOptions(Declared):
             return super().values_of(said)
         if said.get("jitter"):
             raise InputError(
-                f"jitter '{said['jitter']}' beside a delay trace: the trace says every delay; leave one of them out"
+                f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them out"
             )
         return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
 

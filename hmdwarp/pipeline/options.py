@@ -22,7 +22,7 @@ def parse_size(text: str) -> tuple[int, int]:
     """Return (640, 400) for '640x400'. Errors: InputError."""
     match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
     if not match or 0 in map(int, match.groups()):
-        raise InputError(f"size '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
+        raise InputError(f"--size '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
     return int(match.group(1)), int(match.group(2))
 
 
@@ -33,7 +33,7 @@ def parse_guard(text: str) -> float | Literal["auto"]:
     try:
         return float(text)
     except ValueError as error:
-        raise InputError(f"guard '{text}': expected a number of at least 1, or {AUTO}") from error
+        raise InputError(f"--guard '{text}': expected a number of at least 1, or {AUTO}") from error
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -43,7 +43,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     """
     if warp == AUTO and (fill is not None or wide):
         asked = "--wide" if fill is None else f"--fill {fill}"
-        raise InputError(f"{asked}: warp auto chooses the fill too; leave one of the two out")
+        raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
     usual = "none" if fused else "interpolate"
     chosen = usual if fill is None else fill
     if not wide:
@@ -166,12 +166,11 @@ class PipelineOptions(Declared):
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
-                f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it "
-                "takes"
+                f"--budget {self.budget_ms:g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what it takes"
             )
         elif self.bench is not None:
             raise InputError(
-                f"bench {self.bench}: only warp 'auto' chooses from a benchmark; warp '{self.warp}' is chosen already"
+                f"--bench {self.bench}: only --warp auto chooses from a benchmark; '{self.warp}' is chosen already"
             )
 
     @classmethod
@@ -198,7 +197,7 @@ class PipelineOptions(Declared):
     def guard_factor(self) -> float:
         """The guard as a number. Errors: InputError while it is "auto"."""
         if isinstance(self.guard, str):
-            raise InputError("guard auto looks at a whole trace first: give a number, or replay a recording")
+            raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
         return self.guard
 
     def with_pair(self, warp: str, fill: str) -> Self:
@@ -208,12 +207,12 @@ class PipelineOptions(Declared):
     def _check_auto(self) -> None:
         if self.budget_ms is None:
             raise InputError(
-                "warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye "
+                "--warp auto chooses what fits into a budget: say how many milliseconds there are for one eye "
                 "(--budget MS)"
             )
         if self.fused:
             raise InputError(
-                "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; "
+                "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; "
                 "leave one out"
             )
 

@@ -22,7 +22,7 @@ def guarded_size(guard: float, eyes: Eyes, size: Size) -> Size:
     try:
         return guarded_eyes(eyes.views(Pose()), guard, size)[1]
     except InputError as error:
-        raise InputError(f"guard {guard:g} on {_named(eyes)}: {error}; use a smaller guard") from error
+        raise InputError(f"--guard {guard:g} on {_named(eyes)}: {error}; use a smaller guard") from error
 
 
 def _named(eyes: Eyes) -> str:
@@ -47,14 +47,14 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: float, frames: in
     check_size(gpu.gl, sizes.shown)
     rendered_size = sizes.rendered
     if max(rendered_size) > gpu.max_texture_size:
-        found = f"guard {guard:g} makes frames of {rendered_size[0]}x{rendered_size[1]} pixels"
+        found = f"--guard {guard:g} makes frames of {rendered_size[0]}x{rendered_size[1]} pixels"
         raise InputError(f"{found}: expected at most {gpu.max_texture_size} on each side (this GPU's limit)")
     needed = frames * sum(frame_bytes(needs, sizes).values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
-            f"latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
+            f"--latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
             f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
-            "use a smaller size, a shorter latency or a lower rate"
+            "use a smaller --size, a shorter --latency or a lower --rate"
         )
 
 

@@ -86,11 +86,11 @@ def synthesise(kind: str, seed: int | None = None, seconds: float | None = None,
     seed = KINDS[kind].seed if seed is None else seed
     seconds = KINDS[kind].seconds if seconds is None else seconds
     if not 0.1 <= seconds <= _LONGEST_S:
-        raise InputError(f"{seconds} seconds: expected a length from 0.1 to {_LONGEST_S:g}")
+        raise InputError(f"--seconds {seconds:g}: expected a length from 0.1 to {_LONGEST_S:g}")
     if not 1 <= rate_hz <= _FASTEST_HZ:
-        raise InputError(f"rate {rate_hz} Hz: expected 1 to {_FASTEST_HZ:g}")
+        raise InputError(f"--rate {rate_hz:g} Hz: expected 1 to {_FASTEST_HZ:g}")
     if seed < 0:
-        raise InputError(f"seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
+        raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
     t = np.arange(math.floor(seconds * rate_hz + 1e-9) + 1) / rate_hz
     motion = KINDS[kind].build(random.Random(seed), seconds, t)
     orientation = _orientation(motion)

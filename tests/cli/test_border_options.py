@@ -46,4 +46,6 @@ def test_what_cannot_be_meant(command):
     command("replay", "still", "--guard", "much").refused("guard 'much'", "or auto")
     command("replay", "still", "--warp", "auto", "--budget", "9", "--wide").refused("--wide", "chooses the fill too")
     command("replay", "still", "--wide", "--fill", "wide+interpolate").refused("the same fill twice")
-    command("replay", "still", "--wide", "--warp", "rotation", "--fused").refused("use fill none, or leave fused out")
+    command("replay", "still", "--wide", "--warp", "rotation", "--fused").refused(
+        "use --fill none, or leave --fused out"
+    )

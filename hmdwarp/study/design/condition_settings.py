@@ -69,7 +69,7 @@ def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]
     """
     options = live_options(settings)
     if options.mirrors not in MIRRORS:
-        raise InputError(f"mirrors '{options.mirrors}': expected {' or '.join(MIRRORS)}")
+        raise InputError(f"--mirrors '{options.mirrors}': expected {' or '.join(MIRRORS)}")
     options.network.check(round(options.latency_ms * 1e6))
     headset = load_headset(options.headset)
     _check_guard(options, headset)
@@ -82,7 +82,7 @@ def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]
 def _check_guard(options: LiveOptions, headset: Headset) -> None:
     width, height = guarded_size(options.guard_factor, headset, options.size or headset.eye_size_px)
     if max(width, height) > _MOST_PIXELS:
-        found = f"guard {options.guard:g} makes frames of {width}x{height} pixels"
+        found = f"--guard {options.guard:g} makes frames of {width}x{height} pixels"
         raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
 
 
