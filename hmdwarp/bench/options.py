@@ -50,7 +50,7 @@ class BenchOptions(Declared):
         _RUN.trace,
         ("look-around", "walk"),
         name="traces",
-        metavar="[TRACE]...",
+        metavar="TRACE",
         positional=True,
         parse=None,
         beside=(_TRACE,),

@@ -57,6 +57,8 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
 
 def _check_there(path: Path) -> None:
     known = f"expected a {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]} file"
+    if path.is_dir():
+        raise SceneError(f"{path} is a directory; {known}")
     if not path.is_file():
         raise SceneError(f"{path}: no such scene file; {known}, or the name of a scene")
     if path.stat().st_size == 0:

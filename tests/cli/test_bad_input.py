@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from pathlib import Path
 
 import needs
 import numpy as np
@@ -77,6 +78,25 @@ def test_traces_that_cannot_be_used(name, command, quick, kept, tmp_path):
 def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
     (tmp_path / "traces").mkdir()
     command("replay", tmp_path / "traces", *quick).refused(str(tmp_path / "traces"), "directory")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("plan", "--scene", "FOLDER"),
+        ("plan", "--scene", "FOLDER.glb"),
+        ("plan", "--headset", "FOLDER"),
+        ("plan", "--headset", "FOLDER.toml"),
+        ("study", "plan", "FOLDER"),
+        ("study", "power", "quick", "--model", "FOLDER", "--out", "out"),
+    ],
+)
+def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    typed = [str(tmp_path / one.replace("FOLDER", "folder")) if "FOLDER" in one else one for one in arguments]
+    folder = next(one for one in typed if one.startswith(str(tmp_path)))
+    Path(folder).mkdir()
+    command(*typed).refused(folder, "is a directory")
 
 
 # --- names
