@@ -183,7 +183,12 @@ BROKEN = [
     ),
     ('scales = ["grade", "acr"]', 'scales = ["grade", "grade"]', "trial.scales has 'grade' twice", None),
     ('scales = ["grade", "acr"]', "scales = []", "trial.scales is empty: expected one scale at least", None),
-    ('scales = ["grade", "acr"]', 'scales = ["ssq"]', "trial.scales has 'ssq', a questionnaire of 16 items", None),
+    (
+        'scales = ["grade", "acr"]',
+        'scales = ["ssq"]',
+        "trial.scales has 'ssq', a questionnaire of 16 items with scores",
+        None,
+    ),
     (
         'scales = ["grade", "acr"]',
         'scales = ["grade", "fms"]',
