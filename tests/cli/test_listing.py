@@ -246,7 +246,11 @@ def test_plan_counts_bytes_and_frames(command):
         ("--warp", "fward", "'forward'"),
         ("--scene", "roon", "'room'"),
         ("--guard", "400", "guard 400"),
-        ("--latency", "nan", "latency nan"),
+        ("--latency", "nan", "--latency nan"),
+        ("--codec", "q", "unknown codec 'q'"),
+        ("--predict", "q", "unknown predictor 'q'"),
+        ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
+        ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )
 def test_plan_refuses_what_replay_refuses(option, value, told, command):
