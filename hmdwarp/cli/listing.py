@@ -16,6 +16,7 @@ KINDS = {
     "lenses": "Correct the lens of a headset.",
     "scenes": "What is rendered, beside files of your own.",
     "headsets": "Displays that can be emulated.",
+    "clients": "Devices that warp, with what each can do.",
     "axes": "Axes of head traces, by the software that writes them.",
     "formats": "Formats of head traces.",
     "layers": "What a frame holds beside its picture.",

@@ -27,7 +27,7 @@ _TRACE = Option(
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _PLOT = Option("Draw the motion into this PNG: way from above, angles, speeds, view sphere.", Path, name="plot")
-_TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
+_TO = Option("Format to write: native, tum, euroc or mcap.", default="native", name="to")
 
 
 @app.command()
@@ -67,7 +67,8 @@ def info(said: Said) -> None:
 def convert(said: Said) -> None:
     """Write a clean trace.
 
-    One segment, unit quaternions without sign flips, rising time, OpenXR axes, metres.
+    One segment, unit quaternions without sign flips, rising time, metres; OpenXR axes, in MCAP
+    those of ROS.
     """
     from rich.console import Console
 
@@ -83,10 +84,10 @@ def convert(said: Said) -> None:
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         refuse_existing(out, force=said["force"])
-    write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
+    write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary)
     console = Console(stderr=True)
     _print_defects(console, loaded)
-    console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
+    console.print(f"axes read: {loaded.axes}; written: {target.axes_written}", markup=False, highlight=False)
     console.print(
         f"{out}: {counted(len(loaded.track), 'sample')}, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,
@@ -103,19 +104,34 @@ class SynthOptions(Declared):
     force: bool = force_field()
     seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
     seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
+    speed: float | None = option(
+        None,
+        "Speed of forward, backward and sideways (m/s, by default 0.5), and of rotate (degrees per second, 60).",
+        kind=float,
+    )
+    amplitude: float | None = option(
+        None, "How far these go before they come back (m, by default 0.8), and rotate (degrees, 180).", kind=float
+    )
     rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
 
 
 @app.command()
 @takes(SynthOptions)
 def synth(said: Said) -> None:
-    """Write synthetic head motion: minimum-jerk gaze shifts, sway, walking bob."""
+    """Write synthetic head motion: of people, or there and back at one speed."""
     from ..poses.synth import synthesise, write_synthetic
     from ..report import counted, refuse_existing, write_stream
 
     options = SynthOptions.of(said)
     refuse_existing(options.out, force=options.force)
-    track = synthesise(options.kind, options.seed, options.seconds, options.rate_hz)
+    track = synthesise(
+        options.kind,
+        options.seed,
+        options.seconds,
+        options.rate_hz,
+        speed=options.speed,
+        amplitude=options.amplitude,
+    )
     write_stream(options.out, lambda stream: write_synthetic(track, stream))
     samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
     typer.echo(f"{options.out}: {samples}, {track.origin}", err=True)

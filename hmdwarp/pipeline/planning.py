@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from ..auto.levels import QualityLevel
+from ..client.capability import check_client
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
+from ..clients import load_client
 from ..errors import InputError
 from ..headsets import Headset
 from ..scenes import Scene
@@ -32,7 +34,8 @@ def build_plan_for(
     """Return the plan of a run. Without a scene, only the names are checked.
 
     headset: the one whose lens is corrected, or None. distorts, takes_depth: as in build_plan.
-    Errors: as build_plan; InputError for a lens correction on a headset without a lens.
+    Errors: as build_plan; PlanError for a plan that the client cannot run; InputError for a lens
+    correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
         raise InputError(
@@ -40,7 +43,7 @@ def build_plan_for(
         )
     called_for = effects.of(scene) if scene is not None else ()
     selected = effects.selected(options.effects, called_for)
-    return build_plan(
+    plan = build_plan(
         selected,
         options.warp,
         options.fill,
@@ -53,6 +56,9 @@ def build_plan_for(
         distorts=distorts,
         takes_depth=takes_depth,
     )
+    if options.client_name:
+        check_client(plan, load_client(options.client_name))
+    return plan
 
 
 def plan_against(warp: str) -> Plan:

@@ -9,7 +9,7 @@ import attrs
 from ..options import Declared, Number, names_in, one_of, option
 
 # Kinds of `poses.synth`, in words.
-MOTIONS = "still, look-around, reversals, walk or fast-turns"
+MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 QUAT_ORDERS = ("xyzw", "wxyz")
 
@@ -80,6 +80,13 @@ class TraceOptions(Declared):
         None,
         "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg).",
         valid=_check_euler,
+    )
+    # Share of all rows.
+    lost_rows: float = option(
+        0.2,
+        "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.",
+        kind=float,
+        valid=Number(most=0.999),
     )
     # Number of the recording, from 1.
     segment: int | None = option(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .formats import TraceFormat, column_of, ordered
+from .formats import TraceFormat, column_of, column_of_devices, ordered
 
 if TYPE_CHECKING:
     from .options import TraceOptions
@@ -34,5 +34,6 @@ class StatedColumns(TraceFormat):
         return Layout(
             time=stated["t"][0] if "t" in stated else None,
             orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
+            device=column_of_devices(head),
             position=None if position is None else (position[0], position[1], position[2]),
         )

@@ -36,12 +36,14 @@ from .style import css_variables as css_variables
 from .style import dashes_of as dashes_of
 from .style import markers_of as markers_of
 from .style import warp_of as warp_of
+from .tables import axes_of_traces as axes_of_traces
 from .tables import comparison_rows as comparison_rows
 from .tables import summary_table as summary_table
 from .trace_plot import trace_plot_png as trace_plot_png
 from .transit import coding_rows as coding_rows
 from .transit import filled_rows as filled_rows
 from .transit import frame_rows as frame_rows
+from .transit import model_rows as model_rows
 from .transit import response_rows as response_rows
 from .transit import transit_lines as transit_lines
 from .video import VideoWriter as VideoWriter

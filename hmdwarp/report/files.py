@@ -150,17 +150,21 @@ def write_text(path: str | os.PathLike, content: str) -> None:
     )  # a file name that is no text (in a command, a note) holds lone surrogates
 
 
-def write_stream(path: Path, write: Callable[[IO[str]], None], source: Path | None = None) -> None:
-    """Write a text file by calling `write` with a stream, which saves memory for a long one.
+def write_stream(
+    path: Path, write: Callable[[IO[Any]], None], source: Path | None = None, *, binary: bool = False
+) -> None:
+    """Write a file by calling `write` with a stream, which saves memory for a long one.
 
-    source: a file that must not be overwritten. Errors: InputError for a folder or the source
-    itself; else as write_bytes.
+    source: a file that must not be overwritten. binary: bytes instead of text. Errors: InputError
+    for a folder or the source itself; else as write_bytes.
     """
     if path.is_dir():
         raise InputError(f"{path} is a directory: expected the name of a file to write")
     if source is not None and path.exists() and source.exists() and path.samefile(source):
         raise InputError(f"{path} is the input itself: write to another file")
-    with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as stream:
+    text = None if binary else "utf-8"
+    newline = None if binary else "\n"
+    with atomic(path) as temporary, temporary.open("wb" if binary else "w", encoding=text, newline=newline) as stream:
         write(stream)
 
 

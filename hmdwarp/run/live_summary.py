@@ -56,11 +56,12 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         scene=host.scene.name,
         effects=list(plan.effects),
         headset=headset,
-        size=size,
+        sizes=host.pipeline.sizes,
         rate_hz=display.rate_hz,
         pixels_per_degree=view.fov.pixels_per_degree(size),
         machine=machine_of(gpu),
         clock=gpu.timer.clock,
+        trace_axes=display.about.get("trace_axes", ""),
     )
     return LiveFacts(shared, options, display.name, dict(display.about), plan.lens.name, tuple(host.scene.notes))
 

@@ -19,7 +19,7 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
-from hmdwarp.study import import_extra
+from hmdwarp.extra import import_extra
 from hmdwarp.study.analysis import analyse, analysis_folder, from_csv, write_analysis
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
@@ -175,4 +175,4 @@ def test_a_missing_package_is_told_with_what_brings_it():
     with pytest.raises(
         MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"
     ):
-        import_extra("statsmodels_that_is_not_there", "statsmodels")
+        import_extra("statsmodels_that_is_not_there", "statsmodels", "study")
