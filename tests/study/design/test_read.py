@@ -283,7 +283,12 @@ BROKEN = [
     ("jitter = 'uniform:20'", "jitter = 'uniform:2000'", "condition 'b': ", None),
     ("jitter = 'uniform:20'", "codec = 'av2'", "condition 'b': unknown codec 'av2'", None),
     ("jitter = 'uniform:20'", "crf = 70\ncodec = 'h264'", "condition 'b': crf 70: expected 0 (best) to 51", "crf = 70"),
-    ("jitter = 'uniform:20'", "mirrors = 'glass'", "condition 'b': mirrors 'glass': expected geometry or screen", None),
+    (
+        "jitter = 'uniform:20'",
+        "mirrors = 'glass'",
+        "condition 'b': unknown kind of mirrors 'glass' geometry or screen",
+        None,
+    ),
     ('scene = "planes"', 'scene = "plains"', "unknown scene 'plains': did you mean 'planes'?", None),
     ('scene = "planes"', 'scene = "absent.glb"', "absent.glb: no such scene file", None),
     ('size = "96x120"', 'size = "96"', "size '96': expected WIDTHxHEIGHT", None),
