@@ -204,6 +204,12 @@ def thesis_guard_bands(folder: Path) -> None:
 def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
+    layers(folder)
+
+
+def layers(folder: Path) -> None:
+    """Measure what each kind of layer sends."""
+    replace("layers", passes.layers_table(partial(run, folder)))
 
 
 def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **environment: str) -> str:
@@ -311,6 +317,7 @@ PARTS = {
     "guard": guard_bands,
     "thesis-guard": thesis_guard_bands,
     "link": link,
+    "layers": layers,
     "readme": readme,
 }
 

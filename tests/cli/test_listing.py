@@ -98,10 +98,12 @@ def test_lists_hold_what_the_registries_hold(command):
 def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):
     rows = {row["name"]: row for row in json.loads(command("list", "layers", "--json").out)}
     assert list(rows) == layers.names()
-    cube = ["rgba16f", "its own", "17.5 MB for each eye of rift-dk1", "cube", "packed"]
+    cube = ["rgba16f", "its own", "17.5 MB for each eye of rift-dk1", "cube", "video"]
     assert [rows["cube"][key] for key in ("format", "size", "bytes", "drawn_by", "coded_as")] == cube
     assert rows["colour"]["carried"] == "once for each eye, always"
     assert rows["overlay"]["size"] == "of the shown picture"
+    assert rows["reflection"]["coded_as"] == "video beyond 1 + inverse depth + vectors"
+    assert rows["ids"]["coded_as"] == "packed" and rows["others"]["coded_as"] == "nothing"
     assert rows["others"]["bytes"] == rows["others"]["size"] == "none"
 
 

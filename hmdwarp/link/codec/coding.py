@@ -22,7 +22,7 @@ class Coding(Declared):
     codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
     crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)
     bitrate_mbit: float | None = option(
-        None, "Bit rate of one eye's colour, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
+        None, "Bit rate of one eye's videos together, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
     )
 
     def __attrs_post_init__(self) -> None:
