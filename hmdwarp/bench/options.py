@@ -44,7 +44,7 @@ _TRACE = Option("As an argument; repeat it for several.", list, name="trace", me
 def _size(value: Any) -> Size:
     sides = tuple(value)
     if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
-        raise InputError(f"size {value!r}: expected (width, height) in pixels of one eye")
+        raise InputError(f"--size {value!r}: expected (width, height) in pixels of one eye")
     return sides
 
 
@@ -59,7 +59,7 @@ class BenchOptions(Declared):
         _RUN.trace,
         ("look-around", "walk"),
         name="traces",
-        metavar="[TRACE]...",
+        metavar="TRACE",
         positional=True,
         parse=None,
         beside=(_TRACE,),

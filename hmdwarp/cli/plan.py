@@ -32,6 +32,7 @@ def plan(said: Said) -> None:
     Tells what makes the scene slow to draw, and what to do about it.
     """
     from ..headsets import load_headset
+    from ..run import check_names
     from ..scenes import load_scene, slow_in
 
     source, headset = said["source"], load_headset(said["headset"])
@@ -39,6 +40,7 @@ def plan(said: Said) -> None:
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
+    check_names(options)
     scene = load_scene(*options.scene_key)
     slow = list(slow_in(scene))
     about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
@@ -87,7 +89,7 @@ def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
     from ..display.openxr import RUNTIME_LABEL
 
     if source not in (REPLAY, OPENXR, DESKTOP):
-        raise InputError(f"source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
+        raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
     kind = PipelineOptions if source == REPLAY else LiveOptions
     return kind, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
 

@@ -176,7 +176,9 @@ def build_plan(
     """
     choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
     if distorts and chosen_lens.is_pass:
-        raise PlanError(f"lens '{lens}': {distorts} corrects the lens by itself, and would do so again; use lens none")
+        raise PlanError(
+            f"--lens {lens}: {distorts} corrects the lens by itself, and would do so again; use --lens none"
+        )
     if fused:
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
@@ -314,15 +316,15 @@ def _plan_shown_depth(
 def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
-        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
+        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave --fused out")
     if not lens.library:
         raise PlanError(
-            f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
+            f"--fused with --lens {lens.name}: there is nothing to look through; choose a lens, or leave --fused out"
         )
     if chain:
         raise PlanError(
-            f"fused with fill '{fill_text(chain)}': a fill needs the picture between warp and lens; "
-            "use fill none, or leave fused out"
+            f"--fused with --fill {fill_text(chain)}: a fill needs the picture between warp and lens; "
+            "use --fill none, or leave --fused out"
         )
 
 

@@ -19,7 +19,6 @@ from .loss import GilbertElliott
 from .overload import Overload
 from .stage_times import StageTimes, parse_response
 
-_MOST_SEED = 2**63
 ALL, CHANGES = "all", "changes"
 DROP, RESOLUTION = "drop", "resolution"
 
@@ -37,13 +36,13 @@ def parse_loss(text: str) -> GilbertElliott | None:
         return None
     wanted = "expected p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
     if "=" not in text:
-        share = _number(text, f"loss '{text}'", wanted)
+        share = _number(text, f"--loss '{text}'", wanted)
         if not 0 <= share <= 1:
-            raise InputError(f"loss '{text}': expected a share of the frames, from 0 to 1")
+            raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
         return GilbertElliott(share, 1 - share)
-    values = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
+    values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
-        raise InputError(f"loss '{text}': {wanted}")
+        raise InputError(f"--loss '{text}': {wanted}")
     return GilbertElliott(**values)
 
 
@@ -53,8 +52,8 @@ def parse_bandwidth(text: str) -> Bandwidth | None:
         return None
     rate, *more = text.split(",")
     wanted = "expected Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
-    values = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
-    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
+    values = _pairs(more, f"--bandwidth '{text}'", wanted, ("queue",))
+    return Bandwidth(_number(rate, f"--bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
 
 
 def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:
@@ -113,7 +112,7 @@ class LinkOptions(Declared):
         parse=parse_bandwidth,
     )
     # The same seed gives the same network, whatever is sent through it.
-    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
+    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed", valid=Number(most=2**63 - 1))
     # What adds to a frame's way beside the network; None: the latency is all of it.
     response: StageTimes | None = option(
         None,
@@ -143,10 +142,6 @@ class LinkOptions(Declared):
         valid=one_of(DROP, RESOLUTION),
     )
 
-    def __attrs_post_init__(self) -> None:
-        if not 0 <= self.seed < _MOST_SEED:
-            raise InputError(f"seed {self.seed}: expected a whole number, 0 or more")
-
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set.
@@ -162,7 +157,7 @@ class LinkOptions(Declared):
             return super().values_of(said)
         if said.get("jitter"):
             raise InputError(
-                f"jitter '{said['jitter']}' beside a delay trace: the trace says every delay; leave one of them out"
+                f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them out"
             )
         return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
 

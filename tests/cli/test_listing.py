@@ -6,6 +6,7 @@ What there is, told so that people and programs can read it.
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -15,6 +16,7 @@ import trimesh
 import typer
 
 from hmdwarp.cli._app import app
+from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
@@ -57,6 +59,25 @@ HEAVY = {
 @pytest.fixture(autouse=True)
 def eighty_columns(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
+
+
+@pytest.mark.parametrize("name", commands)
+def test_arguments_are_written_in_capitals_in_every_help(name, command):
+    """typer puts them into brackets of its own, by its version."""
+    usage, _, rest = command(*name.split(), "--help").done().out.partition("\n\n")
+    shown = usage.partition("[OPTIONS]")[2]
+    assert shown == shown.upper()
+    arguments = [option.flag for option in commands[name] if option.positional]
+    assert re.findall(r"[A-Z|]+", shown) == arguments
+    assert all(f"\n  {one} " in rest for one in arguments)
+
+
+def test_list_alone_lists_its_kinds(command):
+    out = command("list").done().out
+    assert [line.split()[0] for line in out.splitlines() if line and line[0] != " "] == list(KINDS)
+    assert json.loads(command("list", "--json").done().out) == [
+        {"name": name, "summary": summary} for name, summary in KINDS.items()
+    ]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -227,7 +248,11 @@ def test_plan_counts_bytes_and_frames(command):
         ("--warp", "fward", "'forward'"),
         ("--scene", "roon", "'room'"),
         ("--guard", "400", "guard 400"),
-        ("--latency", "nan", "latency nan"),
+        ("--latency", "nan", "--latency nan"),
+        ("--codec", "q", "unknown codec 'q'"),
+        ("--predict", "q", "unknown predictor 'q'"),
+        ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
+        ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )
 def test_plan_refuses_what_replay_refuses(option, value, told, command):

@@ -41,10 +41,10 @@ def auto(path: Path, **options):
     "options, told",
     [
         ({"warp": "auto"}, "--budget MS"),
-        ({"budget_ms": 5.0}, "only warp 'auto' keeps to a budget; warp 'forward'"),
-        ({"bench": "b.json"}, "only warp 'auto' chooses from a benchmark"),
-        ({"warp": "auto", "budget_ms": 0.0}, "expected a number above 0 ms"),
-        ({"warp": "auto", "budget_ms": 5.0, "fused": True}, "fused with warp 'auto'"),
+        ({"budget_ms": 5.0}, "only --warp auto keeps to a budget; 'forward'"),
+        ({"bench": "b.json"}, "only --warp auto chooses from a benchmark"),
+        ({"warp": "auto", "budget_ms": 0.0}, "expected a finite number above 0 ms"),
+        ({"warp": "auto", "budget_ms": 5.0, "fused": True}, "--fused with --warp auto"),
     ],
 )
 def test_options_that_make_no_sense(options, told):
