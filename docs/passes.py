@@ -9,7 +9,7 @@ from typing import Any
 Summary = dict[str, Any]
 Run = Callable[..., Summary]  # (trace, *options) -> summary.json
 
-LATENCIES = ("200", "400", "800")
+LATENCIES = ("200", "400", "600", "800")
 COMMON = shlex.split("--guard 1.5 --lens none")
 SHORT = [*COMMON, *shlex.split("--rate 30 --start 1 --seconds 1.2 --metrics-every 9")]
 SMALL = [
@@ -29,6 +29,7 @@ FILLS = (
     "wide+pyramid",
     "memory+pyramid",
     "model",
+    "interpolate+composite",
     "relight",
     "memory+relight",
     "interpolate+memory+pyramid",

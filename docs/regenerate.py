@@ -3,7 +3,7 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `guard:FILE` takes the rows of an earlier run.
+defaults; `gpu:FILE,FILE` the bench.json of runs on a machine with a GPU.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pathlib import Path
 import aims
 import bench_tables
 import front_page
+import gpu_tables
 import guard
 import layouts
 import panel
@@ -86,14 +87,14 @@ def opening_picture(folder: Path) -> None:
 
 
 def bench(folder: Path, *ready: str) -> None:
-    """Measure every warp at 200, 400 and 800 ms: tables, the plot, and which aims were met.
+    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plot, and which aims were met.
 
     ready: bench.json of two earlier runs, to use instead.
     """
     if not ready:
         ready = (str(folder / "200" / "bench.json"), str(folder / "later" / "bench.json"))
         program("bench", "--quiet", "--out", str(folder / "200"))
-        later = "--latency 400 --latency 800 --instants 3 --rounds 1 --no-grid --no-fused --quiet --out"
+        later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused --quiet --out"
         program("bench", *shlex.split(later), str(folder / "later"))
     data, *more = (json.loads(Path(name).read_text(encoding="utf-8")) for name in ready)
     rows = [*data["rows"], *(row for other in more for row in other["rows"])]
@@ -189,11 +190,15 @@ def memory(folder: Path) -> None:
     replace("memory", passes.memory_table(partial(run, folder)))
 
 
-def guard_bands(folder: Path, *ready: str) -> None:
-    """Measure what guard bands and the wide view cost and save. ready: the rows of a run."""
-    rows = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else guard.measure(folder / "guard", program)
-    replace("guard", guard.band_table(rows))
-    replace("thesis guard", guard.finding_table(rows))
+def guard_bands(folder: Path) -> None:
+    """Measure what guard bands and the wide view cost and save."""
+    replace("guard", guard.band_table(guard.measure(folder / "guard", program)))
+
+
+def thesis_guard_bands(folder: Path) -> None:
+    """Measure which of the thesis's picture sizes suffices for which motion and speed."""
+    (folder / "thesis-guard").mkdir()
+    replace("thesis guard", guard.finding_table(guard.measure_thesis(folder / "thesis-guard", program)))
 
 
 def link(folder: Path) -> None:
@@ -211,6 +216,15 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
     if done.returncode not in statuses:
         raise SystemExit(done.stderr)
     return f"```text\n{done.stdout.rstrip()}\n```"
+
+
+def on_a_gpu(_: Path, *ready: str) -> None:
+    """Write the times of bench runs on a machine with a GPU. ready: their bench.json."""
+    if not ready:
+        raise SystemExit("gpu: expected bench.json of runs on a GPU, as in OPTIONS=gpu:FILE,FILE")
+    data = [json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]
+    replace("gpu machine", bench_tables.machine_line(data[0]))
+    replace("gpu", gpu_tables.times_table([row for each in data for row in each["rows"]]))
 
 
 def speed(_: Path) -> None:
@@ -235,6 +249,12 @@ def controls(_: Path) -> None:
     rows += [(f"{one.key} {one.back}".strip(), one.what) for one in CONTROLS]
     lines = ["| key | what it does |", "| --- | --- |", *(f"| `{key}` | {what} |" for key, what in rows)]
     replace("controls", "\n".join(lines))
+
+
+def clients(_: Path) -> None:
+    """Write what the shipped client classes can do."""
+    command = [sys.executable, "-m", "hmdwarp", "list", "clients", "--markdown"]
+    replace("clients", subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
 def live_cost(_: Path) -> None:
@@ -275,11 +295,13 @@ PARTS = {
     "study-simulated": study_simulated,
     "hard-cases": hard_cases,
     "controls": controls,
+    "clients": clients,
     "live-picture": live_picture,
     "live-cost": live_cost,
     "picture": opening_picture,
     "effects-picture": effects_picture,
     "speed": speed,
+    "gpu": on_a_gpu,
     "bench": bench,
     "border": border,
     "prediction": prediction,
@@ -287,6 +309,7 @@ PARTS = {
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
+    "thesis-guard": thesis_guard_bands,
     "link": link,
     "readme": readme,
 }
@@ -294,7 +317,8 @@ PARTS = {
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
-        for part in sys.argv[1:] or PARTS:
+        # All but what needs a GPU, which the machine that writes the pages may not have.
+        for part in sys.argv[1:] or [part for part in PARTS if part != "gpu"]:
             which, _, ready = part.partition(":")
             PARTS[which](Path(name), *filter(None, ready.split(",")))
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hmdwarp.colour import linear_from_srgb
+
 
 def moving(size: tuple[int, int], count: int, *, holes: bool = True) -> list[tuple[np.ndarray, np.ndarray]]:
     """(colour (h, w, 3) uint8, inverse_depth (h, w) float32) of `count` instants.
@@ -26,3 +28,16 @@ def moving(size: tuple[int, int], count: int, *, holes: bool = True) -> list[tup
             colour[hole], inverse[hole] = 0, -1
         out.append((colour.astype(np.uint8), inverse.astype(np.float32)))
     return out
+
+
+def rgba(colour: np.ndarray, inverse_depth: np.ndarray) -> np.ndarray:
+    """(h, w, 4) half floats, linear light with coverage in alpha, of sRGB bytes; a hole is 0."""
+    out = np.ones((*colour.shape[:2], 4), np.float16)
+    out[..., :3] = linear_from_srgb(colour)
+    out[inverse_depth < 0] = 0
+    return out
+
+
+def pictures(size: tuple[int, int], count: int) -> list[np.ndarray]:
+    """The colours of `moving` as an encoder takes them."""
+    return [rgba(*frame) for frame in moving(size, count)]

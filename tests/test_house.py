@@ -29,7 +29,7 @@ FLOORS = [
     {"errors", "version"},
     {"registry", "resources", "colour", "geometry"},
     {"tables", "options"},
-    {"gpu", "poses", "headsets"},
+    {"gpu", "poses", "headsets", "clients"},
     {"scenes"},
     {"frames"},
     {"server"},
@@ -61,7 +61,13 @@ APART = {
     "report": {"client", "server", "link", "gpu"},
     "doctor": {"client", "server", "scenes", "poses"},
 }
-CLOCK_READERS = {"gpu/timers.py", "pipeline/channel.py", "pipeline/loop.py", "doctor/checks.py", "study/store/clock.py"}
+CLOCK_READERS = {
+    "gpu/timers.py",
+    "pipeline/frame_coder.py",
+    "pipeline/loop.py",
+    "doctor/checks.py",
+    "study/store/clock.py",
+}
 # Display: its clock is the one all live times are on.
 CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")
 HEAVY = (
@@ -188,6 +194,7 @@ SAME_NAME = {
 }
 # Names that differ by an s.
 APART_BY_S = {
+    "client": "what runs at the head; clients are what such machines can do, as data",
     "codec": "the package of coding, with the registry of codecs in it",
     "frame": "the class, in its package",
     "metric": "the class, in its package",

@@ -40,14 +40,14 @@ def test_without_latency_every_warp_is_perfect(warp, scene, tmp_path):
     assert set(values(result, "flicker")) == {0.0}
 
 
-@pytest.mark.parametrize("warp", EXACT)
-def test_without_latency_a_guard_changes_only_the_last_bits(warp):
+@pytest.mark.parametrize(("warp", "guard"), [*((warp, 1.3) for warp in EXACT), (EXACT[-1], (1.1, 1.4))])
+def test_without_latency_a_guard_changes_only_the_last_bits(warp, guard):
     """The guarded view's pixel centres are the unguarded one's.
 
     Its projection differs in the last bits of float32, which moves a textured triangle by
     millionths of a pixel and, now and then, an edge across a pixel centre.
     """
-    for eye in seen(small(**{**WALK, "seconds": 0.2}, warp=warp, latency_ms=0.0, guard=1.3), every=4):
+    for eye in seen(small(**{**WALK, "seconds": 0.2}, warp=warp, latency_ms=0.0, guard=guard), every=4):
         difference = np.abs(srgb_from_linear(eye.shown[..., :3]) - srgb_from_linear(eye.truth[..., :3])).max(axis=-1)
         assert np.quantile(difference, 0.95) < 8 / 255
         assert (eye.coverage == 1).all()

@@ -105,6 +105,15 @@ class World:
         (wide, high), (w, h) = self.size, self.shown_size
         return self.inverse_depth[np.arange(h) * high // h][:, np.arange(w) * wide // w]
 
+    def render_wider(self, gpu, guard) -> None:
+        """Render another picture, with a guard band; what is shown stays as it is."""
+        fov, self.size = self.rendered_view.fov.guarded(guard, self.size)
+        self.rendered_view = View(self.rendered_view.pose, fov)
+        self._draw()
+        self.client = self._client_depth()
+        self.upload(gpu)
+        self.sampler_pixels *= max(self.size) / max(self.shown_size) if gpu.is_software else 1
+
     def upload(self, gpu) -> None:
         self.rendered = EyeImage(self.rendered_view, *self._textures(gpu, self.colour, self.inverse_depth))
         self.client_texture = allocate(gpu.gl, self.shown_size, SCALAR)

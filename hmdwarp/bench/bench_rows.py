@@ -7,6 +7,8 @@ from functools import reduce
 from operator import add
 from typing import Any
 
+from ..client.capability import lacking
+from ..clients import Client
 from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, pooled
 from ..run.combination_bench import Measured
 from ..run.replay_results import summary_of_rows
@@ -39,17 +41,21 @@ COLUMNS = (
     *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95", "_low", "_high")),
     *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
     "mismatch",
+    "client",
+    "lacks",
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
     "gl_renderer",
     "cpu_count",
 )
 
 
-def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float) -> dict[str, Any]:
+def row_of(
+    setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float, client: Client
+) -> dict[str, Any]:
     """Return one row of bench.json.
 
-    It has the keys of summary.json, the error by region, the eyes' mismatch, and the time and bound
-    of each pass.
+    It has the keys of summary.json, the error by region, the eyes' mismatch, the time and bound of
+    each pass, and why the client cannot run it ("" if it can).
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
@@ -60,6 +66,8 @@ def row_of(setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_
     return {
         **base,
         "frames": len(pictures),
+        "client": client.name,
+        "lacks": lacking(combination.plan, client),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
         },
@@ -85,6 +93,8 @@ def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
         "width": row["size"][0],
         "height": row["size"][1],
         "mismatch": row["mismatch"],
+        "client": row["client"],
+        "lacks": row["lacks"],
         **machine,
     }
 

@@ -12,6 +12,7 @@ import attrs
 
 from ..auto.levels import choose
 from ..client.plan import build_plan, needs_of
+from ..clients import Client, load_client
 from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
@@ -26,6 +27,7 @@ from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.combination_bench import Comparison
 from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from ..run.options import RunOptions
 from ..run.replay_setup import set_up_replay
 from ..run.run_summary import machine_of
 from ..run.schedule import schedule_of
@@ -34,6 +36,7 @@ from ..version import __version__
 from . import displacement_grid, fused
 from .bench_rows import COLUMNS, flat, row_of
 from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
+from .client_notes import left_out_notes
 from .options import BenchOptions
 
 OWNED = ("bench.csv", "bench.html")
@@ -88,7 +91,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
     started = time.perf_counter()
-    headset = load_headset(options.headset)
+    headset, client = load_headset(options.headset), load_client(options.client)
     works, notes = _checked(options, headset)
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
         machine, bandwidth, clocks, batched = _examined(options, headset, works)
@@ -97,7 +100,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
         for size, group in itertools.groupby(works, key=lambda work: work.case.size):
             with _pool(options, headset, size) as pool:
                 for work in group:
-                    rows += _case_rows(options, work, batched[work.case], pool, bandwidth, steps)
+                    rows += _case_rows(options, work, batched[work.case], pool, bandwidth, client, steps)
         first, has_grid, has_fused = works[0], options.grid, options.fused and headset.lens is not None
         data = {
             "schema": SCHEMA,
@@ -107,7 +110,8 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
             "copy_gb_s": bandwidth.bytes_per_s * 1e-9,
-            "notes": notes,
+            "client": client.name,
+            "notes": [*notes, *left_out_notes(rows, client)],
             "rows": rows,
             "grid": _grid(options, headset, first, steps) if has_grid else [],
             "grid_at": {"scene": rows[0]["scene"], "size": list(displacement_grid.SIZE), "eye": "left"}
@@ -117,7 +121,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "fused_at": _fused_at(options, rows[0]) if has_fused else None,
             "choice": None,
         }
-        data["choice"], refused = _choice(rows, options.budget_ms)
+        data["choice"], refused = _choice([row for row in rows if not row["lacks"]], options.budget_ms)
         data["seconds"] = time.perf_counter() - started
         _write(out, data)
     return BenchResult(options.out, data, refused)
@@ -148,7 +152,7 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
     starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = []
     for case in cases_of(options):
-        guarded_size(options.guard, headset, case.size)
+        guarded_size(options.guard_band, headset, case.size)
         run = run_options(options, case, start_s=starts[case.recording])
         count = schedule_of(traces[case.recording].track, run, rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
@@ -178,7 +182,7 @@ def _examined(
         most = MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
         batched = {
             work.case: batches(
-                work.combinations, guarded_size(options.guard, headset, work.case.size), work.case.size, most
+                work.combinations, guarded_size(options.guard_band, headset, work.case.size), work.case.size, most
             )
             for work in works
         }
@@ -189,7 +193,7 @@ def _examined(
 
 
 def _check_room(gpu: Gpu, run: PipelineOptions, headset: Headset, needs: Needs) -> None:
-    sizes = eye_sizes(run.guard_factor, headset, run.size or headset.eye_size_px)
+    sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
     check_held(gpu, run, needs, sizes, run.rate_hz or headset.refresh_hz)
 
 
@@ -211,6 +215,7 @@ def _case_rows(
     batched: list[list[Combination]],
     pool: QualityPool,
     bandwidth: Bandwidth,
+    client: Client,
     steps: _Steps,
 ) -> Iterator[dict[str, Any]]:
     for batch in batched:
@@ -218,7 +223,7 @@ def _case_rows(
             comparison = Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
-            yield from (row_of(setup, measured, pool, bandwidth.bytes_per_s) for measured in comparison.measured)
+            yield from (row_of(setup, each, pool, bandwidth.bytes_per_s, client) for each in comparison.measured)
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
@@ -229,9 +234,17 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
     ]
     with (
         _pool(options, headset, displacement_grid.SIZE) as pool,
-        set_up_replay(attrs.evolve(work.run, size=displacement_grid.SIZE), needs_of(c.plan for c in unfilled)) as setup,
+        set_up_replay(
+            _at_size(work.run, work.case.size, displacement_grid.SIZE), needs_of(c.plan for c in unfilled)
+        ) as setup,
     ):
         return displacement_grid.grid_rows(setup, unfilled, pool, steps)
+
+
+def _at_size(run: RunOptions, shown: tuple[int, int], size: tuple[int, int]) -> RunOptions:
+    """Return the run at another size, with the same field of view."""
+    guard = run.guard_band.factors(shown)
+    return attrs.evolve(run, size=size, guard=(guard.x, guard.y), rendered_size=None)
 
 
 def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:

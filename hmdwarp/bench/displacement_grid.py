@@ -19,6 +19,7 @@ from ..gpu.textures import download
 from ..link import LinkOptions
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
+from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop, PoseRequest
 from ..poses import Origin, PoseSample
 from ..run.combinations import Combination
@@ -108,11 +109,11 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, 0, history.offer, setup.server.recycle)
+    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, setup.server.recycle)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
-        PoseRequest(source, None, setup.size, setup.options.guard_factor, needs),
+        PoseRequest(source, None, setup.size, setup.options.guard_band, needs),
         setup.server,
         channel,
         history,

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from ..clients import PICTURE_CLIENT
 from ..errors import InputError
 from ..options import (
     Declared,
+    Guard,
     Number,
     Option,
+    check_one_guard,
     force_field,
     group,
+    guard_band,
+    guard_field,
     names_in,
     option,
     out_field,
@@ -25,6 +30,9 @@ from ..options import (
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
 from ..scenes.options import SceneOptions
+
+if TYPE_CHECKING:
+    from ..geometry import GuardBand
 
 Size = tuple[int, int]
 
@@ -75,16 +83,21 @@ class BenchOptions(Declared):
     rate_hz: float | None = same_as(_RUN.rate_hz)
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
-    guard: float = option(
+    guard: Guard = guard_field(
         1.5,
-        "Draw this many times the field of view (in tangents) on the server; replay and live begin with 1.",
-        valid=Number(least=1.0),
+        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; "
+        "replay and live begin with 1.",
     )
+    rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
+    # All combinations are measured; the front and the budget are for those that it can run.
+    client: str = same_as(
+        _RUN.client, PICTURE_CLIENT, help="Client that the Pareto front and --budget are for; all is measured."
+    )
     # Chooses the most accurate combination within it.
     budget_ms: float | None = same_as(
         _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
@@ -100,5 +113,11 @@ class BenchOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about. Errors: InputError."""
+        check_one_guard(said)
         recordings = [*(said.get("traces") or ()), *(said.get("trace") or ())]
         return super().values_of({**said, "traces": recordings or None})
+
+    @property
+    def guard_band(self) -> GuardBand:
+        """The guard band. Errors: InputError for guard "auto", which a bench does not take."""
+        return guard_band(self)

@@ -14,6 +14,7 @@ import attrs
 if TYPE_CHECKING:
     from ..client.fills import Fill
     from ..client.warps import Warp
+    from ..clients import Client
     from ..frames.layers import EyeSizes, Layer
     from ..headsets import Headset
     from ..options import Option
@@ -27,8 +28,8 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, axes, formats, layers, recordings,
-    scales, studies, options.
+    kind: warps, fills, effects, lenses, scenes, headsets, clients, axes, formats, layers,
+    recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
 
@@ -105,6 +106,29 @@ def _axes() -> list[dict[str, str]]:
         {"name": p.name, "summary": p.summary, "axes": p.axes.words(), "source": p.source}
         for p in map(load_preset, preset_names())
     ]
+
+
+def _clients() -> list[dict[str, str]]:
+    from ..clients import client_names, load_client
+
+    return [_client_row(load_client(name)) for name in client_names()]
+
+
+def _client_row(client: Client) -> dict[str, str]:
+    def limit(value: float, unit: str) -> str:
+        return f"{value:g} {unit}" if math.isfinite(value) else "no limit"
+
+    return {
+        "name": client.name,
+        "summary": client.summary,
+        "scene": client.scene,
+        "compute_shaders": "yes" if client.compute_shaders else "no",
+        "layers": "all" if client.more_layers else "colour and depth",
+        "budget": limit(client.budget_ms, "ms an eye"),
+        "decoder": limit(client.decoder_mpx_s, "Mpx/s"),
+        "download": limit(client.download_mbit_s, "Mbit/s"),
+        "source": client.source or "none",
+    }
 
 
 def _headset_row(headset: Headset) -> dict[str, str]:
@@ -208,7 +232,7 @@ def _layer_row(layer: type[Layer], sizes: EyeSizes, headset: str) -> dict[str, s
         "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset}" if count else "none",
         "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
         "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
-        "coded_as": layer.coding if count else "nothing",
+        "coded_as": " + ".join(layer.coded_as()) if count else "nothing",
     }
 
 
@@ -248,6 +272,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "lenses": _lenses,
     "scenes": _scenes,
     "headsets": _headsets,
+    "clients": _clients,
     "axes": _axes,
     "formats": _formats,
     "layers": _layers,

@@ -16,6 +16,7 @@ KINDS = (
     "lenses",
     "scenes",
     "headsets",
+    "clients",
     "axes",
     "formats",
     "layers",

@@ -163,14 +163,14 @@ def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dic
     from ..client.plan import needs_of
     from ..frames import frame_bytes
     from ..pipeline.build import frames_held
-    from ..pipeline.sizes import eye_sizes
+    from ..pipeline.sizes import eye_sizes, rendered_entry
 
     rate_hz = options.rate_hz or headset.refresh_hz
-    needs, sizes = needs_of(plans), eye_sizes(options.guard_factor, headset, options.size or headset.eye_size_px)
+    needs, sizes = needs_of(plans), eye_sizes(options.guard_band, headset, options.size or headset.eye_size_px)
     layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
     return {
         "eyes": 2,
-        "size": list(sizes.rendered),
+        **rendered_entry(options.guard_band, sizes),
         "layers": layers,
         "bytes": sum(layers.values()),
         "at_once": frames_held(options, rate_hz, needs),
@@ -181,10 +181,12 @@ def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dic
 
 def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
     layers = ", ".join(f"{name} {count / 1e6:.1f} MB" for name, count in frame["layers"].items())
-    size = "x".join(map(str, frame["size"]))
+    from ..pipeline.sizes import rendered_text
+
     at_once = f"at most {frame['at_once']} of them at {frame['latency_ms']:g} ms and {frame['rate_hz']:g} Hz"
     return [
-        ("A frame", f"2 eyes x {size} px, {frame['bytes'] / 1e6:.1f} MB uncompressed: {layers}"),
+        ("A frame", f"2 eyes, {frame['bytes'] / 1e6:.1f} MB uncompressed: {layers}"),
+        ("An eye", f"{rendered_text(frame)}"),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
 

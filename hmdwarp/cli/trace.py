@@ -103,19 +103,34 @@ class SynthOptions(Declared):
     force: bool = force_field()
     seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
     seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
+    speed: float | None = option(
+        None,
+        "Speed of forward, backward and sideways (m/s, by default 0.5), and of rotate (degrees per second, 60).",
+        kind=float,
+    )
+    amplitude: float | None = option(
+        None, "How far these go before they come back (m, by default 0.8), and rotate (degrees, 180).", kind=float
+    )
     rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
 
 
 @app.command()
 @takes(SynthOptions)
 def synth(said: Said) -> None:
-    """Write synthetic head motion: minimum-jerk gaze shifts, sway, walking bob."""
+    """Write synthetic head motion: of people, or there and back at one speed."""
     from ..poses.synth import synthesise, write_synthetic
     from ..report import counted, refuse_existing, write_stream
 
     options = SynthOptions.of(said)
     refuse_existing(options.out, force=options.force)
-    track = synthesise(options.kind, options.seed, options.seconds, options.rate_hz)
+    track = synthesise(
+        options.kind,
+        options.seed,
+        options.seconds,
+        options.rate_hz,
+        speed=options.speed,
+        amplitude=options.amplitude,
+    )
     write_stream(options.out, lambda stream: write_synthetic(track, stream))
     samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
     typer.echo(f"{options.out}: {samples}, {track.origin}", err=True)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class ClientModel(Protocol):
-    """A scene with fewer triangles, on the GPU.
+    """A scene with fewer triangles and texels, on the GPU.
 
     It draws rgba16f colour, and r32f inverse depth if the target has one.
     """
@@ -33,9 +33,10 @@ class ClientGeometry(Protocol):
     def draw_depth(self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int) -> object:
         """Draw inverse depth alone into an r32f texture, -1 where nothing is."""
 
-    def model(self, share: float, *, lit: bool) -> ClientModel:
+    def model(self, share: float, *, lit: bool, texture: float = 1.0) -> ClientModel:
         """Return a model with about `share` of the triangles, owned and cached by the geometry.
 
-        lit: with baked light, else with light of 1 everywhere (albedo). Errors: SceneError for a
-        share that is not above 0 and at most 1.
+        lit: with baked light, else with light of 1 everywhere (albedo). texture: scale of the
+        textures' resolution on both axes. Errors: SceneError for a share or scale that is not above
+        0 and at most 1.
         """

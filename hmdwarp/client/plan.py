@@ -305,13 +305,13 @@ def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -
 
 
 def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, draft: _Draft) -> None:
-    warp = choice.entry
+    warp, reads = choice.entry, choice.entry.reads_for(choice.settings)
     reason = f"asked for: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
     if lens is None:
-        draft.add("warp", f"warp {choice}", reason, warp.reads, (SHOWN,))
+        draft.add("warp", f"warp {choice}", reason, reads, (SHOWN,))
     else:
         fused = f"{reason}; fused with the lens: {lens.summary}"
-        draft.add("warp", f"warp {choice} + lens {lens.name}", fused, warp.reads, (PANEL,))
+        draft.add("warp", f"warp {choice} + lens {lens.name}", fused, reads, (PANEL,))
 
 
 def _plan_shown_depth(

@@ -107,10 +107,10 @@ def _parsed(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
 
 def _converted(named: str, key: str, value: str, kind: Any) -> Any:
     if typing.get_origin(kind) is typing.Literal:
-        words = typing.get_args(kind)
+        words = {str(word): word for word in typing.get_args(kind)}
         if value not in words:
-            raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(map(str, words))}")
-        return value
+            raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
+        return words[value]
     try:
         number = kind(value)
     except ValueError as error:

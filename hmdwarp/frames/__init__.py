@@ -10,7 +10,7 @@ from .layers.others import Others
 from .layers.reflection import Mirrored, Reflection
 from .layers.transparent import Transparent
 from .needs import Needs
-from .weight import frame_bytes
+from .weight import frame_bytes, video_pixels
 
 __all__ = [
     "BodyIds",
@@ -24,4 +24,5 @@ __all__ = [
     "Surface",
     "Transparent",
     "frame_bytes",
+    "video_pixels",
 ]

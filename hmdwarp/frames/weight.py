@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
-from .layers import EyeSizes, layers
+from .layers import PIXEL_BYTES, EyeSizes, layers
 from .needs import Needs
 
 
@@ -23,3 +23,16 @@ def frame_bytes(
         if amount and (count := layer.bytes(amount, sizes)):
             found[name] = count if layer.per_frame else eyes * count
     return found
+
+
+def video_pixels(weights: Mapping[str, int]) -> int:
+    """Return the pixels of video that a frame takes to decode, of all eyes.
+
+    weights: as frame_bytes returns them. Layers that are no pictures count nothing.
+    """
+    known = {layer.readable(): layer.formats for layer in layers if layer.formats}
+    return sum(
+        weight * len(known[name]) // sum(PIXEL_BYTES[one] for one in known[name])
+        for name, weight in weights.items()
+        if name in known
+    )

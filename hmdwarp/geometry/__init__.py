@@ -5,10 +5,11 @@ This package does not depend on the rest of the program. Conventions: docs/conve
 
 from .cube import cube_size, face_views
 from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres, metres_from_inverse_depth
+from .guard_band import GuardBand
 from .mirror import Mirror
 from .pose import Pose
 from .rigid import RigidState
-from .view import Eyes, Fov, View, guarded_eyes
+from .view import Eyes, Fov, Guard, View, guarded_eyes
 from .warp_map import WarpMap
 from .wide import wide_fov, wide_size, wide_view
 
@@ -16,6 +17,8 @@ __all__ = [
     "DepthLayer",
     "Eyes",
     "Fov",
+    "Guard",
+    "GuardBand",
     "Mirror",
     "Pose",
     "RigidState",

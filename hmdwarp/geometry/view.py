@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .guard_band import GuardBand
 from .pose import Pose
 
+Guard = float | tuple[float, float] | GuardBand
 _MAX_ANGLE = math.radians(89.5)  # tan = 114.6: beyond this a plane at z = -1 is no longer a picture
 
 
@@ -75,25 +77,20 @@ class Fov:
         return float(np.mean(per_rad) * math.pi / 180)
 
     def guarded(
-        self, factor: float, size: tuple[int, int], least: tuple[int, int] = (0, 0)
+        self, guard: Guard, size: tuple[int, int], least: tuple[int, int] = (0, 0)
     ) -> tuple[Fov, tuple[int, int]]:
-        """Return a field of view `factor` times as large in tangents, and its size in pixels.
+        """Return a field of view enlarged by the guard band, and its size in pixels.
 
-        Pixels per tangent stay the same. Whole pixels are added on each side (rounded up), so the
-        pixel centres of the unguarded view are pixel centres of the guarded one, and an unmoved
+        Pixels per tangent stay the same. Whole pixels are added on each side (factors round up), so
+        the pixel centres of the unguarded view are pixel centres of the guarded one, and an unmoved
         head loses nothing.
+        guard: a factor in tangents, one for each axis, or a GuardBand.
         least: pad to this size, on the right and at the top.
-        Errors: InputError if factor < 1 or the view leaves 89.5 degrees.
+        Errors: as GuardBand; InputError if the view leaves 89.5 degrees.
         """
-        if not factor >= 1 or not math.isfinite(factor):
-            raise InputError(f"guard {factor} is no enlargement: expected a factor of 1 or more")
-        left, right, down, up = self.tangents
+        left, right, down, up = self.tangents.tolist()
         per_x, per_y = size[0] / (right - left), size[1] / (up - down)
-        # 1e-9: a guard of exactly whole pixels must not gain one by rounding.
-        pad = [
-            math.ceil(abs(t) * per * (factor - 1) - 1e-9)
-            for t, per in ((left, per_x), (right, per_x), (down, per_y), (up, per_y))
-        ]
+        pad = GuardBand.of(guard).pads((left, right, down, up), size)
         pad[1] += max(0, least[0] - size[0] - pad[0] - pad[1])
         pad[3] += max(0, least[1] - size[1] - pad[2] - pad[3])
         if not any(pad):
@@ -133,22 +130,20 @@ class Eyes(Protocol):
         """Return the view of each eye, the left one first."""
 
 
-def guarded_eyes(
-    views: Sequence[View], factor: float, size: tuple[int, int]
-) -> tuple[tuple[Fov, ...], tuple[int, int]]:
+def guarded_eyes(views: Sequence[View], guard: Guard, size: tuple[int, int]) -> tuple[tuple[Fov, ...], tuple[int, int]]:
     """Return the fields of view of all eyes with a guard band, and the one size they share.
 
     Symmetric pairs have one size anyway; otherwise the smaller one is padded on the right and at
     the top.
     Errors: as Fov.guarded.
     """
-    return _guarded_fovs(tuple(view.fov for view in views), factor, size)
+    return _guarded_fovs(tuple(view.fov for view in views), GuardBand.of(guard), size)
 
 
 @lru_cache(maxsize=64)  # every frame needs it for the same eyes
 def _guarded_fovs(
-    fovs: tuple[Fov, ...], factor: float, size: tuple[int, int]
+    fovs: tuple[Fov, ...], guard: GuardBand, size: tuple[int, int]
 ) -> tuple[tuple[Fov, ...], tuple[int, int]]:
-    sizes = [fov.guarded(factor, size)[1] for fov in fovs]
+    sizes = [fov.guarded(guard, size)[1] for fov in fovs]
     largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
-    return tuple(fov.guarded(factor, size, largest)[0] for fov in fovs), largest
+    return tuple(fov.guarded(guard, size, largest)[0] for fov in fovs), largest

@@ -6,27 +6,45 @@ heavy.
 """
 
 from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as
+from .guard_options import (
+    AUTO,
+    Guard,
+    check_one_guard,
+    guard_band,
+    guard_field,
+    parse_guard,
+    parse_size,
+    rendered_size_field,
+)
 from .limits import Number, names_in, one_of
 from .paths import FORCE, force_field, out_field, path_of
 from .several import several, split_names
 
 __all__ = [
+    "AUTO",
     "CONDITION",
     "DISPLAY",
     "FORCE",
     "PICTURE",
     "Declared",
+    "Guard",
     "Number",
     "Option",
+    "check_one_guard",
     "force_field",
     "group",
+    "guard_band",
+    "guard_field",
     "names_in",
     "one_of",
     "option",
     "option_of",
     "options_of",
     "out_field",
+    "parse_guard",
+    "parse_size",
     "path_of",
+    "rendered_size_field",
     "same_as",
     "several",
     "split_names",

@@ -1,11 +1,14 @@
 from .build import Target as Target
 from .build import build_pipeline as build_pipeline
+from .channel import Channel as Channel
 from .client_scene import ClientScene as ClientScene
+from .frame_coder import CodedFrame as CodedFrame
+from .frame_coder import Coder as Coder
+from .layers_read import Reads as Reads
 from .loop import Loop as Loop
 from .loop import PoseRequest as PoseRequest
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions
-from .options import parse_guard as parse_guard
 from .planning import build_plan_for as build_plan_for
 from .planning import plans_for as plans_for
 from .sizes import eye_sizes as eye_sizes

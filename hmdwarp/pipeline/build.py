@@ -14,15 +14,19 @@ from ..auto.levels import QualityLevel
 from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import Plan, needs_of
-from ..frames import EyeSizes, Needs, frame_bytes
+from ..clients import load_client
+from ..errors import InputError
+from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
-from .channel import Channel, Coder
+from .channel import Channel
 from .client_scene import ClientScene
+from .frame_coder import Coder
+from .layers_read import Reads
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
 from .sizes import check_room, eye_sizes
@@ -63,7 +67,7 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the largest number of frames alive at once fits. Errors: as check_room."""
-    check_room(gpu, needs, sizes, options.guard_factor, frames_held(options, rate_hz, needs), options.latency_ms)
+    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
 
 
 @attrs.frozen(eq=False)
@@ -105,6 +109,7 @@ class Pipeline:
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
+        self.channel.read_beside(Reads.of([plan]))
         made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
         self._made.append(made)
         return made
@@ -114,7 +119,9 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made, before = self.compensator(plan), self.loop.compensator
+        made, before = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry), self.loop.compensator
+        self._made.append(made)
+        self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)
         before.close()
@@ -150,6 +157,7 @@ def build_pipeline(
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)
     check_held(gpu, options, needs, sizes, target.rate_hz)
+    _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
         server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
@@ -157,7 +165,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, sizes, target, plans, history, server)
+        channel = _channel(options, target, plans, history, server)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -176,14 +184,24 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, sizes: EyeSizes, target: Target, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
-    reads = {name for plan in plans for name in plan.layers}
-    weight = sum(frame_bytes(needs_of(plans), sizes, reads).values())
-    coder = None
-    if not codecs.get(options.coding.codec).is_none:
-        coder = Coder(options.coding, sizes.rendered, target.rate_hz, sends_depth="rendered.inverse_depth" in reads)
-    return Channel(options.network, target.link_latency_ns, coder, weight, history.offer, server.recycle)
+    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
+    return Channel(options.network, target.link_latency_ns, coder, Reads.of(plans), history.offer, server.recycle)
+
+
+def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
+    """Check that the client decodes as fast as frames come. Errors: InputError."""
+    if not options.client_name or codecs.get(options.coding.codec).is_none:
+        return
+    weights = frame_bytes(needs_of(plans), sizes, {name for plan in plans for name in plan.layers})
+    client, needed = load_client(options.client_name), video_pixels(weights) * rate_hz * 1e-6
+    if needed > client.decoder_mpx_s:
+        raise InputError(
+            f"frames of {video_pixels(weights) * 1e-6:.1f} Mpx at {rate_hz:g} Hz are {needed:.0f} Mpx/s to decode: "
+            f"client '{client.name}' decodes {client.decoder_mpx_s:g}; use a smaller --size or --guard, or another "
+            "client"
+        )
 
 
 def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:

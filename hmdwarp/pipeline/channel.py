@@ -2,54 +2,27 @@
 
 from __future__ import annotations
 
-import time
-from collections import deque
+from collections import Counter
 from collections.abc import Callable
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
-import attrs
-import numpy as np
-from numpy.typing import NDArray
-
-from ..colour import picture_from_linear
-from ..frames.layers import PACKED
-from ..gpu.textures import download, upload
-from ..link.codec import Coding, Decoder, Encoder, Packet, Undecodable, packed_bytes
-from ..metrics import psnr_db
+from .frame_coder import CodedFrame, Coder
+from .layers_read import Reads
 
 if TYPE_CHECKING:
-    import moderngl
-
     from ..frames import Frame
     from ..link import Link, LinkOptions, TransitStats
-
-# At most so many samples are kept: half an hour at 60 Hz.
-KEPT = 1 << 17
-# Coding loss is measured on every tenth frame, because it costs a comparison of two pictures.
-LOOK_EVERY = 10
-
-
-@attrs.frozen(eq=False)
-class EncodedFrame:
-    """A frame in transit."""
-
-    frame: Frame
-    # One for each eye; empty where nothing is encoded.
-    packets: tuple[Packet, ...] = ()
-    # The colours before encoding; kept only where the loss is measured.
-    before: tuple[NDArray[np.uint8], ...] = ()
 
 
 class Channel:
     """Send each frame that the server draws; return the newest that has arrived, as it arrived.
 
-    When an encoded frame arrives, its decoded colour and inverse depth are written over its own
-    textures; its other layers are counted as packed without loss. The time of encoding and decoding
-    is reported, never simulated, so that a replay is the same twice.
+    When an encoded frame arrives, its decoded layers are written over its own textures. The time of
+    encoding and decoding is reported, never simulated, so that a replay is the same twice.
 
-    weight_bytes: size of a frame where nothing is encoded. offer: called with each frame that the
-    client used and no longer needs. recycle: called with each frame that it never used.
+    coder: None for frames that arrive as drawn. reads: what the client reads of a frame; no other
+    layer is coded or counted. offer: called with each frame that the client used and no longer
+    needs. recycle: called with each frame that it never used.
     """
 
     def __init__(
@@ -57,17 +30,17 @@ class Channel:
         network: LinkOptions,
         latency_ns: int,
         coder: Coder | None,
-        weight_bytes: int,
+        reads: Reads,
         offer: Callable[[Frame], None],
         recycle: Callable[[Frame], None],
     ) -> None:
-        self._coder, self._weight = coder, weight_bytes
+        self._coder, self._reads, self._beside = coder, reads, Reads()
         self.latency_ns = latency_ns
-        self._frames = self._bytes = 0
-        self.link: Link[EncodedFrame] = network.link(
+        self._frames, self._bytes = 0, Counter[str]()
+        self.link: Link[CodedFrame] = network.link(
             latency_ns,
-            discard=lambda encoded: offer(encoded.frame),
-            wasted=lambda encoded: recycle(encoded.frame),
+            discard=lambda coded: offer(coded.frame),
+            wasted=lambda coded: recycle(coded.frame),
             receive=coder.receive if coder is not None else None,
         )
 
@@ -79,20 +52,32 @@ class Channel:
         self.link.delay_by(network.delays(latency_ns))
         self.latency_ns = latency_ns
 
+    def read(self, reads: Reads) -> None:
+        """Send what another plan reads from now on."""
+        self._reads = reads
+
+    def read_beside(self, reads: Reads) -> None:
+        """Code this too from now on, without counting it: a plan beside the client's reads it."""
+        self._beside |= reads
+
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
         if self._coder is None:
-            encoded, size, key = EncodedFrame(frame), self._weight, True
+            coded, sizes = CodedFrame(frame), Counter[str]()
+            for (_, name), layer, data in self._reads.contents(frame):
+                sizes[name] += layer.sent_bytes(data)
         else:
-            encoded, size, key = self._coder.encode(frame, wants_key=self.link.needs_key(now_ns))
+            wants_key = self.link.needs_key(now_ns)
+            coded = self._coder.encode(frame, self._reads, self._beside, wants_key=wants_key)
+            sizes = coded.layer_bytes()
         self._frames += 1
-        self._bytes += size
-        self.link.send(encoded, now_ns, size, key)
+        self._bytes.update(sizes)
+        self.link.send(coded, now_ns, sizes.total(), coded.is_key)
 
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
-        encoded = self.link.newest(now_ns)
-        return encoded.frame if encoded is not None else None
+        coded = self.link.newest(now_ns)
+        return coded.frame if coded is not None else None
 
     @property
     def transit(self) -> TransitStats | None:
@@ -101,81 +86,16 @@ class Channel:
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json: frames, Mbit/s, time and loss of the codec."""
-        mean_bytes = self._bytes / self._frames if self._frames else 0.0
+        frames = max(self._frames, 1)
+        megabits = 8 * rate_hz / 1e6 / frames
         return {
             "frames": self.link.tally.as_dict(),
-            "mbit_s": mean_bytes * 8 * rate_hz / 1e6,
-            "frame_bytes": mean_bytes,
+            "mbit_s": self._bytes.total() * megabits,
+            "layers_mbit_s": {name: count * megabits for name, count in self._bytes.most_common()},
+            "frame_bytes": self._bytes.total() / frames,
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
         }
 
     def close(self) -> None:
         """Recycle every frame still held; the statistics stay readable."""
         self.link.close()
-
-
-class Coder:
-    """Codec streams of both eyes.
-
-    size: (w, h) of a rendered picture. sends_depth: whether inverse depth counts as sent; some
-    warps do not need it.
-    """
-
-    def __init__(self, coding: Coding, size: tuple[int, int], rate_hz: float, *, sends_depth: bool = True) -> None:
-        self._codec, self._sends_depth = coding.codec, sends_depth
-        self._encoders = [
-            Encoder(coding.codec, size, rate_hz, crf=coding.crf, bitrate_mbit=coding.bitrate_mbit) for _ in range(2)
-        ]
-        self._decoders = [Decoder(coding.codec, size) for _ in range(2)]
-        self._encoded = 0
-        self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
-
-    def encode(self, frame: Frame, *, wants_key: bool) -> tuple[EncodedFrame, int, bool]:
-        """Return (frame, bytes, whether it can be decoded without those before it)."""
-        if wants_key:
-            for encoder in self._encoders:
-                encoder.request_key()
-        pictures = [(picture_from_linear(download(eye.colour)), download(eye.inverse_depth)) for eye in frame.eyes]
-        started = time.perf_counter_ns()
-        packets = tuple(encoder.encode(*picture) for encoder, picture in zip(self._encoders, pictures, strict=True))
-        frame.timings_ms["encode"] = _milliseconds_since(started)
-        measured = self._encoded % LOOK_EVERY == 0
-        self._encoded += 1
-        self._encode_ms.append(frame.timings_ms["encode"])
-        size = sum(len(packet.colour) + self._sends_depth * len(packet.depth) for packet in packets)
-        size += sum(layer.coded_bytes(data, _packed) for layer, data in frame.contents() if layer.coding == PACKED)
-        before = tuple(colour for colour, _ in pictures) if measured else ()
-        return EncodedFrame(frame, packets, before), size, all(packet.key for packet in packets)
-
-    def receive(self, encoded: EncodedFrame) -> bool:
-        """Decode into the frame's own textures; return False if the frame cannot be decoded."""
-        started = time.perf_counter_ns()
-        pictures, failed = [], False
-        for decoder, packet in zip(self._decoders, encoded.packets, strict=True):
-            try:
-                pictures.append(decoder.decode(packet))
-            except Undecodable:
-                failed = True  # report it to the other eye's stream too
-        if failed:
-            return False
-        encoded.frame.timings_ms["decode"] = _milliseconds_since(started)
-        self._decode_ms.append(encoded.frame.timings_ms["decode"])
-        for eye, picture in zip(encoded.frame.eyes, pictures, strict=True):
-            upload(eye.colour, picture.rgba())
-            upload(eye.inverse_depth, picture.inverse_depth)
-        for before, picture in zip(encoded.before, pictures, strict=False):
-            self._lost_db.append(psnr_db(picture.colour, before))
-        return True
-
-    def summary(self) -> dict[str, Any]:
-        """Return the codec's part of summary.json, or None where nothing was coded."""
-        figures = {"encode_ms": self._encode_ms, "decode_ms": self._decode_ms, "coded_psnr_db": self._lost_db}
-        return {"codec": self._codec, **{name: median(values) if values else None for name, values in figures.items()}}
-
-
-def _packed(content: moderngl.Texture | NDArray[Any]) -> int:
-    return packed_bytes(content if isinstance(content, np.ndarray) else download(content))
-
-
-def _milliseconds_since(started_ns: int) -> float:
-    return (time.perf_counter_ns() - started_ns) * 1e-6

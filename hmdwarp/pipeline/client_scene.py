@@ -39,19 +39,27 @@ class ClientScene:
 
     def __init__(self, server: Server, cache: Path | None = None) -> None:
         self._server, self._cache = server, cache
-        self._models: dict[tuple[float, bool], DrawnModel] = {}
+        self._models: dict[tuple[float, float, bool], DrawnModel] = {}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
         return self._server.draw_depth(view, size, into, time_ns)
 
-    def model(self, share: float, *, lit: bool) -> DrawnModel:
+    def model(self, share: float, *, lit: bool, texture: float = 1.0) -> DrawnModel:
         """Return a model, see ClientGeometry.model."""
-        key = (share, lit)
+        key = (share, texture, lit)
         if key not in self._models:
-            scene = reduced(self._server.scene, share, self._cache)
+            scene = reduced(self._server.scene, share, self._cache, texture=texture)
             self._models[key] = DrawnModel(self._server.gpu, scene, lit=lit)
         return self._models[key]
+
+    def weights(self) -> list[dict[str, float | int]]:
+        """Return what the client must hold of each model that was made: triangles and bytes.
+
+        A model drawn with light and without counts once: it differs by three numbers a vertex.
+        """
+        found = {(share, texture): model.scene for (share, texture, _), model in self._models.items()}
+        return [{"share": share, "texture": texture, **weight_of(scene)} for (share, texture), scene in found.items()]
 
     def close(self) -> None:
         """Free the models; the caller closes the server."""
@@ -65,7 +73,7 @@ class DrawnModel:
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lit: bool) -> None:
         self._gl = gpu.gl
-        scene = scene if lit else unlit(scene)
+        self.scene = scene = scene if lit else unlit(scene)
         self._textures = SceneTextures(gpu, scene)
         self._buffers = SceneBuffers(gpu, list(filter(stands_still, scene.meshes)), self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
@@ -113,3 +121,18 @@ class DrawnModel:
         self._buffers.close()
         self._textures.close()
         self._no_depth.release()
+
+
+def weight_of(scene: Scene) -> dict[str, int]:
+    """Return `triangles`, `geometry_bytes` and `texture_bytes` of a scene, uncompressed.
+
+    Vertices are a position, a place on the texture and a light in float32; triangles three 32-bit
+    indices; texels 8 bits a channel, without mipmaps, of the textures that some mesh has.
+    """
+    vertices = sum(len(mesh.positions) for mesh in scene.meshes)
+    used = {mesh.texture for mesh in scene.meshes if mesh.texture >= 0}
+    return {
+        "triangles": scene.triangle_count,
+        "geometry_bytes": 4 * (3 + 2 + 3) * vertices + 4 * 3 * scene.triangle_count,
+        "texture_bytes": sum(scene.textures[index].image.nbytes for index in used),
+    }

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..client.history import History
     from ..client.plan import Plan
     from ..frames import EyeImage, Needs
-    from ..geometry import Eyes, View
+    from ..geometry import Eyes, Guard, View
     from ..gpu.timers import Lap, Stages
     from ..link import TransitStats
     from ..poses import PoseSample, PoseSource
@@ -40,8 +40,8 @@ class PoseRequest:
     predicted: Callable[[int], PoseSample] | None
     # (w, h) of one eye.
     size: tuple[int, int]
-    # Size of the rendered view relative to the shown one, in tangents.
-    guard: float
+    # What is rendered beyond the shown view.
+    guard: Guard
     # Layers that frames carry.
     needs: Needs
     # Time from the first row of the display to its last.

@@ -2,38 +2,38 @@
 
 from __future__ import annotations
 
-import re
+import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import attrs
 
+from ..clients import PICTURE_CLIENT, load_client
 from ..errors import InputError
-from ..link import LinkOptions
+from ..link import Bandwidth, LinkOptions
 from ..link.codec import Coding
-from ..options import DISPLAY, PICTURE, Declared, Number, Option, group, names_in, option
+from ..options import (
+    AUTO,
+    DISPLAY,
+    PICTURE,
+    Declared,
+    Guard,
+    Number,
+    Option,
+    check_one_guard,
+    group,
+    guard_band,
+    guard_field,
+    names_in,
+    option,
+    parse_size,
+    rendered_size_field,
+)
 from ..scenes.options import SceneKey, SceneOptions
 
-AUTO = "auto"  # the automatic choice of warp and of guard band
-
-
-def parse_size(text: str) -> tuple[int, int]:
-    """Return (640, 400) for '640x400'. Errors: InputError."""
-    match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
-    if not match or 0 in map(int, match.groups()):
-        raise InputError(f"size '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
-    return int(match.group(1)), int(match.group(2))
-
-
-def parse_guard(text: str) -> float | Literal["auto"]:
-    """Return 'auto' or a number. Errors: InputError."""
-    if text.strip() == AUTO:
-        return "auto"
-    try:
-        return float(text)
-    except ValueError as error:
-        raise InputError(f"guard '{text}': expected a number of at least 1, or {AUTO}") from error
+if TYPE_CHECKING:
+    from ..geometry import GuardBand
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -49,11 +49,6 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     if not wide:
         return chosen
     return "wide" if chosen == "none" else f"wide+{chosen}"
-
-
-def _check_guard(instance: object, field: attrs.Attribute[Any], value: float | str) -> None:
-    if value != AUTO:
-        Number(least=1.0)(instance, field, value)
 
 
 _WIDE = Option(
@@ -75,6 +70,12 @@ class PipelineOptions(Declared):
     scene_options: SceneOptions = group(SceneOptions)
     # From drawing a frame to showing it.
     latency_ms: float = option(200.0, "Milliseconds from drawing a frame to showing it.", unit="ms", valid=Number())
+    # "" for a client that can do all that is asked of it; warp "auto" takes the client "picture".
+    client: str = option(
+        "",
+        f"What the client can do: {names_in('clients', '*.toml')}, or a .toml file; what it lacks is refused, and "
+        "never chosen. By default all, and picture where --warp auto chooses.",
+    )
     warp: str = option("forward", f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
@@ -129,16 +130,13 @@ class PipelineOptions(Declared):
         study=DISPLAY,
     )
     # "auto" is replaced by a number before a run is built, see run.guard.
-    guard: float | Literal["auto"] = option(
+    guard: Guard | str = guard_field(
         1.0,
-        "Draw this many times the field of view (in tangents) on the server; auto: as the trace needs.",
-        kind=str,
-        default="1",
-        numeric=True,
-        parse=parse_guard,
-        valid=_check_guard,
+        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; auto: "
+        "as the trace needs. The pixels grow by the product of both axes.",
         beside=(_WIDE,),  # the other way to fill beyond the border
     )
+    rendered_size: tuple[int, int] | None = rendered_size_field()
     fused: bool = option(False, "Warp and apply the lens in one resample; for gather warps, without fill.")
     # From the display's first row to its last; 0 for a global display.
     scanout_ms: float = option(
@@ -177,7 +175,8 @@ class PipelineOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
-        values = super().values_of(said)
+        values = _with_limits_of_client(super().values_of(said), said)
+        check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
         values["fill"] = _fill_for(said.get("warp", ""), said.get("fill"), fused=fused, wide=wide)
         if "lens" in said and said["lens"] is None:
@@ -195,15 +194,18 @@ class PipelineOptions(Declared):
         return self.warp == AUTO
 
     @property
-    def guard_factor(self) -> float:
-        """The guard as a number. Errors: InputError while it is "auto"."""
-        if isinstance(self.guard, str):
-            raise InputError("guard auto looks at a whole trace first: give a number, or replay a recording")
-        return self.guard
+    def client_name(self) -> str:
+        """The client whose abilities count; "" where anything goes."""
+        return self.client or (PICTURE_CLIENT if self.chooses_warp else "")
+
+    @property
+    def guard_band(self) -> GuardBand:
+        """The guard band. Errors: InputError while it is "auto"."""
+        return guard_band(self)
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
-        return attrs.evolve(self, warp=warp, fill=fill, budget_ms=None, bench=None)
+        return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
 
     def _check_auto(self) -> None:
         if self.budget_ms is None:
@@ -216,6 +218,22 @@ class PipelineOptions(Declared):
                 "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; "
                 "leave one out"
             )
+
+
+def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
+    """Add the client's budget for warp auto and, for frames that are coded, its download.
+
+    What was said counts more.
+    """
+    if not said.get("client"):
+        return values
+    client = load_client(said["client"])
+    if said.get("warp") == AUTO and said.get("budget") is None and math.isfinite(client.budget_ms):
+        values["budget_ms"] = client.budget_ms
+    coded = values["coding"].codec != "none" if "coding" in values else False
+    if coded and not said.get("bandwidth") and math.isfinite(client.download_mbit_s):
+        values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(client.download_mbit_s))
+    return values
 
 
 def _own_lens(headset: str) -> str:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from ..auto.levels import QualityLevel
+from ..client.capability import check_client
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
+from ..clients import load_client
 from ..errors import InputError
 from ..headsets import Headset
 from ..scenes import Scene
@@ -44,7 +46,8 @@ def build_plan_for(
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
     distorts, takes_depth: as in build_plan.
-    Errors: as build_plan; InputError for a lens correction on a headset without a lens.
+    Errors: as build_plan; PlanError for a plan that the client cannot run; InputError for a lens
+    correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
         raise InputError(
@@ -52,7 +55,7 @@ def build_plan_for(
         )
     called_for = effects.of(scene) if scene is not None else ()
     selected = effects.selected(options.effects, called_for)
-    return build_plan(
+    plan = build_plan(
         selected,
         options.warp,
         options.fill,
@@ -66,6 +69,9 @@ def build_plan_for(
         distorts=distorts,
         takes_depth=takes_depth,
     )
+    if options.client_name:
+        check_client(plan, load_client(options.client_name))
+    return plan
 
 
 def plan_against(warp: str) -> Plan:

@@ -1,4 +1,5 @@
 from .defects import Defect as Defect
+from .glides import Glide as Glide
 from .load import LoadedTrace as LoadedTrace
 from .load import load_trace as load_trace
 from .load import trace_path as trace_path
@@ -16,6 +17,7 @@ from .quaternions import slerp as slerp
 from .sample import Origin as Origin
 from .sample import PoseSample as PoseSample
 from .synth import DECIMALS as DECIMALS
+from .synth import GLIDES as GLIDES
 from .synth import KINDS as KINDS
 from .synth import RATE_HZ as RATE_HZ
 from .synth import minimum_jerk as minimum_jerk

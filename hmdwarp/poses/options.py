@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..options import Declared, names_in, option
 
 # Kinds of `poses.synth`, in words.
-MOTIONS = "still, look-around, reversals, walk or fast-turns"
+MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 QUAT_ORDERS = ("xyzw", "wxyz")
 

@@ -6,7 +6,8 @@ movement). The duration of a shift grows linearly with its amplitude, so its pea
 amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981, Dynamics
 of head movement trajectories). Between shifts it drifts in slow submovements, like a head that
 follows an object. It turns about the neck, not about the eyes; it sways like a standing person and
-bobs at each step of a walking one.
+bobs at each step of a walking one. The motions of `glides` are no person's: they move in one way
+only, at a known speed, to tell apart what each kind of motion costs.
 
 All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions
 and machines.
@@ -26,6 +27,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..registry import unknown_name
 from . import quaternions
+from .glides import BACKWARD, FORWARD, ROTATE, SIDEWAYS, Glide
 from .track import PoseTrack
 
 Array = NDArray[np.float64]
@@ -60,6 +62,7 @@ class Motion:
     pitch: Array  # up
     roll: Array  # the right shoulder's left
     place: Array
+    neck_to_eyes_m: Array = NECK_TO_EYES_M  # zeros for a head that turns about its eyes
 
 
 @attrs.frozen
@@ -69,35 +72,63 @@ class Kind:
     name: str
     summary: str
     seconds: float  # length of the shipped recording
-    seed: int  # of the shipped recording
-    # (rng, seconds, t) -> the motion at the instants t
-    build: Callable[[random.Random, float, Array], Motion]
+    # Of the shipped recording; None for a motion that has nothing random.
+    seed: int | None
+    # (rng, seconds, t) -> the motion at the instants t; or a motion of known speed and amplitude.
+    build: Callable[[random.Random, float, Array], Motion] | Glide
 
 
-def synthesise(kind: str, seed: int | None = None, seconds: float | None = None, rate_hz: float = RATE_HZ) -> PoseTrack:
+def synthesise(
+    kind: str,
+    seed: int | None = None,
+    seconds: float | None = None,
+    rate_hz: float = RATE_HZ,
+    *,
+    speed: float | None = None,
+    amplitude: float | None = None,
+) -> PoseTrack:
     """Return a synthetic head track: standing at (0, 1.6, 0), looking to -z.
 
     kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz:
-    samples per second.
-    Errors: UnknownNameError; InputError for a length or rate out of range.
+    samples per second. speed, amplitude: of a motion there and back (`glides`), in m/s and m, or in
+    degrees per second and degrees.
+    Errors: UnknownNameError; InputError for a number out of range, and for one that the motion does
+    not have.
     """
     if kind not in KINDS:
         raise unknown_name("kind of motion", kind, sorted(KINDS))
-    seed = KINDS[kind].seed if seed is None else seed
+    build = KINDS[kind].build
     seconds = KINDS[kind].seconds if seconds is None else seconds
     if not 0.1 <= seconds <= _LONGEST_S:
         raise InputError(f"{seconds} seconds: expected a length from 0.1 to {_LONGEST_S:g}")
     if not 1 <= rate_hz <= _FASTEST_HZ:
         raise InputError(f"rate {rate_hz} Hz: expected 1 to {_FASTEST_HZ:g}")
-    if seed < 0:
-        raise InputError(f"seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
     t = np.arange(math.floor(seconds * rate_hz + 1e-9) + 1) / rate_hz
-    motion = KINDS[kind].build(random.Random(seed), seconds, t)
+    if isinstance(build, Glide):
+        if seed is not None:
+            raise InputError(f"seed {seed}: motion {kind} has nothing random; leave the seed out")
+        glide = build.with_(speed, amplitude)
+        motion, said = _glided(glide, t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
+    else:
+        if speed is not None or amplitude is not None:
+            given = f"amplitude {amplitude:g}" if speed is None else f"speed {speed:g}"
+            able = ", ".join(sorted(GLIDES))
+            raise InputError(f"{given}: motion {kind} has the speeds of people; expected one of {able}")
+        seed = KINDS[kind].seed if seed is None else seed
+        if seed is None or seed < 0:
+            raise InputError(f"seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
+        motion, said = build(random.Random(seed), seconds, t), f"--seed {seed}"
     orientation = _orientation(motion)
-    position = motion.place + quaternions.rotate(orientation, NECK_TO_EYES_M[None])
-    how = f"hmdwarp trace synth {kind} --seed {seed} --seconds {seconds:g} --rate {rate_hz:g}"
+    position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])
+    how = f"hmdwarp trace synth {kind} {said} --seconds {seconds:g} --rate {rate_hz:g}"
     made = f"made up by '{how}'; {KINDS[kind].summary}"
     return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
+
+
+def _glided(glide: Glide, t: Array) -> Motion:
+    still = np.zeros_like(t)
+    place = glide.place(t) + np.array([0.0, EYE_HEIGHT_M, 0.0])
+    return Motion(glide.yaw(t), still, still, place, neck_to_eyes_m=np.zeros(3))
 
 
 def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
@@ -347,5 +378,10 @@ KINDS: dict[str, Kind] = {
         ),
         Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
         Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
+        Kind("forward", "forward at a steady speed and back, without turning", 8.0, None, FORWARD),
+        Kind("backward", "backward at a steady speed and back, without turning", 8.0, None, BACKWARD),
+        Kind("sideways", "to the right at a steady speed and back, without turning", 8.0, None, SIDEWAYS),
+        Kind("rotate", "turning to the left at a steady speed and back, about the eyes", 8.0, None, ROTATE),
     )
 }
+GLIDES: dict[str, Glide] = {name: kind.build for name, kind in KINDS.items() if isinstance(kind.build, Glide)}

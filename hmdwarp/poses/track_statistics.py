@@ -14,7 +14,7 @@ from .track import PoseTrack
 _MS = 1_000_000
 GRID_NS = 5 * _MS  # 200 Hz
 MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are sampled at evenly spaced instants
-LATENCIES_MS = (20, 50, 100, 200, 400, 800)
+LATENCIES_MS = (20, 50, 100, 200, 400, 600, 800)
 SPEED_PERCENTILES = (50, 95, 99, 99.9)
 ERROR_PERCENTILES = (50, 95, 99)
 

@@ -42,6 +42,7 @@ from .trace_plot import trace_plot_png as trace_plot_png
 from .transit import coding_rows as coding_rows
 from .transit import filled_rows as filled_rows
 from .transit import frame_rows as frame_rows
+from .transit import model_rows as model_rows
 from .transit import response_rows as response_rows
 from .transit import transit_lines as transit_lines
 from .video import VideoWriter as VideoWriter

@@ -48,6 +48,7 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         collector=live["garbage_collector"],
         charts=_charts(summary, column),
         filled=[],
+        models=[],
         response=response_rows(summary),
         frames=frame_rows(summary),
         coding=coding_rows(summary),

@@ -13,7 +13,7 @@ from .charts import Series, time_series
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
-from .transit import coding_rows, filled_rows, frame_rows, response_rows
+from .transit import coding_rows, filled_rows, frame_rows, model_rows, response_rows
 from .words import listed
 
 Rows = Sequence[Mapping[str, Any]]
@@ -77,6 +77,7 @@ def render_report(
         measured=_measured(summary),
         auto=_auto(summary),
         filled=filled_rows(summary),
+        models=model_rows(summary),
         response=response_rows(summary),
         frames=frame_rows(summary),
         coding=coding_rows(summary),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -97,6 +98,12 @@ def _is_text(value: Any) -> bool:
     return isinstance(value, str) and value != ""
 
 
+def _is_guard(value: Any) -> bool:
+    if isinstance(value, str):
+        return re.fullmatch(r"[1-9]\d*(\.\d+)?x[1-9]\d*(\.\d+)?", value) is not None
+    return _is_number(value) and value >= 1
+
+
 def _is_size(value: Any) -> bool:
     sides = value if isinstance(value, list | tuple) else ()
     return len(sides) == 2 and all(_is_count(side, 1) and side <= _MOST_PIXELS for side in sides)
@@ -117,7 +124,7 @@ _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("clock", " or ".join(CLOCKS), lambda v: v in CLOCKS),
     # Optional, but read where they are.
     ("rate_hz", "a number above 0", lambda v: _is_number(v) and v > 0),
-    ("guard", "a number from 1", lambda v: _is_number(v) and v >= 1),
+    ("guard", "a number from 1, or a text like 1.25x1.125", _is_guard),
     ("predict", "a text", _is_text),
 )
 

@@ -34,7 +34,7 @@ _FRAMES = {
 _CODING = (
     ("encode_ms", "encoding (median of all frames)", "ms"),
     ("decode_ms", "decoding (median of all frames)", "ms"),
-    ("coded_psnr_db", "colour after coding", "dB PSNR"),
+    ("coded_psnr_db", "pictures after coding", "dB PSNR"),
 )
 _TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
 
@@ -47,6 +47,18 @@ def filled_rows(summary: Summary) -> Pairs:
     filled: Mapping[str, float] = summary.get("filled") or {}
     return [
         ("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()
+    ]
+
+
+def model_rows(summary: Summary) -> Pairs:
+    """Return (model, what it weighs) of each model that the client drew for itself."""
+    return [
+        (
+            f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}",
+            f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
+            f"textures {one['texture_bytes'] / 1e6:.1f} MB",
+        )
+        for one in summary.get("client_models") or ()
     ]
 
 
@@ -66,11 +78,14 @@ def frame_rows(summary: Summary) -> Pairs:
 
 
 def coding_rows(summary: Summary) -> Pairs:
-    """Return the data rate, and the time and loss of the codec."""
+    """Return the data rate, of each layer too, and the time and loss of the codec."""
     link = summary.get("link") or {}
     if "mbit_s" not in link:
         return []
     rows = [("rate, both eyes", f"{link['mbit_s']:.1f} Mbit/s{' uncompressed' if link['codec'] == 'none' else ''}")]
+    layers: Mapping[str, float] = link.get("layers_mbit_s") or {}
+    if len(layers) > 1:
+        rows.append(("of that", ", ".join(f"{name.replace('_', ' ')} {rate:.1f}" for name, rate in layers.items())))
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
@@ -87,6 +102,7 @@ def transit_lines(summary: Summary) -> list[str]:
     filled = filled_rows(summary)
     if len(filled) > 2:
         lines.append("holes: " + ", ".join(f"{name} {share}" for name, share in filled))
+    lines += [f"{name}: {weight}" for name, weight in model_rows(summary)]
     link = summary.get("link") or {}
     counts = link.get("frames") or {}
     if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):

@@ -83,7 +83,14 @@ def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | N
             notes.append(f"{path.name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
     if not usable:
         raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here{'; ' + notes[0] if notes else ''}")
-    return _fitted(usable, options, headset, lens_ms, [*notes, *_other_terms(usable, options, path.name)], path.name)
+    return _fitted(
+        usable,
+        options,
+        headset,
+        lens_ms,
+        [*notes, *_other_terms(usable, options, options.size or headset.eye_size_px, path.name)],
+        path.name,
+    )
 
 
 def _fitted(
@@ -113,15 +120,15 @@ def _without_lens(row: Row) -> Row:
     return {**row, "lens": "none", "time_ms": {**times, "total": total}}
 
 
-def _other_terms(rows: list[Row], options: PipelineOptions, name: str) -> list[str]:
+def _other_terms(rows: list[Row], options: PipelineOptions, size: tuple[int, int], name: str) -> list[str]:
     """Return notes on differences between the benchmark and this run that are not corrected for."""
     differing = []
     for key, mine, unit in (
-        ("guard", options.guard, ""),
+        ("guard", options.guard_band.factors(size).entry, ""),
         ("latency_ms", options.latency_ms, " ms"),
         ("scene", options.scene, ""),
     ):
-        theirs = sorted({row[key] for row in rows if key in row})
+        theirs = list(dict.fromkeys(row[key] for row in rows if key in row))
         if theirs and mine not in theirs:
             differing.append(
                 f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"

@@ -30,13 +30,17 @@ def choices() -> dict[str, tuple[object, ...]]:
     }
 
 
-def values(options: LiveOptions) -> dict[str, object]:
-    """Return the current value of each control."""
+def values(options: LiveOptions, shown: tuple[int, int] | None = None) -> dict[str, object]:
+    """Return the current value of each control; of two guard factors the larger one.
+
+    shown: (w, h) of the shown picture, to tell what a rendered size is in factors.
+    """
+    guard = options.guard_band if shown is None else options.guard_band.factors(shown)
     return {
         "latency": options.latency_ms,
         "warp": options.warp,
         "fill": options.fill,
-        "guard": options.guard,
+        "guard": max(guard.x, guard.y),
         "scene": options.scene,
         "effects": options.effects,
         "lens": options.lens,
@@ -53,6 +57,8 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
     change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
     if name == "scene":
         change["scene_options"] = SceneOptions()  # those of a file, which this scene is not
+    if name == "guard":
+        change["rendered_size"] = None
     return attrs.evolve(options, **change)
 
 
@@ -83,7 +89,8 @@ def _latency(options: LiveOptions, direction: int) -> float:
 
 
 def _guard(options: LiveOptions, direction: int) -> float:
-    return _within("guard", options.guard_factor + direction * GUARD_STEP)
+    guard = options.guard_band  # a rendered size begins at 1
+    return _within("guard", max(guard.x, guard.y) + direction * GUARD_STEP)
 
 
 def _within(name: str, value: float) -> float:

@@ -9,7 +9,7 @@ from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..errors import InputError
 from ..frames import Needs
-from ..geometry import Pose
+from ..geometry import GuardBand, Pose
 from ..pipeline.build import Pipeline, Target, build_pipeline, check_held, expected_age_ns, latency_ns
 from ..pipeline.loop import Loop
 from ..pipeline.options import AUTO
@@ -109,10 +109,8 @@ class PipelineHost:
     def fit(self) -> None:
         """Rebuild if the shown field of view has changed enough to resize the rendered frames."""
         options, sizes = self.options, self.pipeline.sizes
-        if (
-            options.guard_factor > 1
-            and guarded_size(options.guard_factor, self._display.eyes, sizes.shown) != sizes.rendered
-        ):
+        guard = options.guard_band
+        if guard != GuardBand() and guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
             self._rebuild(options)
 
     def _levels_for(self, options: LiveOptions) -> LevelSet:
@@ -144,7 +142,7 @@ class PipelineHost:
         needs = needs_of(plans)
         refuse_one_eye(needs, len(shown.eyes.views(Pose())))
         size = options.size or shown.size
-        guarded_size(options.guard_factor, shown.eyes, size)
+        guarded_size(options.guard_band, shown.eyes, size)
         age_ns = expected_age_ns(options, latency_ns(options))
         request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs)
         rate_hz = options.rate_hz or shown.rate_hz

@@ -121,7 +121,7 @@ class LiveLog:
     def begin(self, display: Display, host: PipelineHost) -> None:
         """Start logging on this display."""
         facts = live_facts_of(self._options, display, host)
-        self._running = _Running(facts, host, HoleCounter(display.gpu), values(host.options))
+        self._running = _Running(facts, host, HoleCounter(display.gpu), values(host.options, host.pipeline.sizes.shown))
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:
             self._files.rows.add(HEADER)
@@ -130,7 +130,7 @@ class LiveLog:
         """Log a change of options."""
         if self._running is None:
             return
-        now = values(host.options)
+        now = values(host.options, host.pipeline.sizes.shown)
         self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
         self._running.values, self._running.auto_changes = now, 0
 

@@ -83,7 +83,7 @@ class _UserRun(FrameHandler):
         self._log, self._ending, self._host = log, ending, host
         self._commands = CommandHandler(host, say)
         log.status.choices = choices()
-        log.status.values = values(host.options)
+        log.status.values = values(host.options, host.pipeline.sizes.shown)
 
     def over(self) -> bool:
         return self._ending.due(self._log.count)
@@ -94,7 +94,7 @@ class _UserRun(FrameHandler):
     def handle(self, commands: Sequence[Command]) -> bool:
         changed = self._commands.handle(commands)
         if changed:
-            self._log.status.values = values(self._host.options)
+            self._log.status.values = values(self._host.options, self._host.pipeline.sizes.shown)
         return changed
 
     def arrived(self, refresh: Refresh) -> None:

@@ -56,7 +56,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         scene=host.scene.name,
         effects=list(plan.effects),
         headset=headset,
-        size=size,
+        sizes=host.pipeline.sizes,
         rate_hz=display.rate_hz,
         pixels_per_degree=view.fov.pixels_per_degree(size),
         machine=machine_of(gpu),

@@ -45,7 +45,7 @@ def pose_request(
         return predict(known(now_ns), now_ns, now_ns + age_ns, options.predict, round(options.horizon_ms * 1e6))
 
     predicts = predicted if options.predict != "none" else None
-    return PoseRequest(source, predicts, size, options.guard_factor, needs, round(options.scanout_ms * 1e6))
+    return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6))
 
 
 class RecentPoses:

@@ -44,7 +44,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         scene=setup.scene.name,
         effects=list(setup.plan.effects),
         headset=setup.headset.name,
-        size=setup.size,
+        sizes=setup.pipeline.sizes,
         rate_hz=setup.schedule.rate_hz,
         pixels_per_degree=setup.pixels_per_degree,
         machine=machine_of(setup.gpu),
@@ -71,6 +71,8 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
     summary["link"] = {**setup.channel.summary(setup.schedule.rate_hz), "response_ms": response_figures(log.responses)}
     summary |= more
+    if weights := setup.pipeline.geometry.weights():
+        summary["client_models"] = weights
     if auto is not None:
         summary["auto"] = auto_entry(auto, rows)
         summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]

@@ -116,7 +116,7 @@ def set_up_replay(
     rate_hz = options.rate_hz or headset.refresh_hz
     schedule = schedule_of(trace.track, options, rate_hz)
     size = options.size or headset.eye_size_px
-    guarded_size(options.guard_factor, headset, size)
+    guarded_size(options.guard_band, headset, size)
     scene = load_scene(*options.scene_key)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())

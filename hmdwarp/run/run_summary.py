@@ -13,8 +13,10 @@ from typing import Any
 import attrs
 
 from ..auto.adaptive import AdaptiveCompensator
+from ..frames import EyeSizes
 from ..gpu.context import Gpu
 from ..pipeline.options import PipelineOptions
+from ..pipeline.sizes import rendered_entry
 from ..report import SCHEMA
 from ..version import __version__
 
@@ -36,8 +38,7 @@ class Facts:
     scene: str
     effects: list[str]
     headset: str
-    # (w, h) of one eye.
-    size: tuple[int, int]
+    sizes: EyeSizes
     rate_hz: float
     pixels_per_degree: float
     machine: dict[str, Any]
@@ -71,10 +72,11 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
         "fill": fill,
         "lens": lens,
         "headset": facts.headset,
-        "size": list(facts.size),
+        "size": list(facts.sizes.shown),
         "frames": frames,
         "rate_hz": facts.rate_hz,
-        "guard": options.guard,
+        "guard": options.guard_band.factors(facts.sizes.shown).entry,
+        "rendered": rendered_entry(options.guard_band, facts.sizes),
         "predict": options.predict,
         "pixels_per_degree": facts.pixels_per_degree,
         "machine": facts.machine,

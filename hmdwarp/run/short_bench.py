@@ -158,4 +158,4 @@ def _row(measured: Measured, pool: QualityPool, size: tuple[int, int]) -> dict[s
 def _batches(options: RunOptions, headset: Headset, combinations: Sequence[Combination]) -> list[list[Combination]]:
     size = options.size or headset.eye_size_px
     most = min(GPU_BATCH_BYTES, MEMORY_PART * memory_bytes())
-    return batches(combinations, guarded_size(options.guard_factor, headset, size), size, most)
+    return batches(combinations, guarded_size(options.guard_band, headset, size), size, most)

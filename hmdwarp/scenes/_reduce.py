@@ -1,4 +1,7 @@
-"""Scenes with fewer triangles, for a client that draws for itself; kept in a cache folder."""
+"""Scenes with fewer triangles and texels, for a client that draws for itself.
+
+Triangles are kept in a cache folder.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +19,11 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ._content import Deformation, Material
 from ._decimate import decimated
-from ._mesh import Mesh
+from ._mesh import Mesh, Texture
 from ._scene import Scene
 
 VERSION = 2  # of the results of decimated(); counted up with every change of them
@@ -30,16 +34,22 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB
 Triangles = list[NDArray[np.uint32]]
 
 
-def reduced(scene: Scene, share: float, folder: Path | None = None, *, least: int = LEAST_TRIANGLES) -> Scene:
+def reduced(
+    scene: Scene, share: float, folder: Path | None = None, *, texture: float = 1.0, least: int = LEAST_TRIANGLES
+) -> Scene:
     """Return the scene's surfaces with about `share` of their triangles, matt, with baked light.
 
     Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies and
     deformations move as before.
     folder: where results are kept, the user's cache folder if None. A folder that cannot be read or
     written is no error; the scene is reduced again, in about 3 s for 75,000 triangles.
+    texture: scale of the textures' resolution on both axes, averaged in linear light; every texture
+    keeps a texel. They are made when they are first used, as the scene's own.
     least: number of triangles that no scene is reduced below.
-    Errors: SceneError for a share that is not above 0 and at most 1.
+    Errors: SceneError for a share or a scale that is not above 0 and at most 1.
     """
+    if not 0 < texture <= 1:
+        raise SceneError(f"textures at {texture:g} of their resolution: expected more than 0 and at most 1")
     if not 0 < share <= 1:
         raise SceneError(f"share {share:g} of a scene's triangles: expected more than 0 and at most 1")
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
@@ -48,7 +58,29 @@ def reduced(scene: Scene, share: float, folder: Path | None = None, *, least: in
         [mesh.triangles for mesh in surfaces] if share == 1 else _cached(surfaces, share, folder or cache_folder())
     )
     meshes = [_with_triangles(mesh, kept) for mesh, kept in zip(surfaces, triangles, strict=True) if len(kept)]
-    return attrs.evolve(scene, meshes=meshes)
+    textures = scene.textures if texture == 1 else [_smaller(each, texture) for each in scene.textures]
+    return attrs.evolve(scene, meshes=meshes, textures=textures)
+
+
+def _smaller(texture: Texture, scale: float) -> Texture:
+    """Return the texture at that scale."""
+    return Texture(texture.name, lambda: _resampled(texture, scale), texture.srgb, texture.repeat)
+
+
+def _resampled(texture: Texture, scale: float) -> NDArray[np.uint8]:
+    from PIL import Image
+
+    image = texture.image
+    size = tuple(max(1, round(scale * side)) for side in image.shape[1::-1])
+    linear = image / np.float32(255)
+    if texture.srgb:
+        linear[..., :3] = linear_from_srgb(image[..., :3])
+    channels = [Image.fromarray(np.ascontiguousarray(linear[..., k])) for k in range(image.shape[2])]
+    made = np.stack([np.asarray(one.resize(size, Image.Resampling.BOX)) for one in channels], axis=-1)
+    smaller = np.rint(255 * made).astype(np.uint8)
+    if texture.srgb:
+        smaller[..., :3] = srgb8_from_linear(made[..., :3])
+    return smaller
 
 
 def unlit(scene: Scene) -> Scene:

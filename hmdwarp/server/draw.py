@@ -10,7 +10,7 @@ import moderngl
 from ..errors import InputError
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import layers
-from ..geometry import View, guarded_eyes
+from ..geometry import Guard, View, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..registry import unknown_name
@@ -93,13 +93,13 @@ class Server:
         return into
 
     def draw_frame(
-        self, views: Sequence[View], drawn_ns: int, size: Size, guard: float = 1.0, needs: Needs | None = None
+        self, views: Sequence[View], drawn_ns: int, size: Size, guard: Guard = 1.0, needs: Needs | None = None
     ) -> Frame:
         """Draw all eyes, and the needed layers, into pooled targets.
 
         guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
-        enlarged views. Return the frame to the pools with recycle(). Errors: InputError for a guard
-        below 1, and for a cube beyond the GL limit.
+        enlarged views. Return the frame to the pools with recycle(). Errors: as guarded_eyes;
+        InputError for a cube beyond the GL limit.
         """
         needs = needs if needs is not None else Needs()
         fovs, grown = guarded_eyes(views, guard, size)

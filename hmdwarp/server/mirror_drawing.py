@@ -18,7 +18,7 @@ from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
 from .visibility import Visibility
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from ..frames import EyeImage
     from ..geometry import Mirror
@@ -51,16 +51,44 @@ def reflection_in_eye(mirror: Mirror, view: View) -> Array:
     return out
 
 
+def bounds_of_all(mirrors: Iterable[Mirror], view: View, size: tuple[int, int]) -> Bounds:
+    """Return the pixels in which any of the mirrors may be visible, an empty rectangle for none."""
+    found = [one for mirror in mirrors if (one := bounds_in_view(mirror, view, size)) is not None]
+    if not found:
+        return 0, 0, 0, 0
+    low_x, low_y, high_x, high_y = zip(*found, strict=True)
+    return min(low_x), min(low_y), max(high_x), max(high_y)
+
+
 def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the pixels in which a plane mirror and its apron may be visible, None for none."""
+    """Return the pixels in which a mirror, a plane one with its apron, may be visible.
+
+    None for none.
+    """
+    return _ball_in_view(mirror, view, size) if mirror.is_curved else _plane_in_view(mirror, view, size)
+
+
+def _ball_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
+    """Return the bounds of the cube around a ball; of one beside the eye, the whole picture."""
+    signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
+    corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
+    corners = corners @ view.pose.rotation_matrix
+    ahead = -corners[:, 2] >= NEAR_M
+    return _bounds_of(corners, view, size) if ahead.all() else (0, 0, *size) if ahead.any() else None
+
+
+def _plane_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
     if plane_in_eye(mirror, view)[3] <= 0:
         return None
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float64)
     corners = mirror.centre_m + signs @ np.array(grow) - view.pose.position_m
     corners = _before(corners @ view.pose.rotation_matrix, NEAR_M)
-    if not len(corners):
-        return None
+    return _bounds_of(corners, view, size) if len(corners) else None
+
+
+def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | None:
+    """Return the pixels around (n, 3) points in the axes of the eye, ahead of it."""
     pixels = corners[:, :2] / -corners[:, 2:] - np.array(view.fov.tangents[[0, 2]])
     pixels /= np.array(tangents_of_pixels(view, size)["tangent_step"])
     low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)

@@ -17,7 +17,8 @@ import attrs
 from ..errors import InputError
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..pipeline.options import PipelineOptions, parse_size
+from ..options import parse_size
+from ..pipeline.options import PipelineOptions
 from ..run import RunOptions, figures
 from ..version import __version__
 from .design import live_options

@@ -5,30 +5,19 @@
 // Source: this project's, after Tomasi and Manduchi 1998, Bilateral Filtering (weights by distance
 // and similarity).
 layout(local_size_x = 64) in;
+uniform ivec2 shown_size;
 #include "lib/relight.glsl"
 layout(rgba16f) readonly uniform image2D albedo;
-layout(r32f) readonly uniform image2D model_inverse_depth;
 layout(rgba32f) readonly uniform image2D lights;
 layout(rgba16f) uniform image2D filled; // with the model's lit colour in the holes on entry
 layout(std430, binding = 1) readonly buffer Samples { ivec4 sample_of[]; }; // xy: offset in pixels
 layout(std430, binding = 2) readonly buffer Holes { uint hole_count, none_a, none_b, none_c; uint hole_at[]; };
-uniform ivec2 shown_size;
 uniform int samples;
 uniform float near;           // distance, relative to the distance from the eye, at which the weight is a quarter
 uniform float off_plane;      // and off the surface's plane, at which it is a half
 uniform float model_weight;   // weight of the model's own light, relative to as much albedo seen close by
 
 const float LARGEST = 65504.0; // of a half float
-
-// Of the slopes towards both neighbours the smaller one, which does not cross an edge. At the
-// border there is one neighbour.
-vec2 slope_at(ivec2 p, float depth) {
-    ivec2 low = max(p - 1, ivec2(0)), high = min(p + 1, shown_size - 1);
-    vec2 back = depth - vec2(imageLoad(model_inverse_depth, ivec2(low.x, p.y)).r, imageLoad(model_inverse_depth, ivec2(p.x, low.y)).r);
-    vec2 ahead = vec2(imageLoad(model_inverse_depth, ivec2(high.x, p.y)).r, imageLoad(model_inverse_depth, ivec2(p.x, high.y)).r) - depth;
-    bvec2 gentler = lessThanEqual(abs(ahead), abs(back)), first = equal(p, ivec2(0)), last = equal(p, high);
-    return mix(back, ahead, bvec2(first.x || (gentler.x && !last.x), first.y || (gentler.y && !last.y)));
-}
 
 // Colour of a hole's pixel: the quotient of sums, not the sum of quotients, because an albedo near
 // black says little about the light.

@@ -5,13 +5,12 @@
 // Source: this project's; dividing albedo out: Barrow and Tenenbaum 1978, Recovering Intrinsic
 // Scene Characteristics from Images.
 layout(local_size_x = 16, local_size_y = 4) in;
+uniform ivec2 shown_size;
 #include "lib/relight.glsl"
 layout(rgba16f) readonly uniform image2D warped;
 layout(r32f) readonly uniform image2D warped_inverse_depth;
 layout(rgba16f) readonly uniform image2D albedo;
-layout(r32f) readonly uniform image2D model_inverse_depth;
 layout(rgba32f) writeonly uniform image2D lights;
-uniform ivec2 shown_size;
 uniform ivec2 block_count;
 uniform float same_depth;   // relative difference up to which two depths are one surface
 uniform float same_surface; // and by which those of a block may be nearer than its farthest one

@@ -1,13 +1,14 @@
-// Gathers each shown pixel from the rendered picture through the client's own depth; a depth test
-// leaves disocclusions empty.
+// Gathers each shown pixel from the rendered picture through the client's own depth; with TEST, a
+// depth test leaves disocclusions empty, else they take the colour of what hid them.
 // In: shown pixel and the client's inverse depth there. Out: rendered pixel by H, e (here shown ->
 // rendered), and its colour.
 // Source: the reverse of McMillan and Bishop's map; depth test as in shadow mapping (Williams
 // 1978), per texel of the footprint.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
-layout(r32f) readonly uniform image2D rendered_inverse_depth;
 layout(r32f) readonly uniform image2D client_inverse_depth;
+#if TEST
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
 uniform float depth_tolerance;
 uniform float depth_floor; // 1/m, the part of the tolerance that does not shrink with distance
 
@@ -17,8 +18,10 @@ void take_limits() {
     allowed_floor = depth_tolerance * depth_floor;
 }
 #define PREPARE take_limits
+#endif
 #include OUTPUT
 
+#if TEST
 bool holds(float held, float expected) {
     return abs(held - expected) <= allowed * expected + allowed_floor;
 }
@@ -47,3 +50,11 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     bool ahead = own >= 0.0 && q.z > 0.0 && at_centre.z > 0.0;
     return ahead && (near_holds || across_holds) && in_rendered(p) ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
+#else
+vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
+    float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
+    vec3 q = base + parallax * own;
+    vec2 p = q.xy / q.z;
+    return own >= 0.0 && q.z > 0.0 && in_rendered(p) ? covered_average(p) : vec4(0.0);
+}
+#endif

@@ -13,6 +13,9 @@ void main() {
     if (i >= quads) return;
     seeds[i] = uvec4(0u);
     if (i > 0) return;
-    piece_groups[0] = piece_count = 0u;
-    piece_groups[1] = piece_groups[2] = 1u;
+    // No `a = b = 0u`: it reads b, which `writeonly` forbids (NVIDIA's compiler refuses it, Mesa's does not).
+    piece_groups[0] = 0u;
+    piece_groups[1] = 1u;
+    piece_groups[2] = 1u;
+    piece_count = 0u;
 }

@@ -49,6 +49,7 @@ KEYS = {
     "clock",
     "clocks",
     "copy_gb_s",
+    "client",
     "rows",
     "grid",
     "grid_at",

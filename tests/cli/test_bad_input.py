@@ -150,6 +150,11 @@ def test_unknown_commands_and_options(arguments, command):
         ("--guard", "inf", "guard inf"),
         ("--guard", "1e9", "guard 1e+09"),
         ("--guard", "-2", "guard -2"),
+        ("--guard", "1.5x0.9", "guard 0.9"),
+        ("--guard", "1600x900", "guard 1600x900"),
+        ("--rendered-size", "8x8", "rendered size 8x8 is smaller"),
+        ("--rendered-size", "1.25x1.125", "'1.25x1.125'"),
+        ("--rendered-size", "99999x99999", "no field of view"),
         ("--rate", "0", "rate 0 Hz"),
         ("--rate", "nan", "rate nan"),
         ("--rate", "-60", "rate -60 Hz"),
@@ -180,7 +185,7 @@ def test_numbers_that_cannot_be_meant(option, value, told, command, quick, kept)
 
 
 def test_a_guard_beyond_the_gl_limit(command, quick, kept):
-    command("replay", "still", *quick, "--size", "4000x4000", "--guard", "8").refused("guard 8", "this GPU's limit")
+    command("replay", "still", *quick, "--size", "8000x8000", "--guard", "8").refused("guard 8", "this GPU's limit")
 
 
 def test_more_frames_than_memory_holds(command, quick, kept):

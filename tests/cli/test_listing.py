@@ -172,7 +172,7 @@ def test_plan_for_programs_has_what_is_printed(command):
     assert data["passes"] and all(one["name"] in told and one["reason"] in told for one in data["passes"])
     assert data["left_out"] and all(one["name"] in told and one["reason"] in told for one in data["left_out"])
     frame = data["frame"]
-    assert list(frame) == ["eyes", "size", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
+    assert list(frame) == ["eyes", "size", "pixels", "fov_deg", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
     assert frame["bytes"] == sum(frame["layers"].values()) and f"{frame['bytes'] / 1e6:.1f} MB uncompressed" in told
     assert f"at most {frame['at_once']} of them at 200 ms and 90 Hz" in told
 

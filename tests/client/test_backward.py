@@ -12,11 +12,11 @@ import pytest
 from reference import gather
 from reference.picture import TwinInputs
 
-from hmdwarp.client import PassInputs
+from hmdwarp.client import PassInputs, build_plan
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.backward import BackwardSettings
-from hmdwarp.frames import EyeImage
+from hmdwarp.frames import EyeImage, EyeSizes, frame_bytes
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
@@ -30,6 +30,7 @@ def backward(
     client_depth: np.ndarray,
     pose: Pose,
     rendered_pose: Pose | None = None,
+    settings: BackwardSettings | None = None,
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees; all pictures bottom row first, (h, w[, 4])."""
     size, shown_size = rendered_depth.shape[::-1], client_depth.shape[::-1]
@@ -40,7 +41,7 @@ def backward(
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, shown_size)
     rendered = EyeImage(View(rendered_pose or Pose(), FOV), *textures[:2])
-    warps.get("backward")(gpu, size, shown_size).run(
+    warps.get("backward")(gpu, size, shown_size, settings).run(
         PassInputs(rendered, View(pose, FOV), client_inverse_depth=textures[2]), canvas
     )
     gpu.gl.memory_barrier()
@@ -102,6 +103,37 @@ def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
     # Whole pixels of parallax, so bilinear looks fall on centres: the sampler's 1/256 px of a slope
     # of 1/60, and half floats.
     assert np.abs(got[..., 1] - from_x / 60)[seen & ~rim].max() <= 1 / 60 / 256 + 2 * 2.0**-11 + 2.0**-10
+
+
+def test_without_the_test_what_was_hidden_takes_the_colour_of_what_hid_it(gpu):
+    """The same square and wall, and no depth that could tell them apart.
+
+    The wall that comes into view is fetched 3 px further right, where the square was rendered.
+    """
+    y, x = np.mgrid[:60, :60]
+    square = (y >= 20) & (y < 40) & (x >= 20) & (x < 40)
+    now = np.where((y >= 20) & (y < 40) & (x >= 8) & (x < 28), 1.0, 0.25)
+    colour = np.stack([square, ~square, 0 * x, 0 * x + 1], axis=-1).astype(float)
+    no_depth = np.full((60, 60), np.nan)
+    got = backward(gpu, colour, no_depth, now, Pose((0.4, 0, 0)), settings=BackwardSettings(test="off"))
+    painted = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
+    assert np.array_equal(got[painted], colour[30, 30] * np.ones((painted.sum(), 1)))
+    # Nothing is empty but what lies beyond the picture, to the right: 3 px of the wall.
+    assert np.array_equal(got[..., 3] == 0, x >= 57)
+
+
+def test_without_the_test_the_rendered_depth_is_not_in_the_frame(gpu):
+    plan = build_plan((), "backward:test=off", "interpolate", "none", client_geometry=True)
+    assert plan.layers == ("rendered.colour",)
+    assert plan.draws_client_depth
+    sizes = EyeSizes((40, 30), (40, 30), (FOV, FOV))
+    with_test = build_plan((), "backward", "interpolate", "none", client_geometry=True)
+    weights = [frame_bytes(one.needs, sizes, one.layers) for one in (plan, with_test)]
+    assert set(weights[1]) - set(weights[0]) == {"rendered.inverse_depth"}
+    assert sum(weights[1].values()) - sum(weights[0].values()) == 2 * 4 * 40 * 30
+    # A fill that reads the shown picture's depth needs it all the same.
+    filled = build_plan((), "backward:test=off", "pyramid", "none", client_geometry=True)
+    assert "rendered.inverse_depth" in filled.layers
 
 
 @pytest.mark.parametrize("share", [0.98, 1.02])

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from holed import Holed
 from reference.interpolate import interpolate
+from reference.picture import ReferencePicture
 from worlds import World, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
-from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
-from hmdwarp.geometry import View
+from hmdwarp.client.fills.interpolate import minimum_count
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import GuardBand
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
 # against the other.
@@ -32,7 +34,10 @@ def test_shader_equals_the_float64_twin(gpu, name, seed):
     size = SIZES[seed % len(SIZES)]
     shown = size if seed % 2 else (size[0] + 6, max(size[1] - 5, 1))
     world = World(gpu, seed, size, shown)
-    got, wanted = world.warp(gpu, name), world.reference(name)
+    assert_equals_twin(world.warp(gpu, name), world.reference(name))
+
+
+def assert_equals_twin(got: np.ndarray, wanted: ReferencePicture) -> None:
     decided = ~wanted.undecided
     # Rounding may decide only near borders between pixels and near equal depths: a few pixels in a
     # hundred at these sizes.
@@ -52,17 +57,23 @@ def test_uncovered_is_black_with_alpha_zero_and_nothing_is_nan(gpu, name):
 
 
 @pytest.mark.parametrize("name", CHOICES)
-def test_a_guard_band_is_cut_off_exactly(gpu, name):
+def test_shader_equals_the_float64_twin_with_an_uneven_guard_band(gpu, name):
+    world = World(gpu, 6, (60, 44))
+    world.render_wider(gpu, (1.5, 1.1))
+    assert_equals_twin(world.warp(gpu, name), world.reference(name))
+
+
+@pytest.mark.parametrize("name", CHOICES)
+@pytest.mark.parametrize("guard", [1.3, (1.1, 1.4), GuardBand(size=(85, 50))], ids=str)
+def test_a_guard_band_is_cut_off_exactly(gpu, name, guard):
     world = World(gpu, 5, (60, 44), moved=False)
     if parse_warp(name).entry.resamples:
         wanted = world.look_along_a_face(gpu, 1, margin=7)
         assert np.array_equal(world.warp(gpu, name), wanted)
         return
-    fov, size = world.rendered_view.fov.guarded(1.3, world.size)
-    inner, world.size = world.size, size
-    world.rendered_view, world.shown_view = View(world.rendered_view.pose, fov), world.rendered_view
-    world.shown_size = inner
-    world._draw()
+    inner = world.shown_size
+    world.render_wider(gpu, guard)
+    fov, size = world.rendered_view.fov, world.size
     left, right, down, up = fov.tangents
     x = round((world.shown_view.fov.tangents[0] - left) / (right - left) * size[0])
     y = round((world.shown_view.fov.tangents[2] - down) / (up - down) * size[1])
@@ -110,11 +121,28 @@ def test_nothing_to_fill_and_nothing_to_fill_from(gpu, name):
             assert np.array_equal(got, holed.colour)
 
 
-def test_interpolate_equals_its_twin(gpu):
-    holed = Holed(gpu, 8, (67, 53), empty=0.5)
-    wanted = interpolate(holed.colour, MINIMUM_COUNT)
+# Three eighths of 8, 24 and 48.
+LEAST = {3: 3, 5: 9, 7: 18}
+
+
+@pytest.mark.parametrize("kernel", LEAST)
+@pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
+def test_interpolate_equals_its_twin(gpu, kernel, size):
+    holed = Holed(gpu, 8, size, empty=0.6)
+    wanted = interpolate(holed.colour, LEAST[kernel], kernel)
     # The mean of two half floats is stored as a half float: up to 2^-10 relative (truncated),
     # colours below 2.
-    assert np.abs(holed.fill(gpu, "interpolate")[0] - wanted).max() <= 2 * 2.0**-10
-    assert (wanted[..., 3] > holed.colour[..., 3]).any()
-    assert (wanted[..., 3] == 0).any()
+    assert np.abs(holed.fill(gpu, f"interpolate:size={kernel}")[0] - wanted).max() <= 2 * 2.0**-10
+    if size == SIZES[0]:
+        assert (wanted[..., 3] > holed.colour[..., 3]).any()
+        assert (wanted[..., 3] == 0).any()
+
+
+def test_the_least_count_is_three_eighths_of_the_neighbours():
+    assert {kernel: minimum_count(kernel) for kernel in LEAST} == LEAST
+
+
+@pytest.mark.parametrize("kernel", [0, 1, 2, 4, 9, -3, "3.0", "big"])
+def test_other_kernels_are_refused(kernel):
+    with pytest.raises(InputError, match=f"interpolate:size={kernel}': size is '{kernel}': expected 3 or 5 or 7"):
+        parse_fills(f"interpolate:size={kernel}")

@@ -8,7 +8,7 @@ from holed import Holed
 from reference.interpolate import interpolate_full
 
 from hmdwarp.client import parse_fills
-from hmdwarp.client.fills.interpolate import MINIMUM_COUNT
+from hmdwarp.client.fills.interpolate import minimum_count
 from hmdwarp.errors import InputError
 
 
@@ -25,7 +25,7 @@ def with_a_hole(gpu, size: tuple[int, int], hole: tuple[slice, slice], empty: fl
 def test_it_equals_its_twin(gpu, size, reach):
     holed = with_a_hole(gpu, size, np.s_[5:40, 10:60], empty=0.5)
     got = holed.fill(gpu, f"interpolate_full:reach={reach}")[0]
-    wanted = interpolate_full(holed.colour, MINIMUM_COUNT, reach)
+    wanted = interpolate_full(holed.colour, minimum_count(3), reach)
     assert np.array_equal(got[..., 3], wanted[..., 3])
     # Each pass truncates to a half float: 2^-10 of a colour below 2. A median moves by no more than
     # what it is taken of.

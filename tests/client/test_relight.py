@@ -8,84 +8,35 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from client_scene import ClientScene
 from reference.relight import Relit, relight
 from worlds import read
 
-from hmdwarp.client import PassInputs, ShownPicture, parse_fills
+from hmdwarp.client import parse_fills
 from hmdwarp.client.fills import relight as settings
 from hmdwarp.client.fills.relight import sample_offsets
+from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.errors import InputError
-from hmdwarp.frames import EyeImage
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, Canvas, allocate
+from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
 from hmdwarp.server import Server
 
-SIZE = (150, 111)
-VIEW = View(Pose((0.05, 1.6, 0.1)), Fov(-0.6, 0.7, -0.55, 0.45))
+from .modelled import SIZE, VIEW, Shown, picture_of
+
 # What is stored as a half float is truncated: 2^-10 of it.
 STORED = 2.0**-10
 
 
-def picture_of(gpu, size) -> ShownPicture:
-    return ShownPicture(Canvas(gpu.gl, size), allocate(gpu.gl, size, SCALAR))
-
-
-class Shown:
-    """A scene seen from VIEW in another light than the one baked into it, with holes.
-
-    scene: a name. tint: of the light.
-    """
-
-    def __init__(self, gpu, scene: str, tint=(1.0, 1.0, 1.0), size=SIZE, holes=None, share=1.0) -> None:
-        self.gpu, self.size, self.share = gpu, size, share
-        self.geometry = ClientScene(gpu, scene)
-        drawn = self.geometry._server.draw(VIEW, size)
-        self.truth = read(drawn.colour) * (*tint, 1)
-        self.depth = read(drawn.inverse_depth)[..., 0]
-        y, x = np.mgrid[: size[1], : size[0]]
-        self.holes = (np.abs(x - 70) < 25) & (np.abs(y - 50) < 30) if holes is None else holes
-        self.colour = np.where(self.holes[..., None], 0, self.truth).astype(np.float16).astype(np.float64)
-        self.shown_depth = np.where(self.holes, -1, self.depth)
-
-    def fill(self, text: str, *, depth: bool = True) -> tuple[np.ndarray, np.ndarray]:
-        """Colour and inverse depth after a fill."""
-        (choice,) = parse_fills(text)
-        fill = choice.entry(self.gpu, self.size, self.size, choice.settings, self.geometry)
-        picture, into = picture_of(self.gpu, self.size), picture_of(self.gpu, self.size)
-        picture.colour.texture.write(self.colour.astype(np.float16).tobytes(), alignment=1)
-        picture.inverse_depth.write(self.shown_depth.astype(np.float32).tobytes(), alignment=1)
-        inputs = PassInputs(EyeImage(VIEW, picture.colour.texture, picture.inverse_depth), VIEW)
-        if not depth:
-            picture, into = attrs.evolve(picture, inverse_depth=None), attrs.evolve(into, inverse_depth=None)
-        fill.run(inputs, picture, into)
-        self.gpu.gl.memory_barrier()
-        found = read(into.colour.texture), read(into.inverse_depth)[..., 0] if depth else None
-        fill.close()
-        return found
-
-    def of_model(self, *, lit: bool) -> tuple[np.ndarray, np.ndarray]:
-        """What the client's model looks like."""
-        into = picture_of(self.gpu, self.size)
-        self.geometry.model(self.share, lit=lit).draw(VIEW, into, 0)
-        return read(into.colour.texture), read(into.inverse_depth)[..., 0]
-
-    def asked(self, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
-        (albedo, depth), (lit, _) = (self.of_model(lit=lit) for lit in (light == "baked", True))
-        offsets = sample_offsets(samples, reach * self.size[0])
-        weights = (
-            settings.SAME_DEPTH,
-            settings.SAME_SURFACE,
-            settings.NEAR,
-            settings.OFF_PLANE,
-            settings.MODEL_WEIGHT[light],
-        )
-        return Relit(VIEW.fov, self.colour, self.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
-
-    def error(self, found: np.ndarray) -> float:
-        """Root mean square inside the holes."""
-        return float(np.sqrt(((found - self.truth)[self.holes, :3] ** 2).mean()))
+def asked(shown: Shown, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
+    (albedo, depth), (lit, _) = (shown.of_model(lit=lit) for lit in (light == "baked", True))
+    offsets = sample_offsets(samples, reach * shown.size[0])
+    weights = (
+        settings.SAME_DEPTH,
+        settings.SAME_SURFACE,
+        settings.NEAR,
+        settings.OFF_PLANE,
+        settings.MODEL_WEIGHT[light],
+    )
+    return Relit(VIEW.fov, shown.colour, shown.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 
 
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
@@ -94,6 +45,59 @@ def test_the_whole_model_fills_with_the_truth(gpu, scene):
     colour, depth = shown.fill("model:share=1")
     assert np.array_equal(colour, shown.truth)
     assert np.array_equal(depth, shown.depth)
+
+
+def by_server(gpu, scene: Scene, shown: Shown) -> np.ndarray:
+    """(h, w, 4) what a server of that scene draws, in the holes."""
+    drawn = read(Server(gpu, scene).draw(VIEW, shown.size).colour)
+    return np.where(shown.holes[..., None], drawn, shown.colour)
+
+
+def test_with_light_off_the_model_is_the_bare_albedo(gpu):
+    """As a server draws a scene in which nothing but the albedo is left, put together by hand."""
+    scene, shown = load_scene("spheres"), Shown(gpu, "spheres")
+    assert all(mesh.albedo is not None for mesh in scene.meshes)
+    bare = attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=mesh.albedo) for mesh in scene.meshes])
+    got, depth = shown.fill("model:share=1,light=off")
+    assert np.array_equal(got, by_server(gpu, bare, shown))
+    assert not np.array_equal(got, shown.fill("model:share=1")[0])
+    assert np.array_equal(depth, shown.depth)
+
+
+def test_smaller_textures_are_means_of_the_larger_ones(gpu):
+    """A half on each axis, by means of four texels; the pictures of `planes` divide by two."""
+    scene, shown = load_scene("planes"), Shown(gpu, "planes")
+    halves = []
+    for texture in scene.textures:
+        light = linear_from_srgb(texture.image / 255) if texture.srgb else texture.image / 255
+        high, wide = (side // 2 for side in light.shape[:2])
+        mean = light.reshape(high, 2, wide, 2, 3).mean(axis=(1, 3))
+        encoded = srgb_from_linear(mean) if texture.srgb else mean
+        halves.append(attrs.evolve(texture, image=np.rint(255 * encoded).astype(np.uint8)))
+    got = shown.fill("model:share=1,texture=0.5")[0]
+    assert np.array_equal(got, by_server(gpu, attrs.evolve(scene, textures=halves), shown))
+    errors = [shown.error(shown.fill(f"model:share=1,texture={scale}")[0]) for scale in (1, 0.5, 0.125)]
+    assert errors[0] == 0
+    assert errors == sorted(errors)
+
+
+def test_a_client_holds_what_its_models_weigh(gpu):
+    shown = Shown(gpu, "planes")
+    for text in ("model:share=1", "model:share=1,texture=0.25,light=off", "relight:share=1", "composite"):
+        shown.fill(text)
+    scene = load_scene("planes")
+    texels = sum(texture.image.size for texture in scene.textures)
+    whole, quarter = shown.geometry.weights()
+    # Five quads of four vertices (8 floats) and two triangles (3 indices). One model serves light
+    # and no light.
+    assert whole == {
+        "share": 1.0,
+        "texture": 1.0,
+        "triangles": 10,
+        "geometry_bytes": 4 * (20 * 8 + 10 * 3),
+        "texture_bytes": texels,
+    }
+    assert quarter == {**whole, "texture": 0.25, "texture_bytes": texels // 16}
 
 
 def test_a_model_without_depth_fills_the_same(gpu):
@@ -159,7 +163,7 @@ def test_bodies_are_drawn_where_they_are_when_shown(gpu):
 def test_relight_equals_its_twin(gpu, scene, size, light):
     rng = np.random.default_rng(4)
     shown = Shown(gpu, scene, (0.6, 0.9, 1.4), size, rng.uniform(size=size[::-1]) < 0.3, share=0.2)
-    wanted = relight(shown.asked(light))
+    wanted = relight(asked(shown, light))
     got = shown.fill(f"relight:light={light}")[0]
     off = np.abs(got - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
     # Truncated once; 32 weights of a few float32 operations each, on normals from differences of
@@ -216,14 +220,24 @@ def test_samples_are_the_same_every_time_and_within_reach():
 
 
 @pytest.mark.parametrize(
-    "text", ["model:share=0", "model:share=1.1", "relight:samples=0", "relight:reach=0", "relight:share=-1"]
+    "text",
+    [
+        "model:share=0",
+        "model:share=1.1",
+        "model:texture=0",
+        "model:texture=2",
+        "model:light=on",
+        "relight:samples=0",
+        "relight:reach=0",
+        "relight:share=-1",
+    ],
 )
 def test_settings_that_are_none_are_refused(text):
     with pytest.raises(InputError, match="expected"):
         parse_fills(text)
 
 
-@pytest.mark.parametrize("name", ["model", "relight"])
+@pytest.mark.parametrize("name", ["model", "model:texture=0.25,light=off", "relight"])
 def test_nothing_is_made_once_it_runs(gpu, name):
     shown = Shown(gpu, "spheres")
     shown.fill(name)

@@ -142,7 +142,8 @@ def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
     off_x, off_y = (abs(value + closer * step) / closer for value, step in ((x, 0.06), (y, 0.031)))
     away = np.maximum(off_x, off_y) - 0.2
     half_pixel = 0.5 * 2 / 90
-    whole = (out[..., 0] == 1) & (out[..., 3] == 1)
+    # White over its own weight: a GPU's division is not exact, and the half float may round down.
+    whole = (out[..., 0] >= 1 - 2.0**-10) & (out[..., 3] == 1)
     assert whole[away < 0].all(), "background, or a mixture, inside"
     # Fattened by half a shown pixel at most, overlap (a twentieth of a rendered one) included.
     assert (out[..., 0] == 0)[away * closer > max(half_pixel, closer * 0.05 * 2 * half_pixel * 1.01)].all(), (
@@ -188,7 +189,9 @@ def test_a_hidden_light_adds_nothing(gpu):
     colour[..., 3] = 1
     out = splatted(gpu, depth, colour, Pose((0.5, 0, 0)))  # near things move 8 pixels to the left, the light one
     assert np.allclose(out[:, 8:24, :3][:, :, 0][out[:, 8:24, 3] == 1][: 8 * 8], 0.001, rtol=2e-3)
-    assert set(np.unique(out[..., 0].astype(np.float16))) <= {np.float16(0), np.float16(0.001), np.float16(6e4)}
+    # One of the three in each pixel, as exact as a stored half float; no mixture.
+    off = np.abs(out[..., :1] - np.array([0.0, 0.001, 6e4])) / np.array([1.0, 0.001, 6e4])
+    assert off.min(axis=-1).max() <= 2.0**-10
 
 
 def test_holes_do_not_spread_and_are_not_closed(gpu):
@@ -228,7 +231,9 @@ def test_an_eye_within_a_surface_takes_bounded_work(gpu):
     depth = np.random.default_rng(0).uniform(900, 1100, (64, 64))
     out = splatted(gpu, depth, np.ones((64, 64, 4)), Pose((1e-4, 0, -5e-4)))
     assert np.isfinite(out).all()
-    assert set(np.unique(out)) <= {0.0, 1.0}
+    # White or nothing, as exact as a stored half float.
+    assert np.minimum(np.abs(out), np.abs(out - 1)).max() <= 2.0**-10
+    assert set(np.unique(out[..., 3])) <= {0.0, 1.0}
 
 
 @pytest.mark.parametrize(

@@ -59,6 +59,13 @@ def shown(gpu, presenter, image, size, viewport=None, hardware=False, **more) ->
     return screen.bytes()
 
 
+def rounding(gpu) -> float:
+    """What storing eight bits may be off by, in levels: half on llvmpipe; GPUs keep to Direct3D's
+    limit for float to UNORM, 0.6.
+    """
+    return 0.5 if gpu.is_software else 0.6
+
+
 def random_picture(seed: int, w: int, h: int) -> np.ndarray:
     image = np.random.default_rng(seed).random((h, w, 4)).astype(np.float16)
     image[..., 3] = 1
@@ -85,12 +92,12 @@ def test_all_256_levels_arrive_as_they_are(gpu, presenter, hardware):
 def test_random_light_is_encoded_by_the_exact_curve(gpu, presenter, hardware):
     """The shader rounds float32 (0.01 of a level: pow of llvmpipe is good to 2^-16).
 
-    Hardware may be 0.6 of a level off before that.
+    An encoder in hardware may be 0.6 of a level off before that.
     """
     image = random_picture(1, 37, 23)
     exact = 255 * srgb_from_linear(image[..., :3])
     got = shown(gpu, presenter, image, (37, 23), hardware=hardware)[..., :3]
-    assert np.abs(got - exact).max() <= (0.6 + 0.5 if hardware else 0.51)
+    assert np.abs(got - exact).max() <= rounding(gpu) + (0.6 if hardware else 0.01)
 
 
 @WAYS
@@ -149,12 +156,13 @@ def scaled(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 def test_another_size_is_bilinear(gpu, presenter, size):
     """float32 weights.
 
-    1e-5 of light at most, which in the steep start of the curve (12.92) is 0.04 of a level.
+    1e-5 of light at most, which in the steep start of the curve (12.92) is 0.04 of a level; 0.01 as
+    in the curve's own test.
     """
     image = random_picture(3, 13, 11)
     image[4:6, 5, 3] = 0
     got = shown(gpu, presenter, image, size)[..., :3]
-    assert np.abs(got - 255 * srgb_from_linear(scaled(image, size))).max() <= 0.55
+    assert np.abs(got - 255 * srgb_from_linear(scaled(image, size))).max() <= rounding(gpu) + 0.05
 
 
 def test_no_light_spreads_out_of_a_hole(gpu, presenter):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import FOVS, SIZES
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Fov, Pose, View, guarded_eyes
+from hmdwarp.geometry import Fov, GuardBand, Pose, View, guarded_eyes
 
 UNIT = 2.0**-53
 SIDES = ("left", "right", "down", "up")
@@ -91,6 +91,7 @@ def test_pixels_per_degree_is_what_a_small_turn_moves(fov, size):
 # --- guard bands --------------------------------------------------------------------------------
 
 FACTORS = st.one_of(st.sampled_from([1.0, 1 + 1e-12, 1.1, 1.25, 1.5, 2.0]), st.floats(1, 2))
+GUARDS = st.one_of(FACTORS, st.tuples(FACTORS, FACTORS))
 # Up to 50 degrees: twice the tangent of 65 would be fine, but thrice is not tested here.
 GUARDABLE = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), *[st.floats(0.1, math.radians(50))] * 4)
 
@@ -101,7 +102,7 @@ def pads(fov: Fov, size, grown: Fov) -> np.ndarray:
     return (grown.tangents - fov.tangents) * per * (-1, 1, -1, 1)
 
 
-@given(GUARDABLE, SIZES, FACTORS)
+@given(GUARDABLE, SIZES, GUARDS)
 def test_a_guard_adds_whole_pixels_and_keeps_the_grid(fov, size, factor):
     grown, grown_size = fov.guarded(factor, size)
     added = pads(fov, size, grown)
@@ -113,11 +114,12 @@ def test_a_guard_adds_whole_pixels_and_keeps_the_grid(fov, size, factor):
     assert all(isinstance(n, int) for n in grown_size)
 
 
-@given(GUARDABLE, SIZES, FACTORS)
+@given(GUARDABLE, SIZES, GUARDS)
 def test_a_guard_is_at_least_the_factor_and_less_than_a_pixel_more(fov, size, factor):
     grown, _ = fov.guarded(factor, size)
     per = np.repeat([size[0] / (fov.tangents[1] - fov.tangents[0]), size[1] / (fov.tangents[3] - fov.tangents[2])], 2)
-    over = (np.abs(grown.tangents) - np.abs(fov.tangents) * factor) * per
+    factors = np.repeat(np.broadcast_to(factor, 2), 2)
+    over = (np.abs(grown.tangents) - np.abs(fov.tangents) * factors) * per
     # 1e-9 pixels: what guarded() itself gives away so that rounding adds no pixel.
     assert over.min() >= -1.1e-9
     assert over.max() < 1 + 1e-9
@@ -153,6 +155,52 @@ def test_a_view_beside_its_axis_grows_on_both_sides():
     assert size == (120, 110)
 
 
+MORE = st.integers(0, 500)
+
+
+@given(GUARDABLE, GUARDABLE, SIZES, MORE, MORE)
+def test_pixels_are_drawn_as_said_and_shared_out_by_the_tangents(left, right, size, wider, higher):
+    wanted = (size[0] + wider, size[1] + higher)
+    fovs, common = guarded_eyes([View(Pose(), fov) for fov in (left, right)], GuardBand(size=wanted), size)
+    assert common == wanted
+    for fov, grown in zip((left, right), fovs, strict=True):
+        added = pads(fov, size, grown)
+        # tan(atan(t)) as above; the view may reach nearly 90 degrees, where 1 + tan^2 is as large.
+        steepest = 1 + np.abs(grown.tangents).max() ** 2
+        assert np.abs(added - np.round(added)).max() <= 4e-11 * steepest
+        for first, more in ((0, wider), (2, higher)):
+            sides = np.abs(fov.tangents[first : first + 2])
+            assert abs(round(added[first]) - more * sides[0] / sides.sum()) <= 0.5 + 1e-9
+
+
+def test_the_thesis_sizes():
+    """1600x900 and 1920x1080 for 1280x800."""
+    square = Fov.symmetric(math.pi / 2, math.pi / 2)
+    for guard, size, pixels in (((1.25, 1.125), (1600, 900), 1.40625), ((1.5, 1.35), (1920, 1080), 2.025)):
+        grown, found = square.guarded(guard, (1280, 800))
+        assert found == size and found[0] * found[1] / (1280 * 800) == pixels
+        assert grown.tangents == pytest.approx([-guard[0], guard[0], -guard[1], guard[1]])
+        assert square.guarded(GuardBand(size=size), (1280, 800)) == (grown, found)
+        assert GuardBand(size=size).factors((1280, 800)) == GuardBand(*guard)
+
+
+def test_a_rendered_size_below_the_shown_one_is_refused():
+    square = Fov.symmetric(math.pi / 2, math.pi / 2)
+    with pytest.raises(InputError, match="rendered size 1600x700 is smaller than the shown picture's 1280x800"):
+        square.guarded(GuardBand(size=(1600, 700)), (1280, 800))
+
+
+def test_guard_bands_say_what_they_are():
+    assert [str(GuardBand.of(guard)) for guard in (1, 1.5, (1.25, 1.125))] == [
+        "guard 1",
+        "guard 1.5",
+        "guard 1.25x1.125",
+    ]
+    assert (GuardBand(1.5, 1.5).entry, GuardBand(1.25, 1.125).entry) == (1.5, "1.25x1.125")
+    with pytest.raises(InputError, match=r"guard 1\.5x0\.9 is no enlargement"):
+        GuardBand(1.5, 0.9)
+
+
 @pytest.mark.parametrize("factor", [0.999, 0, -1, math.nan, math.inf])
 def test_factors_that_do_not_enlarge_are_refused(factor):
     with pytest.raises(InputError, match="guard"):
@@ -164,7 +212,7 @@ def test_a_guard_out_of_every_picture_is_refused():
         Fov(-1.2, 1.2, -1.2, 1.2).guarded(60, (10, 10))
 
 
-@given(GUARDABLE, GUARDABLE, SIZES, FACTORS)
+@given(GUARDABLE, GUARDABLE, SIZES, GUARDS)
 def test_eyes_that_differ_get_one_size(left, right, size, factor):
     views = [View(Pose(), fov) for fov in (left, right)]
     fovs, common = guarded_eyes(views, factor, size)
@@ -179,7 +227,7 @@ def test_eyes_that_differ_get_one_size(left, right, size, factor):
         assert grown == own or own_size != common
 
 
-@given(GUARDABLE, SIZES, FACTORS)
+@given(GUARDABLE, SIZES, GUARDS)
 def test_eyes_that_mirror_each_other_get_their_own(fov, size, factor):
     mirrored = Fov(-fov.right, -fov.left, fov.down, fov.up)
     fovs, common = guarded_eyes([View(Pose(), fov), View(Pose(), mirrored)], factor, size)

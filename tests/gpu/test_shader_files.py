@@ -15,7 +15,7 @@ from worlds import every_choice
 
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
 from hmdwarp.client.effects import Tools, effects
-from hmdwarp.client.lens import LensPass, lenses
+from hmdwarp.client.lens import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
@@ -155,9 +155,13 @@ def test_every_include_is_used(variants):
     assert {name for name in FILES if name.endswith(".glsl")} <= reached
 
 
-def test_every_side_of_every_condition_is_compiled(variants):
+def test_every_side_of_every_condition_is_compiled(gpu, variants):
     sides = Sides()
-    for path, defines in variants:
+    # A program for the panel is compiled in one way on GPUs, in another on llvmpipe.
+    ways = [set(each.items()) for each in (GPU_DEFINES, SOFTWARE_DEFINES)]
+    here, elsewhere = reversed(ways) if gpu.is_software else ways
+    others = {(path, (*(set(defines) - here), *elsewhere)) for path, defines in variants if here <= set(defines)}
+    for path, defines in variants | others:
         flat = flatten(path, dict(defines))
         walk(flat.lines, flat.origins, sides)
     left = sorted(f"{origin[0]}:{origin[1]}: {side}" for origin, side in sides.known - sides.taken)
@@ -203,6 +207,37 @@ def test_every_compute_shader_checks_its_bounds_first(name):
     if "barrier();" in main:
         return  # a work group that waits for all its members reads within bounds by construction
     assert re.search(r"if \([^)]*>=[^)]*\) return;", "\n".join(main.splitlines()[:4]))
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_is_writeonly_is_never_read(name):
+    """Mesa compiles it, NVIDIA refuses it."""
+    assert not read_though_writeonly((ROOT / name).read_text(encoding="utf-8"))
+
+
+def read_though_writeonly(text: str) -> list[str]:
+    """Members of writeonly blocks that stand anywhere but at the start of an assignment."""
+    code = re.sub(r"//.*|^\s*#.*", "", text, flags=re.MULTILINE)
+    blocks = re.findall(r"writeonly buffer \w+ \{(.*?)\}", code, re.DOTALL)
+    members = [
+        re.search(r"(\w+)\s*(\[\w*\])?$", each.strip())[1] for b in blocks for each in b.split(";") if each.strip()
+    ]
+    body = re.sub(r"writeonly buffer \w+ \{.*?\}", "", code, flags=re.DOTALL)
+    start, rest = r"(?:[;{}):]|\belse)\s*$", r"\s*(\[[^;=]*\])?(\.\w+)*\s*=(?!=)"
+    return [
+        member
+        for member in members
+        for found in re.finditer(rf"(?<!\.)\b{member}\b", body)
+        if not (re.search(start, body[: found.start()]) and re.match(rest, body[found.end() :]))
+    ]
+
+
+def test_reading_what_is_writeonly_is_noticed():
+    block = "layout(std430) writeonly buffer B { uint a[3]; uint b; };\nvoid main() {\n    "
+    assert read_though_writeonly(block + "a[0] = b = 0u;\n}") == ["b"]
+    assert read_though_writeonly(block + "uint c = a[1];\n}") == ["a"]
+    assert read_though_writeonly(block + "atomicAdd(b, 1u);\n}") == ["b"]
+    assert not read_though_writeonly(block + "a[b0[1]] = 0u; // b\n    if (x) b = 1u;\n    else b = 2u;\n}")
 
 
 # --- the reader of this test --------------------------------------------------------------------

@@ -19,12 +19,18 @@ SIZE = (33, 27)
 HALF = 2.0**-10  # of a stored half float, which llvmpipe truncates
 
 
+def reads(name: str) -> tuple[str, ...]:
+    """What the warp reads with its settings."""
+    choice = parse_warp(name)
+    return choice.entry.reads_for(choice.settings)
+
+
 def reads_depth(name: str) -> bool:
     """Whether the warp moves things by their depth.
 
     The others (none, rotation, environment) see no parallax at all.
     """
-    return any(part.endswith(("inverse_depth", "layers", "others")) for part in parse_warp(name).entry.reads)
+    return any(part.endswith(("inverse_depth", "layers", "others")) for part in reads(name))
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:

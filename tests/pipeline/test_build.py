@@ -65,7 +65,7 @@ def pipeline(gpu, eyes, **changes):
     scene = load_scene(options.scene)
     plans = plans_for(options, None, scene)
     needs = plans[0].needs
-    requested = PoseRequest(Turning(), None, SIZE, options.guard, needs)
+    requested = PoseRequest(Turning(), None, SIZE, options.guard_band, needs)
     target = Target(gpu, eyes, 100.0, round(options.latency_ms * 1e6))
     return build_pipeline(options, scene, target, plans, requested)
 
@@ -77,10 +77,12 @@ def shown_at(made, number: int):
     return made.loop.show(number * STEP_NS)
 
 
-@pytest.mark.parametrize("guard", [1.0, 1.3])
+@pytest.mark.parametrize(
+    "guard", [{}, {"guard": 1.3}, {"guard": (1.1, 1.4)}, {"rendered_size": (SIZE[0] + 17, SIZE[1] + 4)}], ids=str
+)
 @pytest.mark.parametrize("warp", ["none", "forward", "iterative"])
 def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard, warp):
-    with pipeline(gpu, UnequalEyes(), guard=guard, warp=warp, latency_ms=0) as made:
+    with pipeline(gpu, UnequalEyes(), **guard, warp=warp, latency_ms=0) as made:
         refresh = shown_at(made, 0)
         for inputs, eye in zip(refresh.inputs, refresh.eyes, strict=True):
             truth = made.server.draw(inputs.shown, SIZE)

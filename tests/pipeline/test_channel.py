@@ -5,12 +5,14 @@ What the client warps is what has arrived, and every frame is accounted for.
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from replays import contents, rows_of, run, small
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.frames.layers import VIDEO
 from hmdwarp.gpu import download
 from hmdwarp.link import LinkOptions, ResponseTime
 from hmdwarp.link.codec import Coding
@@ -75,17 +77,98 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
         name: run(tmp_path / name, coding=Coding(name, crf), latency_ms=50.0, size=(160, 120)).summary
         for name, crf in (("none", None), ("h264", 18))
     }
+    layers = {"colour": 2 * 160 * 120 * 8 * 8 * 60 / 1e6, "inverse_depth": 2 * 160 * 120 * 4 * 8 * 60 / 1e6}
     assert told["none"]["link"] | {"frames": 0, "response_ms": 0} == {
         "frames": 0,
         "response_ms": 0,
-        "mbit_s": 2 * 160 * 120 * 12 * 8 * 60 / 1e6,
+        "layers_mbit_s": pytest.approx(layers),
+        "mbit_s": pytest.approx(sum(layers.values())),
         "frame_bytes": 2 * 160 * 120 * 12,
         "codec": "none",
     }
     coded = told["h264"]["link"]
+    assert coded["layers_mbit_s"].keys() == layers.keys()
+    assert sum(coded["layers_mbit_s"].values()) == pytest.approx(coded["mbit_s"])
     assert coded["mbit_s"] < told["none"]["link"]["mbit_s"] / 5
     assert coded["encode_ms"] > 0 and coded["decode_ms"] > 0 and 25 < coded["coded_psnr_db"] < 60
     assert told["h264"]["quality"]["flip"]["mean"] > told["none"]["quality"]["flip"]["mean"]
+
+
+READ = {
+    "rotation": ({"warp": "rotation"}, {"colour"}),
+    "forward": ({"warp": "forward"}, {"colour", "inverse_depth"}),
+    "environment": ({"warp": "environment"}, {"cube"}),
+    "layered": ({"warp": "layered"}, {"colour", "inverse_depth", "peeled"}),
+    "wide": ({"warp": "rotation", "fill": "wide"}, {"colour", "wide"}),
+    "mirrors": ({"warp": "iterative", "scene": "gallery"}, {"colour", "inverse_depth", "reflection"}),
+    "glass": ({"warp": "iterative", "scene": "greenhouse"}, {"colour", "inverse_depth", "transparent"}),
+    "HUD": ({"warp": "iterative", "scene": "cockpit"}, {"colour", "inverse_depth", "overlay"}),
+    "bodies": ({"warp": "iterative", "scene": "workshop"}, {"colour", "inverse_depth", "ids"}),
+    "soft": ({"warp": "iterative", "scene": "parade"}, {"colour", "inverse_depth", "velocity"}),
+}
+
+
+@pytest.mark.parametrize("kind", READ)
+def test_every_layer_is_coded_and_shows_nearly_what_the_server_drew(gpu, kind):
+    """The same plan on the frame as it arrived and as it is drawn again.
+
+    A layer whose coverage or holes were off would show elsewhere.
+    """
+    options, names = READ[kind]
+    with set_up_replay(small(coding=Coding("h264"), latency_ms=50.0, **options)) as setup:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            if number >= 0 and (refresh := setup.loop.show(instant_ns)) is not None:
+                break
+        shown = [download(eye.shown.texture) for eye in refresh.eyes]
+        views = [eye.view for eye in refresh.frame.eyes]
+        again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.size, needs=setup.plan.needs)
+        for inputs, eye, after in zip(refresh.inputs, again.eyes, shown, strict=True):
+            before = download(setup.loop.compensator.run(attrs.evolve(inputs, rendered=eye)).shown.texture)
+            assert ((before[..., 3] > 0) != (after[..., 3] > 0)).mean() < 0.01
+            wrong = picture_from_linear(before).astype(float) - picture_from_linear(after)
+            assert -10 * np.log10(np.mean(wrong**2) / 255**2) > 27
+        told = setup.channel.summary(60.0)
+        assert told["layers_mbit_s"].keys() == names
+        assert sum(told["layers_mbit_s"].values()) == pytest.approx(told["mbit_s"])
+        assert told["mbit_s"] * 1e6 / 60 / 8 == pytest.approx(told["frame_bytes"])
+
+
+def test_after_lost_frames_no_layer_shows_anything_broken():
+    """Each of the shown frames looks as the server draws it again, in every layer."""
+    network, lowest = LinkOptions.of({"loss": "p=0.15,r=0.5", "link_seed": 3}), []
+    asked = small(warp="layered", fill="wide", coding=Coding("h264"), latency_ms=50.0, network=network)
+    with set_up_replay(asked) as setup:
+        needs, drawn = setup.pipeline.requested.needs, set()
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            refresh = setup.loop.show(instant_ns) if number >= 0 else None
+            if refresh is None or refresh.frame.drawn_ns in drawn:
+                continue
+            drawn.add(refresh.frame.drawn_ns)
+            views = [eye.view for eye in refresh.frame.eyes]
+            again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.size, 1.0, needs)
+            for (layer, before), (_, after) in zip(again.contents(), refresh.frame.contents(), strict=True):
+                for (old, coding), (new, _) in zip(layer.coded(before), layer.coded(after), strict=True):
+                    if coding == VIDEO:
+                        wrong = picture_from_linear(download(old)).astype(float) - picture_from_linear(download(new))
+                        lowest.append(-10 * np.log10(np.mean(wrong**2) / 255**2))
+            setup.server.recycle(again)
+        tally = setup.channel.link.tally
+    assert tally.lost > 0 and tally.undecodable > 0 and len(drawn) > 5
+    assert min(lowest) > 27, "broken chains lie far below"
+
+
+def test_a_plan_that_is_compared_with_gets_decoded_layers_and_costs_the_client_nothing(tmp_path, gpu):
+    alone, compared = (
+        run(tmp_path / f"against-{warp}", gpu=gpu, coding=Coding("h264"), warp="environment", against=warp, seconds=0.1)
+        for warp in ("", "none")
+    )
+    assert alone.summary["link"]["layers_mbit_s"] == compared.summary["link"]["layers_mbit_s"]
+    assert alone.summary["link"]["layers_mbit_s"].keys() == {"cube"}
+    plain = run(tmp_path / "plain", gpu=gpu, warp="environment", against="none", seconds=0.1)
+    losses = [one.against["quality"]["psnr_db"]["mean"] for one in (plain, compared)]
+    assert losses[0] != losses[1], "the late picture was never coded"
 
 
 def test_the_same_network_twice_gives_the_same_pictures(tmp_path):

@@ -17,7 +17,9 @@ from hmdwarp import resources
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.poses import (
     DECIMALS,
+    GLIDES,
     KINDS,
+    Glide,
     analyse,
     load_trace,
     minimum_jerk,
@@ -28,6 +30,8 @@ from hmdwarp.poses import (
 from hmdwarp.poses.options import MOTIONS
 
 from .traces import same_motion
+
+PEOPLE = tuple(name for name in KINDS if name not in GLIDES)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -41,9 +45,10 @@ def test_every_kind_is_shipped_and_described():
     assert resources.recording_names() == sorted(KINDS)
     text = (resources.folder("recordings") / "README.md").read_text()
     for kind in KINDS.values():
+        glide = GLIDES.get(kind.name)
+        how = f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}" if glide else f"--seed {kind.seed}"
         assert (
-            f"hmdwarp trace synth {kind.name} --seed {kind.seed} --seconds {kind.seconds:g} --rate 90 --out "
-            f"{kind.name}.csv" in text
+            f"hmdwarp trace synth {kind.name} {how} --seconds {kind.seconds:g} --rate 90 --out {kind.name}.csv" in text
         )
         figures = analyse(load_trace(kind.name).track, latencies_ms=())
         turning = " / ".join(f"{v:.1f}" for v in figures.angular_speed_deg_s[:3])
@@ -56,7 +61,8 @@ def test_recordings_load_clean_at_90_hz_from_a_standing_head(kind):
     loaded = load_trace(kind)
     assert loaded.format == "native"
     assert [d.kind for d in loaded.defects] == []
-    assert 20 <= loaded.track.duration_ns / 1e9 <= 30
+    assert loaded.track.duration_ns / 1e9 == pytest.approx(KINDS[kind].seconds)
+    assert loaded.notes() == []
     assert loaded.rate_hz == pytest.approx(90, rel=1e-6)
     assert f"hmdwarp trace synth {kind}" in loaded.track.origin
     start = loaded.track.pose(0)
@@ -76,7 +82,7 @@ def test_look_around_turns_as_fast_as_264_recorded_heads():
 
 
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PEOPLE)
 def test_heads_stay_where_the_scenes_have_room(kind, seed):
     track = synthesise(kind, seed)
     x, y, z = track.position_m.T
@@ -121,7 +127,7 @@ def test_the_stated_peak_is_the_peak_of_the_profile(amplitude):
 
 
 @settings(max_examples=20)
-@given(st.sampled_from(sorted(KINDS)), st.integers(0, 10**6), st.floats(0.1, 8), st.floats(1, 200))
+@given(st.sampled_from(sorted(PEOPLE)), st.integers(0, 10**6), st.floats(0.1, 8), st.floats(1, 200))
 def test_any_seed_length_and_rate_gives_a_smooth_head(kind, seed, seconds, rate):
     track = synthesise(kind, seed, seconds, rate)
     assert len(track) == int(seconds * rate + 1e-9) + 1
@@ -130,8 +136,9 @@ def test_any_seed_length_and_rate_gives_a_smooth_head(kind, seed, seconds, rate)
     assert not track.broken.any()
 
 
-def test_the_motion_does_not_depend_on_the_rate():
-    slow, fast = synthesise("walk", 3, 10, 30), synthesise("walk", 3, 10, 90)
+@pytest.mark.parametrize(("kind", "seed"), [("walk", 3), ("forward", None)])
+def test_the_motion_does_not_depend_on_the_rate(kind, seed):
+    slow, fast = synthesise(kind, seed, 10, 30), synthesise(kind, seed, 10, 90)
     assert np.allclose(slow.position_m, fast.position_m[::3], rtol=0, atol=1e-12)
 
 
@@ -154,3 +161,77 @@ def test_what_cannot_be_made_is_refused(wrong):
 def test_an_unknown_kind_is_offered_the_nearest():
     with pytest.raises(UnknownNameError, match="did you mean 'walk'"):
         synthesise("walks")
+
+
+def distance(kind: str, seconds: float = 8.0, rate_hz: float = 90.0, **about: float) -> np.ndarray:
+    """How far the head is from its start, in the motion's unit; every other freedom is zero."""
+    track = synthesise(kind, seconds=seconds, rate_hz=rate_hz, **about)
+    turned = Rotation.from_quat(track.orientation_xyzw).as_rotvec(degrees=True)
+    moved = track.position_m - [0, 1.6, 0]
+    axis, sign = {"forward": (2, -1), "backward": (2, 1), "sideways": (0, 1), "rotate": (1, 1)}[kind]
+    used, other = (turned, moved) if kind == "rotate" else (moved, turned)
+    assert not other.any() and not np.delete(used, axis, axis=1).any()
+    # A rotation vector ends at half a turn.
+    return np.unwrap(sign * used[:, axis], period=360)
+
+
+GLIDING = st.sampled_from(sorted(GLIDES))
+
+
+@settings(max_examples=40)
+@given(GLIDING, st.floats(0.05, 1), st.floats(0.05, 1))
+def test_a_glide_keeps_its_speed_and_turns_at_its_amplitude(kind, speed, amplitude):
+    if kind == "rotate":
+        speed, amplitude = 200 * speed, 340 * amplitude
+    glide = GLIDES[kind].with_(speed, amplitude)
+    begin, end = glide.steady_s
+    leg_s = begin + end
+    # Two ways out and back in 4000 steps.
+    gone = distance(kind, min(4 * leg_s, 3600), min(1000 / leg_s, 1000), speed=speed, amplitude=amplitude)
+    step_s = 1 / min(1000 / leg_s, 1000)
+    assert gone.min() > -1e-9 and gone.max() <= amplitude * (1 + 1e-12)
+    # The last 1/1000 of a way out, at rest at its end, is shorter than 1/1000 of the amplitude.
+    assert gone.max() > 0.998 * amplitude
+    velocity = np.diff(gone) / step_s
+    assert np.abs(velocity).max() <= speed * (1 + 1e-9)
+    middle = (np.arange(len(velocity)) + 0.5) * step_s
+    steady = (middle > begin + step_s) & (middle < end - step_s)
+    assert velocity[steady] == pytest.approx(speed)
+    # The speed never jumps: minimum jerk is steepest with 1.875 of its mean slope.
+    assert np.abs(np.diff(velocity)).max() <= 1.875 * speed / glide.ease_s * step_s * (1 + 1e-6)
+    # There and back, and the same again.
+    period = round(2 * leg_s / step_s)
+    assert gone[: period + 1] == pytest.approx(gone[: period + 1][::-1], abs=amplitude * 1e-2)
+
+
+def test_a_glide_is_steady_where_it_says_so():
+    assert Glide(0.5, 0.8, (1, 0, 0)).steady_s == (0.2, 1.6)
+    gone = distance("sideways", 1.61, 100)
+    # Half of the easing is lost: 0.5 m/s * 0.1 s.
+    assert gone[20:160] == pytest.approx(0.5 * (np.arange(20, 160) / 100 - 0.1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "about", "why"),
+    [
+        ("forward", {"speed": 0}, "speed 0 m per second: expected 0.001 to 5"),
+        ("forward", {"amplitude": 1.6}, "amplitude 1.6 m: expected 0.001 to 1.5"),
+        ("rotate", {"amplitude": 361}, "amplitude 361 degrees: expected 0.001 to 360"),
+        ("rotate", {"speed": float("nan")}, "speed nan degrees per second"),
+        ("rotate", {"seed": 1}, "seed 1: motion rotate has nothing random"),
+        ("walk", {"speed": 1}, "speed 1: motion walk has the speeds of people; expected one of backward, forward"),
+        ("walk", {"amplitude": 1}, "amplitude 1: motion walk"),
+    ],
+)
+def test_what_a_motion_does_not_have_is_refused(kind, about, why):
+    with pytest.raises(InputError, match=why):
+        synthesise(kind, **about)
+
+
+@pytest.mark.parametrize("kind", GLIDES)
+def test_glides_stay_within_the_room_at_their_largest(kind):
+    from hmdwarp.scenes import load_scene
+
+    low, high = load_scene("room").walk_bounds_m
+    track = synthesise(kind, **({} if kind == "rotate" else {"amplitude": 1.5}))
+    assert ((track.position_m >= low) & (track.position_m <= high)).all()

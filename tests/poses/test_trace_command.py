@@ -53,7 +53,7 @@ def test_info_of_a_shipped_recording():
         "trace synth look-around",
     ):
         assert wanted in text
-    for latency in (20, 50, 100, 200, 400, 800):
+    for latency in (20, 50, 100, 200, 400, 600, 800):
         assert f"{latency} ms" in text
 
 
@@ -92,7 +92,7 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     ]
     assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
     assert [f"{data['angular_speed_deg_s'][name]:.1f}" for name in ("p50", "p95", "p99")] == ["29.2", "116.5", "200.3"]
-    assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 800]
+    assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 600, 800]
     table = rows(TRACK)
     two = write(tmp_path / "two.csv", [*table[:60], *table[:30], ["9", "9"]])
     data = json.loads(run("info", two, "--json"))
@@ -153,6 +153,9 @@ def test_synth_writes_the_shipped_bytes_and_takes_its_options(tmp_path):
     loaded = load_trace(out)
     assert (len(loaded.track), round(loaded.rate_hz)) == (101, 50)
     assert "--seed 5 --seconds 2 --rate 50" in loaded.track.origin
+    run("synth", "sideways", "--out", out, "--speed", 1, "--amplitude", 0.4, "--seconds", 2, "--force")
+    assert load_trace(out).track.position_m[:, 0].max() == pytest.approx(0.4, abs=1e-3)
+    assert "synth sideways --speed 1 --amplitude 0.4 --seconds 2 --rate 90'" in load_trace(out).track.origin
 
 
 def test_the_input_is_never_overwritten(tmp_path):

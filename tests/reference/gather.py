@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 
 from hmdwarp.geometry import Pose, View, WarpMap
@@ -121,7 +122,7 @@ def planar(inputs: TwinInputs) -> ReferencePicture:
 
 def backward(inputs: TwinInputs) -> ReferencePicture:
     """Each shown point, looked up in the rendered picture where the rendered depth there agrees
-    with the point's own.
+    with the point's own; without the test, wherever it is in the picture.
 
     Depth is known at the centres of the shown pixels, so it is compared where they appear, wherever
     the colour is looked for.
@@ -142,6 +143,9 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     both_ahead = known & ~np.isnan(pixels).any(axis=-1) & ~np.isnan(centres).any(axis=-1)
     pixels = np.where(both_ahead[..., None], pixels, np.nan)
     bound = inputs.map_error(WarpMap.between(shown, shown_size, rendered, size), own)
+    if settings.test == "off":
+        looked = sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+        return attrs.evolve(looked, undecided=(looked.undecided & known) | inputs.near_another_pixel())
     at, agree, undecided = _where_depth_agrees(
         inputs.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
     )

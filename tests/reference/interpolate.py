@@ -1,4 +1,4 @@
-"""Twins of the 3x3 median fills: NumPy's own median over the covered neighbours."""
+"""Twins of the median fills: NumPy's own median over the covered neighbours."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from numpy.lib.stride_tricks import sliding_window_view
 from reference._rays import Array
 
 
-def interpolate(colour: Array, minimum_count: int) -> Array:
+def interpolate(colour: Array, minimum_count: int, size: int = 3) -> Array:
     """(h, w, 4) with coverage in alpha to the same with each empty pixel that has enough covered
     neighbours filled.
     """
-    padded = np.pad(colour, ((1, 1), (1, 1), (0, 0)))
-    windows = sliding_window_view(padded, (3, 3), axis=(0, 1)).reshape(*colour.shape, 9)
+    reach = size // 2
+    padded = np.pad(colour, ((reach, reach), (reach, reach), (0, 0)))
+    windows = sliding_window_view(padded, (size, size), axis=(0, 1)).reshape(*colour.shape, size**2)
     covered = windows[..., 3, :] > 0
     empty = (colour[..., 3] == 0) & (covered.sum(axis=-1) >= minimum_count)
     out = colour.copy()

@@ -286,7 +286,9 @@ def _picture(inputs: TwinInputs, hits: _Hits, beside: list[_Hits], edge: float, 
     )
     # Places are interpolated as place / w and 1 / w from the picture's corner: a few roundings of
     # the place itself and of its slope times the shown place, in each.
-    error = 16 * FLOAT32_UNIT * (max(inputs.size) + max(inputs.shown_size) * scale)
+    # Corners snapped by up to s in each axis move what is interpolated between them as far, in both
+    # axes at once: 2 s of the slope.
+    error = 16 * FLOAT32_UNIT * (max(inputs.size) + max(inputs.shown_size) * scale) + 2 * inputs.snap_pixels * scale
     error[seen] += merged[winner[seen]]
     undecided, beneath = _nearly_as_near(hits, winner, edge, count)
     error = np.maximum(error, beneath)

@@ -80,6 +80,7 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
                 "under_way": 14,
             },
             "mbit_s": 21.4,
+            "layers_mbit_s": {"inverse_depth": 12.1, "colour": 9.3},
             "frame_bytes": 44583.0,
             "codec": "h264",
             "encode_ms": 7.2,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hmdwarp.report import coding_rows, filled_rows, frame_rows, response_rows, transit_lines
+from hmdwarp.report import coding_rows, filled_rows, frame_rows, model_rows, response_rows, transit_lines
 
 from .samples import a_summary
 
@@ -27,7 +27,10 @@ def test_each_part_stands_once_and_empty_ones_are_left_out():
         "shown": "100",
         "in transit at the end": "14",
     }
-    assert coding_rows(summary)[0] == ("rate, both eyes", "21.4 Mbit/s")
+    assert coding_rows(summary)[:2] == [
+        ("rate, both eyes", "21.4 Mbit/s"),
+        ("of that", "inverse depth 12.1, colour 9.3"),
+    ]
     labels = [label for label, _ in (*response_rows(summary), *coding_rows(summary))]
     assert len(labels) == len(set(labels))  # encoding stands in both, by two names
 
@@ -49,3 +52,14 @@ def test_a_plain_link_and_a_single_fill_need_no_lines():
     }
     assert transit_lines({**summary, "filled": {"interpolate": 0.1, "empty": 0.2}, "link": plain}) == []
     assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]
+
+
+def test_what_the_client_holds_has_a_line_for_each_model():
+    model = {"share": 0.2, "texture": 0.25, "triangles": 15064, "geometry_bytes": 912_345, "texture_bytes": 1_234_567}
+    summary = {**a_summary(), "client_models": [model, {**model, "share": 1.0, "texture": 1.0}]}
+    assert model_rows(a_summary()) == []
+    (name, weight), (whole, _) = model_rows(summary)
+    assert name == "client's model, 20 % of the triangles, textures at 0.25"
+    assert whole == "client's model, 100 % of the triangles, textures at 1"
+    assert weight == "15064 triangles 0.9 MB, textures 1.2 MB"
+    assert f"{name}: {weight}" in transit_lines(summary)

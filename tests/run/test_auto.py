@@ -16,7 +16,7 @@ from bench_files import AMPLE_MS, PAIRS, a_bench, a_row
 from replays import contents, rows_of, run, small
 
 from hmdwarp.auto import QualityLevel
-from hmdwarp.client import Compensator, build_plan, every_warp
+from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.pipeline import build_plan_for
@@ -244,7 +244,10 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
 
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
-    options = small(warp="auto", budget_ms=AMPLE_MS)
+    usual = small(warp="auto", budget_ms=AMPLE_MS)
+    beyond_a_picture = {"backward", "environment", "layered"}
+    assert not {parse_warp(c.warp).entry.name for c in candidates(usual)} & beyond_a_picture
+    options = attrs.evolve(usual, client="class-3")
     every = set(itertools.product(every_warp(), FILLS))
     assert {(c.warp, c.fill) for c in candidates(options)} == every
 
@@ -297,7 +300,7 @@ def test_a_trial_leaves_out_what_is_out_of_reach(few):
 def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
     """Frames carry the layers of every level; a level that needs none of them gets none."""
     levels = (QualityLevel("forward", "none", 1.0, 0.2), QualityLevel("layered", "none", 2.0, 0.1))
-    with set_up_replay(small(warp="auto", budget_ms=budget_ms, against=""), levels=levels) as setup:
+    with set_up_replay(small(warp="auto", budget_ms=budget_ms, client="class-3", against=""), levels=levels) as setup:
         setup.loop.draw(setup.schedule.first_ns)
         refresh = setup.loop.show(setup.schedule.first_ns + setup.schedule.age_ns)
         assert all("peeled" in eye for eye in refresh.frame.eyes)

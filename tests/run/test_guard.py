@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline import parse_guard
+from hmdwarp.options import parse_guard
 from hmdwarp.poses import PoseTrack
 from hmdwarp.run import Guard, RunOptions, needed_factors
 from hmdwarp.run.guard import MOST, NEAR_M, settled
@@ -111,8 +111,11 @@ def test_the_note_is_for_people():
 def test_what_is_no_guard_is_refused():
     assert parse_guard(" auto ") == "auto"
     assert parse_guard("1.5") == 1.5
-    with pytest.raises(InputError, match="'wide': expected a number of at least 1, or auto"):
-        parse_guard("wide")
-    for wrong in (0.9, math.nan, "much"):
+    assert parse_guard("1.25x1.125") == (1.25, 1.125)
+    assert parse_guard(" 1.5 X 1.5 ") == 1.5
+    for wrong in ("wide", "1.5x", "x1.5", "1x2x3", ""):
+        with pytest.raises(InputError, match=r"one factor of at least 1 \(1\.5\) or one for each axis"):
+            parse_guard(wrong)
+    for wrong in (0.9, math.nan, "much", (1.5, 0.9), (math.inf, 1.5)):
         with pytest.raises((InputError, ValueError)):
             RunOptions(trace="still", guard=wrong)

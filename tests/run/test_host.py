@@ -91,6 +91,8 @@ def test_frames_under_way_arrive_as_they_would_have(gpu, latency_ms):
 
 def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
     """2 GB of frames, on a machine that has 0.1."""
+    if not gpu.is_software:
+        pytest.skip("frames lie in a GPU's own memory, whose size OpenGL does not tell")
     monkeypatch.setattr(hmdwarp.pipeline.sizes, "memory_bytes", lambda: 1e8)
     with Running(gpu) as running:
         running.go(8)

@@ -21,7 +21,7 @@ from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.poses import Origin, load_trace
+from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
 from hmdwarp.poses.formats import formats
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
 from hmdwarp.run import set_up_replay
@@ -167,10 +167,9 @@ def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
     validate_summary(result.summary)
     assert (result.summary["warp"], result.summary["fill"], result.summary["lens"]) == (warp, fill, lens)
     assert result.summary["frames"] == 6
-    for row in result.rows:
-        assert row["warp_ms"] > 0
-        assert (row["fill_ms"] > 0) == (fill != "none")
-        assert (row["lens_ms"] > 0) == (lens != "none")
+    # Of six refreshes: a GPU's timer has ticks, and one pass of so few pixels may fall between two.
+    for stage, runs in (("warp_ms", True), ("fill_ms", fill != "none"), ("lens_ms", lens != "none")):
+        assert (sum(row[stage] for row in result.rows) > 0) == runs, stage
     assert all(math.isfinite(result.summary["quality"][name]["mean"]) for name in QUALITY_AT)
 
 
@@ -214,6 +213,47 @@ def test_guard_takes_the_border_away(tmp_path):
     shares = [summary["quality"]["border_share"]["mean"] for summary in summaries]
     assert shares[0] > 2 * shares[1] > 0
     assert shares[2] == 0
+
+
+def test_a_guard_of_one_axis_takes_the_border_away_where_the_head_turns(tmp_path):
+    """A head that turns to the left looks beyond the sides, and beyond the corners a little higher.
+
+    30 degrees a second for 200 ms are 6 degrees: tan(51) = 1.23 across, and 1 / (cos(6) - sin(6)) =
+    1.12 up and down in the corners. However high the picture, its sides stay.
+    """
+    turning = tmp_path / "turning.csv"
+    with turning.open("w") as stream:
+        write_synthetic(synthesise("rotate", speed=30, seconds=2), stream)
+    usual = {"trace": str(turning), "warp": "rotation", "start_s": 0.5}
+    higher = run(tmp_path / "higher", **usual, guard=(1.05, 1.5)).summary
+    wider = run(tmp_path / "wider", page=True, **usual, guard=(1.3, 1.15)).summary
+    assert higher["quality"]["border_share"]["mean"] > 0.05
+    assert wider["quality"]["border_share"]["mean"] == 0
+    assert (higher["guard"], wider["guard"]) == ("1.05x1.5", "1.3x1.15")
+    # The picture is 96x80 for 90 degrees: 15 pixels more (14.4, rounded up) on either side, 6 above
+    # and below.
+    assert wider["rendered"]["size"] == [126, 92]
+    assert wider["rendered"]["pixels"] == pytest.approx(126 * 92 / (96 * 80), abs=1e-4)
+    degrees = [2 * math.degrees(math.atan(factor)) for factor in (126 / 96, 1.15)]
+    assert wider["rendered"]["fov_deg"] == pytest.approx(degrees, abs=0.01)
+    page = (tmp_path / "wider" / "report.html").read_text()
+    assert "96×80 per eye, rendered <b>126×92</b> (1.51 times the pixels, 105.4 × 98.0 degrees)" in page
+
+
+@pytest.mark.parametrize("passes", [{"fused": True}, {"fill": "wide+pyramid"}, {"warp": "environment"}], ids=str)
+def test_a_rendered_size_is_the_guard_band_that_gives_it(tmp_path, passes):
+    """120x90 pixels for a display of 96x80: the same frames as by factors, whatever reads them."""
+    usual = {"trace": "look-around", "warp": "rotation", "headset": "flat-90", "seconds": 0.2, **passes}
+    if "fused" in passes:
+        usual["headset"], usual["lens"] = "rift-dk1", "radial"
+    by_pixels = run(tmp_path / "a", **usual, rendered_size=(120, 90)).summary
+    by_factors = run(tmp_path / "b", **usual, guard=(1.25, 1.125)).summary
+    assert by_pixels["guard"] == by_factors["guard"] == "1.25x1.125"
+    if "fused" not in passes:
+        assert by_pixels["rendered"] == by_factors["rendered"]
+        assert by_pixels["quality"] == by_factors["quality"]
+    assert by_pixels["rendered"]["size"] == [120, 90] and by_pixels["rendered"]["pixels"] == 1.4062
+    assert by_pixels["frames"] == by_factors["frames"] > 0
 
 
 def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
@@ -431,3 +471,13 @@ def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch)
         replay(small(tmp_path, images=3, video=True, workers=1), stop)
     assert contents(tmp_path) == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["frames.csv", "images", "report.html", "summary.json"]
+
+
+def test_a_report_says_what_the_client_must_hold(tmp_path, gpu):
+    fill = "interpolate+model:share=0.5,texture=0.5,light=off"
+    result = run(tmp_path / "out", page=True, gpu=gpu, fill=fill, seconds=0.1)
+    (model,) = result.summary["client_models"]
+    assert (model["share"], model["texture"], model["triangles"]) == (0.5, 0.5, 10)  # few enough to keep all of them
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "client&#39;s model, 50 % of the triangles, textures at 0.5" in page
+    assert "client_models" not in run(tmp_path / "none", gpu=gpu, seconds=0.1).summary

@@ -9,7 +9,7 @@ import pytest
 import hmdwarp.scenes
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Body, Material, Mesh, Scene, load_scene, unlit
+from hmdwarp.scenes import Body, Material, Mesh, Scene, Texture, load_scene, unlit
 from hmdwarp.scenes.library.spheres import BALLS
 
 from .surfaces import Surface, box, join, patch
@@ -46,8 +46,8 @@ FEW = 6  # of a sheet's 384 triangles; two would do, but the last slivers do not
 SHEET = patch((0, 0, 0), (4, 0, 0), (0, 3, 0))
 
 
-def reduced(scene: Scene, share: float, folder=None) -> Scene:
-    return hmdwarp.scenes.reduced(scene, share, folder, least=0)
+def reduced(scene: Scene, share: float, folder=None, **more) -> Scene:
+    return hmdwarp.scenes.reduced(scene, share, folder, least=0, **more)
 
 
 @pytest.fixture(autouse=True)
@@ -237,6 +237,59 @@ def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
     (tmp_path / "taken").write_text("a file in the place of a folder")
     for _ in range(2):
         assert reduced(scene_of(mesh_of(SHEET)), 0.05, tmp_path / "taken").triangle_count
+
+
+# --- smaller textures ---
+
+
+def painted(image: np.ndarray, **fields) -> Texture:
+    return Texture("painted", image.astype(np.uint8), **fields)
+
+
+def test_a_smaller_texture_is_the_mean_of_the_light_of_its_texels():
+    """A quarter on each axis: of 16 texels, 0 and 255 by turns, light is a half, and sRGB 188.
+
+    The mean of the bytes would be 128, which is what a linear texture gets, and coverage in alpha.
+    """
+    board = np.where(np.indices((8, 16)).sum(axis=0) % 2, 255, 0)[..., None] * np.ones(4)
+    for srgb, wanted in ((True, 188), (False, 128)):
+        (made,) = reduced(scene_of(mesh_of(SHEET), textures=[painted(board, srgb=srgb)]), 1, texture=0.25).textures
+        assert made.image.shape == (2, 4, 4)
+        assert made.srgb == srgb
+        assert (made.image == (wanted, wanted, wanted, 128)).all()
+
+
+def test_texels_stay_in_their_places_and_a_texture_keeps_one():
+    parts = np.zeros((6, 4, 3))
+    parts[:3, 2:], parts[3:, :2] = (255, 0, 0), (0, 0, 255)
+    scene = scene_of(mesh_of(SHEET), textures=[painted(parts, repeat=False)])
+    (made,) = reduced(scene, 1, texture=0.4).textures
+    assert np.array_equal(made.image, [[(0, 0, 0), (255, 0, 0)], [(0, 0, 255), (0, 0, 0)]])
+    assert not made.repeat
+    (least,) = reduced(scene, 1, texture=0.01).textures
+    assert least.image.shape == (1, 1, 3)
+
+
+def test_at_full_scale_textures_are_the_scenes_own_and_nothing_is_painted_before_it_is_used():
+    calls = []
+
+    def paint() -> np.ndarray:
+        calls.append(1)
+        return np.full((4, 4, 3), 200, np.uint8)
+
+    scene = scene_of(mesh_of(SHEET), textures=[Texture("late", paint)])
+    assert reduced(scene, 1).textures[0] is scene.textures[0]
+    made = reduced(scene, 1, texture=0.5).textures[0]
+    assert not calls
+    assert (made.image == 200).all()
+    assert made.image is made.image
+    assert len(calls) == 1
+
+
+@pytest.mark.parametrize("scale", [0, -1, 1.01, float("nan")])
+def test_scales_that_are_none_are_refused(scale):
+    with pytest.raises(SceneError, match="expected more than 0 and at most 1"):
+        reduced(scene_of(mesh_of(SHEET)), 1, texture=scale)
 
 
 # --- without light ---

@@ -14,6 +14,7 @@ from worlds import read
 
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.frames import Mirrored, Needs
+from hmdwarp.frames.layers import layers
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 from hmdwarp.server.parts import parts
@@ -161,6 +162,38 @@ def test_what_is_wanted_as_a_layer_is_left_out_of_the_picture_and_nothing_else(s
     if "reflection" in eye:
         assert changed[surface > 0].mean() > 0.9
         assert sum(mirror.is_curved for mirror in eye["reflection"].mirrors) == (Mirrored.CURVED in needs["reflection"])
+
+
+@pytest.mark.parametrize(
+    "view",
+    [
+        VIEW,
+        moved((0.2, -0.1, 0.3), 0.15),
+        moved((0, 0.3, -1.2), 0.4),
+        moved((0, 0.5, -1), 2.6),
+        moved((-0.7, -0.3, -2.4)),
+    ],
+    ids=["ahead", "turned", "near the wall", "turned away", "beside the ball"],
+)
+@pytest.mark.parametrize("kinds", [Mirrored.PLANE, Mirrored.CURVED, Mirrored.PLANE | Mirrored.CURVED])
+def test_beyond_its_bounds_the_layer_is_empty_and_nothing_is_sent(server, view, kinds):
+    layer = layered(server, view, Needs(reflection=kinds))["reflection"]
+    low_x, low_y, high_x, high_y = layer.bounds
+    beyond = np.ones(SIZE[::-1], bool)
+    beyond[low_y:high_y, low_x:high_x] = False
+    colour, inverse_depth, surface = (read(texture) for texture in (*layer.seen.textures(), layer.surface))
+    assert (colour[beyond] == 0).all() and (inverse_depth[beyond] == -1).all()
+    assert (surface[beyond] == (0, 0, 0, 1)).all()
+    assert layers.get("reflection").sent_bytes(layer) == 20 * (~beyond).sum()
+
+
+def test_bounds_are_no_larger_than_what_mirrors(server):
+    """A ball's are those of the cube around it: here a third wider and higher at most."""
+    layer = layered(server, needs=Needs(reflection=Mirrored.CURVED))["reflection"]
+    rows, columns = np.nonzero(read(layer.surface)[..., 0])
+    low_x, low_y, high_x, high_y = layer.bounds
+    assert high_x - low_x <= 4 / 3 * (np.ptp(columns) + 1) + 2
+    assert high_y - low_y <= 4 / 3 * (np.ptp(rows) + 1) + 2
 
 
 def test_targets_come_back_with_the_frame(server):

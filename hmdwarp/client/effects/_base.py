@@ -66,6 +66,7 @@ class EffectPass(ABC):
     writes: ClassVar[tuple[str, ...]]
     # Whether it warps pictures along with the colour, which some warps cannot.
     carries: ClassVar[bool] = False
+    needs_compute: ClassVar[bool] = True  # As a warp's.
 
     def __init__(
         self, gpu: Gpu, parts: frozenset[str], rendered_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools

@@ -30,6 +30,7 @@ class Fill(ABC):
     # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
     complete: ClassVar[bool] = False  # Whether it leaves nothing empty, provided that anything is covered.
+    needs_compute: ClassVar[bool] = True  # As a warp's.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
 
@@ -57,10 +58,10 @@ class Fill(ABC):
         shown.inverse_depth writes that of `into`; for others it is that of `picture`.
         """
 
-    def model(self, share: float, *, lit: bool) -> ClientModel:
+    def model(self, share: float, *, lit: bool, texture: float = 1.0) -> ClientModel:
         """Return the client's model of the scene, for fills that read client.model."""
         assert self.geometry is not None
-        return self.geometry.model(share, lit=lit)
+        return self.geometry.model(share, lit=lit, texture=texture)
 
     def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""

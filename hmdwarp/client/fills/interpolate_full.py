@@ -12,7 +12,7 @@ from ...gpu.textures import COLOUR, allocate, release_all
 from ..fill_parts import HolePieces
 from . import fills
 from ._base import Fill
-from .interpolate import MINIMUM_COUNT
+from .interpolate import minimum_count
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -75,7 +75,7 @@ class InterpolateFull(Fill):
         self._lists[1 - number % 2].bind_to_storage_buffer(3)
         uniforms = {
             "shown_size": self.shown_size,
-            "minimum_count": MINIMUM_COUNT,
+            "minimum_count": minimum_count(3),
             "step_number": number,
             "stamp": self._stamp,
         }

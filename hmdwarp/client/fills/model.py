@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import attrs
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from ..shown_picture import ShownPicture
 
 
-def _check_share(_: object, __: attrs.Attribute, value: float) -> None:
+def _check_share(_: object, field: attrs.Attribute, value: float) -> None:
     if not 0 < value <= 1:
-        raise ValueError(f"share is {value:g}: expected more than 0 and at most 1")
+        raise ValueError(f"{field.name} is {value:g}: expected more than 0 and at most 1")
 
 
 def share_of_triangles() -> float:
@@ -28,11 +28,18 @@ def share_of_triangles() -> float:
 class ModelSettings:
     # Share of the scene's triangles that the client draws, 0 to 1.
     share: float = share_of_triangles()
+    # Scale of its textures' resolution on both axes, 0 to 1.
+    texture: float = attrs.field(default=1.0, validator=_check_share)
+    # off: the bare albedo, for a client that does not shade.
+    light: Literal["baked", "off"] = "baked"
 
 
 @fills.register
 class Model(Fill):
-    """Draw the client's own triangles, lit as baked; the depth buffer keeps them to the holes."""
+    """Draw the client's own triangles; the depth buffer keeps them to the holes.
+
+    The thesis's three savings: fewer triangles, smaller textures, no shading.
+    """
 
     name = "model"
     summary = "the client draws a model with a fifth of the triangles into the holes, lit as baked"
@@ -44,7 +51,8 @@ class Model(Fill):
     variants = ("share=0.05",)
 
     def prepare(self) -> None:
-        self._model = self.model(self.settings.share, lit=True)
+        chosen = self.settings
+        self._model = self.model(chosen.share, lit=chosen.light == "baked", texture=chosen.texture)
         self._model.reserve(self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:

@@ -83,7 +83,7 @@ class Relight(Fill):
     reads = ("shown.colour", "shown.inverse_depth", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
     source = (
-        "this project's, after the 2014 thesis's outlook; Barrow and Tenenbaum 1978 (albedo and light apart); "
+        "this project's, in place of the 2014 thesis's composite; Barrow and Tenenbaum 1978 (albedo and light apart); "
         "Roberts 2018 (samples)"
     )
     complete = True

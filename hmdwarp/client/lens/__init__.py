@@ -4,8 +4,8 @@ Their coefficients belong to the headsets.
 """
 
 from ...registry import Registry
-from ._base import LensPass, bind_texels
+from ._base import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, bind_texels
 
 lenses: Registry[type[LensPass]] = Registry("lens", __name__)
 
-__all__ = ["LensPass", "bind_texels", "lenses"]
+__all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "bind_texels", "lenses"]

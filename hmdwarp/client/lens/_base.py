@@ -17,16 +17,11 @@ if TYPE_CHECKING:
 
 # Image unit of the picture that programs for the panel read.
 TEXELS_UNIT = 7
-
-
-def panel_defines(gpu: Gpu) -> dict[str, object]:
-    """Return the defines of a program that includes lib/panel.glsl on this device.
-
-    ROWS: pixels of a column per invocation. TEXELS: image loads instead of the sampler. On llvmpipe
-    32 rows take 0.8 of the time of 8, because the ends of the visible part are computed once per
-    column. A GPU needs many invocations.
-    """
-    return {"ROWS": 32, "TEXELS": 1} if gpu.is_software else {"ROWS": 4}
+# Of a program that includes lib/panel.glsl. ROWS: pixels of a column per invocation. TEXELS: image
+# loads instead of the sampler. On llvmpipe 32 rows take 0.8 of the time of 8, because the ends of
+# the visible part are computed once per column. A GPU needs many invocations.
+SOFTWARE_DEFINES = {"ROWS": 32, "TEXELS": 1}
+GPU_DEFINES = {"ROWS": 4}
 
 
 def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
@@ -65,7 +60,7 @@ class LensPass(ABC):
 
     def library_defines(self) -> dict[str, object]:
         """Return the defines of a program that includes `library`, for this lens and device."""
-        return {**panel_defines(self.gpu)}
+        return dict(SOFTWARE_DEFINES if self.gpu.is_software else GPU_DEFINES)
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         """Return the uniforms of `library` for one eye."""

@@ -53,6 +53,9 @@ class Warp(ABC):
     fuses: ClassVar[bool] = False  # Whether it can write the panel in one resample.
     scans_out: ClassVar[bool] = False  # Whether it can give every row a view of its own.
     resamples: ClassVar[bool] = False  # Whether its result is a resample even for an unmoved head.
+    # Whether it scatters, sorts or shares between pixels. Without, each shown pixel looks something
+    # up by itself, which clients without compute shaders can do too.
+    needs_compute: ClassVar[bool] = True
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
     # Whether it stands for no compensation at all: no effect is compensated beside it unless it is
@@ -95,13 +98,18 @@ class Warp(ABC):
         return Needs()
 
     @classmethod
+    def reads_for(cls, settings: Any) -> tuple[str, ...]:
+        """Return what it reads with these settings: `reads`, or some of it."""
+        return cls.reads
+
+    @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
         """Return the least bytes that one eye's picture reads and writes, each byte once.
 
         The bench compares times with this bound. By default that of a gather: for each shown pixel,
         one colour, one of each depth that it reads, and the result.
         """
-        depths = sum(name.endswith("inverse_depth") for name in cls.reads)
+        depths = sum(name.endswith("inverse_depth") for name in cls.reads_for(settings))
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES * depths)
 
     def set_sizes(self, program: Compute) -> None:

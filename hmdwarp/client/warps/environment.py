@@ -26,6 +26,7 @@ class Environment(GatherWarp):
     """A gather from a cube map around the rendered eye: one bilinear sample per pixel, no depth."""
 
     name = "environment"
+    needs_compute = False
     summary = "turns freely within a cube map drawn around the eye, ignores how the eye moved"
     reads = ("rendered.cube",)
     exact_when = "the eye only turns, by any angle, up to one bilinear resample"

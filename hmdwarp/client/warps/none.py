@@ -15,6 +15,7 @@ class NoWarp(HomographyWarp):
     """
 
     name = "none"
+    needs_compute = False
     summary = "the rendered picture as it is: what uncompensated latency looks like"
     exact_when = "the head is still"
     gets_wrong = "everything that moves relative to the head"

@@ -12,6 +12,7 @@ class Rotation(HomographyWarp):
     """Rotate the picture with the head; ignore the eye's translation (asynchronous time warp)."""
 
     name = "rotation"
+    needs_compute = False
     summary = "turns the picture with the head, ignores how the eye moved"
     exact_when = "the eye only turns, or everything is far away"
     gets_wrong = "near things under translation: they stay glued to the far background"

@@ -14,6 +14,7 @@ class Shift(HomographyWarp):
     """Move the picture so that the middle of the view is where the head's turn puts it."""
 
     name = "shift"
+    needs_compute = False
     summary = "moves the picture by one offset, that of the middle of the view"
     exact_when = "the head is still"
     gets_wrong = "roll, how a turn stretches the picture towards its border, and all that rotation gets wrong"

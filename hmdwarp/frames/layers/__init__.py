@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...registry import Registry
-from ._base import DEPTH, OWN, PACKED, PIXEL_BYTES, RENDERED, SHOWN, VIDEO, Layer, readable
+from ._base import BRIGHT_VIDEO, DEPTH, OWN, PACKED, PIXEL_BYTES, RENDERED, SHOWN, VECTORS, VIDEO, Layer, readable
 from ._sizes import EyeSizes
 from ._surface import Surface
 
@@ -16,12 +16,14 @@ def readable_names() -> tuple[str, ...]:
 
 
 __all__ = [
+    "BRIGHT_VIDEO",
     "DEPTH",
     "OWN",
     "PACKED",
     "PIXEL_BYTES",
     "RENDERED",
     "SHOWN",
+    "VECTORS",
     "VIDEO",
     "EyeSizes",
     "Layer",

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     import moderngl
+    from numpy.typing import NDArray
 
     from ._sizes import EyeSizes, Size
 
 # Bytes of a pixel, by OpenGL's name of the texture format.
 PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
 
-# How a layer is coded on the link: by the video codec, by the code of inverse depth, or packed
-# without loss. What is packed is only counted: the client gets what the server drew.
-VIDEO, DEPTH, PACKED = "video", "inverse depth", "packed"
+# How a texture is coded on the link: by the video codec, with light beyond 1 clipped or kept, by
+# the codes of inverse depth or of vectors, which bound the error of each pixel, or packed without
+# loss. What is lossy keeps coverage and holes exact.
+VIDEO, BRIGHT_VIDEO, DEPTH, VECTORS, PACKED = "video", "video beyond 1", "inverse depth", "vectors", "packed"
+# How one of each format is coded where its layer does not say.
+USUAL_CODINGS = {"rgba16f": VIDEO, "r32f": DEPTH, "r16ui": PACKED}
 
 # Whose size a layer has: the rendered picture's, the shown one's, or its own.
 RENDERED, SHOWN, OWN = "rendered", "shown", "own"
@@ -30,8 +35,9 @@ class Layer:
     """One kind of content of a frame; a file of its own with a subclass is its declaration.
 
     A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by`
-    are enough. A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
-    overrides `bytes`, `textures`, `coded_bytes` and, where its data must be freed, `release`.
+    are enough, and `codings` where a texture holds neither light (rgba16f) nor inverse depth
+    (r32f). A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
+    overrides `bytes`, `textures`, `sent` and, where its data must be freed, `release`.
     """
 
     # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
@@ -44,8 +50,8 @@ class Layer:
     size_class: ClassVar[str] = RENDERED
     # The server's part that draws it, "" for what the server draws anyway or not at all.
     drawn_by: ClassVar[str] = ""
-    # VIDEO, DEPTH or PACKED.
-    coding: ClassVar[str] = PACKED
+    # How each of `formats` is coded; () for the usual way, see USUAL_CODINGS.
+    codings: ClassVar[tuple[str, ...]] = ()
     # Whether both eyes carry the same data, which is drawn, sent, counted and released once for
     # each frame.
     per_frame: ClassVar[bool] = False
@@ -94,10 +100,35 @@ class Layer:
         return (data,)
 
     @classmethod
-    def coded_bytes(cls, data: Any, pack: Callable[[Any], int]) -> int:
-        """Return its bytes on the link if PACKED. pack: packed size of a texture or array."""
-        return sum(map(pack, cls.textures(data)))
+    def coded_as(cls) -> tuple[str, ...]:
+        """Return the coding of each of `formats`; what is no picture is packed."""
+        return cls.codings or tuple(USUAL_CODINGS[one] for one in cls.formats) or (PACKED,)
+
+    @classmethod
+    def sent(cls, data: Any) -> Iterable[moderngl.Texture | NDArray[Any]]:
+        """Return what passes read of its data: textures, in the order of `formats`, or arrays.
+
+        The link writes what it has decoded over them, so arrays are writable.
+        """
+        return cls.textures(data)
+
+    @classmethod
+    def coded(cls, data: Any) -> Iterator[tuple[moderngl.Texture | NDArray[Any], str]]:
+        """Yield what is sent, each with its coding."""
+        return zip(cls.sent(data), cycle(cls.coded_as()), strict=False)
+
+    @classmethod
+    def sent_bytes(cls, data: Any) -> int:
+        """Return its bytes on a link without a codec; no more than `bytes`."""
+        return sum(map(_bytes_of, cls.sent(data)))
 
     @classmethod
     def release(cls, data: Any) -> None:
         """Free what belongs to no pool of the server's; called once, when the frame is recycled."""
+
+
+def _bytes_of(content: Any) -> int:
+    """Return the bytes of a texture or array."""
+    if hasattr(content, "nbytes"):
+        return int(content.nbytes)
+    return content.width * content.height * content.components * int(content.dtype[1:])

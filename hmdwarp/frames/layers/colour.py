@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import VIDEO, Layer, layers
+from . import Layer, layers
 
 
 @layers.register
@@ -12,5 +12,4 @@ class Colour(Layer):
     name = "colour"
     summary = "the rendered picture: linear light, coverage in alpha"
     formats = ("rgba16f",)
-    coding = VIDEO
     always = True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import DEPTH, Layer, layers
+from . import Layer, layers
 
 
 @layers.register
@@ -12,5 +12,4 @@ class InverseDepth(Layer):
     name = "inverse_depth"
     summary = "inverse depth of the rendered picture in 1/m, -1 in holes"
     formats = ("r32f",)
-    coding = DEPTH
     always = True

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from . import EyeSizes, Layer, Surface, layers
+from . import BRIGHT_VIDEO, DEPTH, PIXEL_BYTES, VECTORS, EyeSizes, Layer, Surface, layers
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -37,6 +37,10 @@ class Reflection:
     surface: moderngl.Texture
     # All mirrors that `seen` and `surface` describe, in the world.
     mirrors: tuple[Mirror, ...] = ()
+    # The pixels outside which nothing mirrors: x, y of the first, x, y after the last, from the
+    # bottom left; None for the whole picture. Only they are sent; a codec spends nothing on the
+    # others, which are all the same.
+    bounds: tuple[int, int, int, int] | None = None
 
 
 @layers.register
@@ -46,6 +50,8 @@ class Reflections(Layer):
     name = "reflection"
     summary = "what mirrors show, with the depth of the mirrored world"
     formats = ("rgba16f", "r32f", "rgba16f")
+    # What is seen is shown by a share of its light, so light beyond 1 matters.
+    codings = (BRIGHT_VIDEO, DEPTH, VECTORS)
     drawn_by = "reflections"
     apart = True
     something = Mirrored.PLANE | Mirrored.CURVED
@@ -58,6 +64,14 @@ class Reflections(Layer):
     @classmethod
     def merged(cls, amount: Mirrored, other: Mirrored) -> Mirrored:
         return amount | other
+
+    @classmethod
+    def sent_bytes(cls, data: Reflection) -> int:
+        """Return the bytes of what is within the bounds."""
+        if data.bounds is None:
+            return super().sent_bytes(data)
+        low_x, low_y, high_x, high_y = data.bounds
+        return sum(PIXEL_BYTES[one] for one in cls.formats) * (high_x - low_x) * (high_y - low_y)
 
     @classmethod
     def textures(cls, data: Reflection) -> Iterable[moderngl.Texture]:

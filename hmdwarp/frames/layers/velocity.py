@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import Layer, layers
+from . import VECTORS, Layer, layers
 
 
 @layers.register
@@ -12,4 +12,5 @@ class Velocity(Layer):
     name = "velocity"
     summary = "velocity in m/s of each pixel of what deforms"
     formats = ("rgba16f",)
+    codings = (VECTORS,)
     drawn_by = "motion"

@@ -34,3 +34,8 @@ class Wide(Layer):
     @classmethod
     def textures(cls, data: EyeImage) -> Iterable[moderngl.Texture]:
         return data.textures()
+
+    @classmethod
+    def sent(cls, data: EyeImage) -> Iterable[moderngl.Texture]:
+        """Return the picture; nobody reads what head-locked content was drawn into beside it."""
+        return data.colour, data.inverse_depth

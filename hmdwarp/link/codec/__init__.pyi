@@ -4,10 +4,12 @@ from .codecs import codecs as codecs
 from .coder import Decoder as Decoder
 from .coder import Encoder as Encoder
 from .coder import Packet as Packet
-from .coder import Picture as Picture
 from .coding import Coding as Coding
 from .depth_codec import STEP as STEP
 from .depth_codec import DepthDecoder as DepthDecoder
 from .depth_codec import DepthEncoder as DepthEncoder
-from .packed_layers import packed_bytes as packed_bytes
+from .packed_layers import pack as pack
+from .packed_layers import unpack as unpack
 from .undecodable import Undecodable as Undecodable
+from .vector_codec import VectorDecoder as VectorDecoder
+from .vector_codec import VectorEncoder as VectorEncoder

@@ -1,66 +1,59 @@
-"""One eye's stream of frames: colour and depth to packets, packets to what the client sees."""
+"""One stream of pictures with coverage: to packets, and packets to what the client sees."""
 
 from __future__ import annotations
 
-import functools
 import math
+import struct
+import zlib
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...colour import linear_from_srgb
 from ...errors import InputError
 from .codecs import Codec, codecs
 from .coding import check_quality
-from .depth_codec import DepthDecoder, DepthEncoder
 from .holes import covered
+from .packed_layers import pack, unpack
 from .stream import ColourDecoder, ColourEncoder
+from .transfer import bytes_from_light, light_from_bytes, stops_of
 from .undecodable import Undecodable
+
+# CRC-32 of everything after it (a video decoder conceals what is damaged), powers of 2 beyond 1,
+# the light of uncovered pixels as half floats, bytes of the coverage, which follows, then the
+# video.
+_HEADER = struct.Struct("<IB6sI")
+_CHECKED_FROM = 4
+# A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.
+_STEPS = 254
+_COVERED = np.float16(1).view(np.uint16)
 
 
 @attrs.frozen
 class Packet:
-    """One eye's frame on the network."""
+    """One picture on the network."""
 
     # 0 for the first of its stream.
     number: int
     # Whether it can be decoded without those before it.
     key: bool
-    colour: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
-    depth: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
+    data: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
 
     @property
     def size_bytes(self) -> int:
-        """The size of colour and depth."""
-        return len(self.colour) + len(self.depth)
-
-
-@attrs.frozen(eq=False)
-class Picture:
-    """One eye's frame as it arrived; a hole is (0, 0, 0) and -1."""
-
-    # (h, w, 3) sRGB.
-    colour: NDArray[np.uint8]
-    # (h, w) in 1/m.
-    inverse_depth: NDArray[np.float32]
-
-    def rgba(self) -> NDArray[np.float16]:
-        """Return (h, w, 4) linear light with coverage in alpha; a hole is (0, 0, 0, 0)."""
-        out = np.empty((*self.colour.shape[:2], 4), np.float16)
-        out[..., :3] = _half_of_byte()[self.colour]
-        out[..., 3] = self.inverse_depth >= 0
-        return out
+        """The size of all of it."""
+        return len(self.data)
 
 
 class Encoder:
-    """Encode the frames of one eye into packets.
+    """Encode the pictures of one stream into packets.
 
-    size: (w, h) of its frames. crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of
-    its colour; neither: the codec's own crf. key_every_s: a key frame at least that often; None:
-    the first, and those requested. Depth takes no part in the reference chain: each frame's is
-    packed by itself. Errors: InputError for numbers out of range, or codec "none", which encodes
-    nothing; MachineError as ColourEncoder.
+    size: (w, h). crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of the video;
+    neither: the codec's own crf. key_every_s: a key frame at least that often; None: the first, and
+    those requested. keeps_beyond_1: whether light above 1 is kept; a display clips it, but what is
+    multiplied by less than 1 before it is shown needs it. Coverage takes no part in the reference
+    chain: each picture's is packed by itself. Errors: InputError for numbers out of range, or codec
+    "none", which encodes nothing; MachineError as ColourEncoder.
     """
 
     def __init__(
@@ -72,39 +65,53 @@ class Encoder:
         crf: int | None = None,
         bitrate_mbit: float | None = None,
         key_every_s: float | None = None,
+        keeps_beyond_1: bool = False,
     ) -> None:
         check_quality(crf, bitrate_mbit)
         if key_every_s is not None and not 0 < key_every_s < math.inf:
             raise InputError(f"key frames every {key_every_s:g} s: expected a time above 0")
         self.size = size
         self._colour = ColourEncoder(_coding(codec), size, rate_hz, crf, bitrate_mbit)
-        self._depth = DepthEncoder(size)
         self._key_every = max(1, round(key_every_s * rate_hz)) if key_every_s is not None else None
         self._number, self._last_key = 0, 0
         self._key_wanted = True
+        self._keeps_beyond_1, self._stops = keeps_beyond_1, 0
 
     def request_key(self) -> None:
-        """Make the next frame a key frame, because an earlier one is missing."""
+        """Make the next picture a key frame, because an earlier one is missing."""
         self._key_wanted = True
 
-    def encode(self, colour_srgb: NDArray[np.uint8], inverse_depth: NDArray[np.float32]) -> Packet:
-        """Encode the next frame.
+    def encode(self, picture: NDArray[np.float16]) -> Packet:
+        """Encode the next picture: (h, w, 4) linear light with coverage in alpha.
 
-        colour_srgb: (h, w, 3). inverse_depth: (h, w) in 1/m, holes below 0. Rows in either order.
-        Errors: ValueError.
+        Rows in either order. A pixel without coverage comes back exactly if all such pixels are the
+        same, as where nothing was drawn; else within the codec's error, like any other. Errors:
+        ValueError.
         """
-        _check_shapes(self.size, colour_srgb, inverse_depth)
+        width, height = self.size
+        if picture.shape != (height, width, 4) or picture.dtype != np.float16:
+            found = f"{picture.dtype} of shape {picture.shape}"
+            raise ValueError(f"{found}: expected float16 of shape {(height, width, 4)}")
         number = self._number
         is_due = self._key_every is not None and number - self._last_key >= self._key_every
-        colour, key = self._colour.encode(covered(colour_srgb, inverse_depth), self._key_wanted or is_due)
-        packet = Packet(number, key, colour, self._depth.encode(inverse_depth))
+        wants_key = self._key_wanted or is_due
+        light = np.ascontiguousarray(picture[..., :3])
+        empty, coverage = _coverage(picture)
+        if self._keeps_beyond_1:
+            # It falls with a key frame only: another scale changes every block of the video.
+            self._stops = max(stops_of(light), 0 if wants_key else self._stops)
+        colour, key = self._colour.encode(covered(bytes_from_light(light, self._stops), coverage == 0), wants_key)
+        packed = pack(coverage)
+        head = _HEADER.pack(0, self._stops, empty.tobytes(), len(packed))
+        data = head[_CHECKED_FROM:] + packed + colour
+        data = zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
         self._number, self._key_wanted = number + 1, False
         self._last_key = number if key else self._last_key
-        return packet
+        return Packet(number, key, data)
 
 
 class Decoder:
-    """Decode packets into pictures of one eye.
+    """Decode the packets of one stream into pictures.
 
     They must come in the order of encoding; some may be missing.
     """
@@ -112,13 +119,12 @@ class Decoder:
     def __init__(self, codec: str | Codec, size: tuple[int, int]) -> None:
         self.size = size
         self._colour = ColourDecoder(_coding(codec), size)
-        self._depth = DepthDecoder(size)
         self._next: int | None = None  # None: wait for a key frame
 
-    def decode(self, packet: Packet) -> Picture:
-        """Return the frame as the client sees it.
+    def decode(self, packet: Packet) -> NDArray[np.float16]:
+        """Return the picture as the client sees it: as encoded, coverage within 1/508.
 
-        Errors: Undecodable for damaged bytes, and for every frame from a missing one to the next
+        Errors: Undecodable for damaged bytes, and for every picture from a missing one to the next
         key frame.
         """
         if packet.key:
@@ -126,11 +132,44 @@ class Decoder:
         elif packet.number != self._next:
             self._next = None
             raise Undecodable(f"frame {packet.number} builds on one that never came")
-        colour = self._colour.decode(packet.colour)
+        stops, empty, packed, video = _parts(packet.data)
+        colour = self._colour.decode(video)
         self._next = packet.number + 1
-        inverse_depth = self._depth.decode(packet.depth)
-        colour[inverse_depth < 0] = 0
-        return Picture(colour, inverse_depth)
+        coverage = unpack(packed)
+        out = np.empty((*coverage.shape, 4), np.float16)
+        out[..., :3] = light_from_bytes(colour, stops)
+        out[..., 3] = np.maximum(coverage.astype(np.float32) - 1, 0) / _STEPS
+        out[coverage == 0] = (*empty, 0)
+        return out
+
+
+def _coverage(picture: NDArray[np.float16]) -> tuple[NDArray[np.float16], NDArray[np.uint8]]:
+    """Return the light of what is not covered, (3,), and the byte of each pixel's coverage."""
+    alpha = picture[..., 3]
+    empty = np.zeros(3, np.float16)
+    if (alpha.view(np.uint16) == _COVERED).all():
+        return empty, np.full(alpha.shape, 1 + _STEPS, np.uint8)
+    codes = (1.5 + _STEPS * np.clip(alpha.astype(np.float32), 0, 1)).astype(np.uint8)
+    hole = alpha == 0
+    if hole.any():
+        empty = picture[hole][0, :3].copy()
+        codes[hole & (picture[..., :3] == empty).all(axis=-1)] = 0
+    return empty, codes
+
+
+def _parts(data: bytes) -> tuple[int, NDArray[np.float16], bytes, bytes]:
+    """Return a packet's powers of 2, light of uncovered pixels, coverage and video.
+
+    Errors: Undecodable.
+    """
+    try:
+        checksum, stops, empty, length = _HEADER.unpack_from(data)
+    except struct.error as error:
+        raise Undecodable(f"damaged picture ({error})") from error
+    if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
+        raise Undecodable("damaged picture (its checksum is wrong)")
+    start = _HEADER.size + length
+    return stops, np.frombuffer(empty, np.float16), data[_HEADER.size : start], data[start:]
 
 
 def _coding(codec: str | Codec) -> Codec:
@@ -141,15 +180,3 @@ def _coding(codec: str | Codec) -> Codec:
             f"expected one of {', '.join(one.name for one in codecs if not one.is_none)}"
         )
     return codec
-
-
-def _check_shapes(size: tuple[int, int], colour: NDArray, inverse_depth: NDArray) -> None:
-    width, height = size
-    if colour.shape != (height, width, 3) or colour.dtype != np.uint8 or inverse_depth.shape != (height, width):
-        found = f"{colour.dtype} colour of shape {colour.shape} and inverse depth of shape {inverse_depth.shape}"
-        raise ValueError(f"{found}: expected uint8 of shape {(height, width, 3)} and {(height, width)}")
-
-
-@functools.cache
-def _half_of_byte() -> NDArray[np.float16]:
-    return linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16)

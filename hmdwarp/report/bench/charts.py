@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...metrics import PRIMARY, error_and_time, metrics, pareto
+from ...metrics import PRIMARY, error_and_time, metrics
 from ..files import write_bytes
 from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text
 from .labels import groups_of, leaders, place_labels
@@ -131,7 +131,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
     error = np.array([row["quality"][measure]["mean"] for row in rows])
     _scale(axes.xaxis, time, logarithmic=True)
     _scale(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better and error.min() > 0)
-    best = {id(row) for row in pareto(rows, lambda row: error_and_time(row, measure))}
+    best = {id(row) for row in case.front(measure)}
     is_best = np.array([id(row) in best for row in rows])
     line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
     for row, x, y, filled in zip(rows, time, error, is_best, strict=True):

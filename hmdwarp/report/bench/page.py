@@ -163,7 +163,9 @@ def _winners(groups: Sequence[Case]) -> PageTable:
     lines: list[list[str]] = []
     has_limit = False
     for group in groups:
-        measured = [row for row in group.ordered() if row["quality"]["flip"]["mean"] is not None]
+        measured = [
+            row for row in group.ordered() if not row.get("lacks") and row["quality"]["flip"]["mean"] is not None
+        ]
         limit = next((_total(row) for row in measured if (row["warp"], row["fill"]) == _REFERENCE), None)
         within = [
             row for row in measured if limit is not None and (total := _total(row)) is not None and total <= limit

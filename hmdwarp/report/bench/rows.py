@@ -20,7 +20,7 @@ _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("size", lambda v: f"{v[0]}x{v[1]}"),
     ("headset", str),
     ("lens", lambda v: f"lens {v}"),
-    ("guard", lambda v: f"guard {v:g}"),
+    ("guard", lambda v: f"guard {v}" if isinstance(v, str) else f"guard {v:g}"),
     ("predict", lambda v: f"predict {v}"),
     ("rate_hz", lambda v: f"{v:g} Hz"),
 )
@@ -42,8 +42,16 @@ class Case:
         )
 
     def front(self, measure: str = PRIMARY) -> list[Row]:
-        """Return the rows that no other beats in both error and time, in the order of the bench."""
-        return pareto(self.rows, lambda row: error_and_time(row, measure))
+        """Return the rows that no other beats in both error and time, in the order of the bench.
+
+        Without those that the bench's client cannot run.
+        """
+        return pareto(self.usable, lambda row: error_and_time(row, measure))
+
+    @property
+    def usable(self) -> list[Row]:
+        """The rows that the bench's client can run."""
+        return [row for row in self.rows if not row.get("lacks")]
 
     def held(self, measure: str = PRIMARY) -> list[Row]:
         """Return the rows of the front that are surely better than the quicker one before them.

@@ -8,7 +8,15 @@ import moderngl
 
 from ...frames import Mirrored, Reflection, Surface
 from ...gpu.textures import COLOUR
-from ..mirror_drawing import FACE_PIXELS, Ball, MirroredPasses, MirrorSurface, bounds_in_view, uniforms_of
+from ..mirror_drawing import (
+    FACE_PIXELS,
+    Ball,
+    MirroredPasses,
+    MirrorSurface,
+    bounds_in_view,
+    bounds_of_all,
+    uniforms_of,
+)
 from ..targets import Target, TargetPool
 from . import parts
 from ._base import DrawContext, Drawing, Part
@@ -61,7 +69,9 @@ class Reflections(Part):
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(one.mirror.shape for one in layered)
-        return eye.having(reflection=Reflection(Surface(seen.colour, seen.inverse_depth), surface.colour, shapes))
+        bounds = bounds_of_all(shapes, eye.view, eye.size)
+        mirrored = Surface(seen.colour, seen.inverse_depth)
+        return eye.having(reflection=Reflection(mirrored, surface.colour, shapes, bounds))
 
     def _draw(
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool

@@ -80,9 +80,9 @@ def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]
 
 
 def _check_guard(options: LiveOptions, headset: Headset) -> None:
-    width, height = guarded_size(options.guard_factor, headset, options.size or headset.eye_size_px)
+    width, height = guarded_size(options.guard_band, headset, options.size or headset.eye_size_px)
     if max(width, height) > _MOST_PIXELS:
-        found = f"guard {options.guard:g} makes frames of {width}x{height} pixels"
+        found = f"{options.guard_band} makes frames of {width}x{height} pixels"
         raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -20,6 +22,7 @@ from hmdwarp.study.design import (
     study_names,
 )
 
+from ..analysis.tables import PUBLISHED
 from .plans import WHOLE, line_of
 
 
@@ -112,11 +115,18 @@ def test_the_thesis_is_the_thesis():
     design = load_design("thesis")
     assert [scale.name for scale in design.scales] == ["grade"]
     assert [part.name for part in design.parts] == ["run-1", "run-2"]
-    for part, fill in zip(design.parts, ("interpolate", "relight"), strict=True):
+    for part, fill in zip(design.parts, ("interpolate", "interpolate+composite"), strict=True):
         told = [(one.settings["latency"], one.settings["warp"], one.settings["fill"]) for one in part.conditions]
         assert told == [(ms, "none", "none") for ms in (200, 400, 800)] + [
             (ms, "forward", fill) for ms in (200, 400, 800)
         ]
+    with PUBLISHED.open(encoding="utf-8") as file:
+        rated = {(row["run"], row["latency_ms"], row["warp"], row["fill"] or "none") for row in csv.DictReader(file)}
+    assert rated == {
+        (part.name.removeprefix("run-"), *(str(one.settings[key]) for key in ("latency", "warp", "fill")))
+        for part in design.parts
+        for one in part.conditions
+    }
     for family, part in zip(design.families, design.parts, strict=True):
         assert family.comparisons == tuple(
             Comparison(part.name, f"late-{ms}", f"warped-{ms}") for ms in (200, 400, 800)

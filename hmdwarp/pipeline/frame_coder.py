@@ -1,0 +1,228 @@
+"""Coding of frames: every layer that is read through a stream of its own, and back."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from statistics import median
+from typing import TYPE_CHECKING, Any, Protocol
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..colour import picture_from_linear
+from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO
+from ..gpu.textures import download, upload
+from ..link.codec import (
+    Coding,
+    Decoder,
+    DepthDecoder,
+    DepthEncoder,
+    Encoder,
+    Packet,
+    Undecodable,
+    VectorDecoder,
+    VectorEncoder,
+    pack,
+    unpack,
+)
+from ..metrics import psnr_db
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ..frames import Frame
+    from .layers_read import Reads
+
+# At most so many samples are kept: half an hour at 60 Hz.
+KEPT = 1 << 17
+# Coding loss is measured on every tenth frame, because it costs a comparison of two pictures.
+LOOK_EVERY = 10
+_VIDEOS = (VIDEO, BRIGHT_VIDEO)
+_LEAST_MBIT = 0.01  # that a stream takes
+
+# A layer of an eye, and which of its textures or arrays.
+Key = tuple[int, str, int]
+
+
+class Stream(Protocol):
+    """One texture or array of every frame, coded in the order of drawing."""
+
+    def encode(self, content: NDArray[Any]) -> Packet:
+        """Encode the next."""
+
+    def decode(self, packet: Packet) -> NDArray[Any]:
+        """Return what arrives. Errors: Undecodable."""
+
+    def request_key(self) -> None:
+        """Make the next packet one that needs none before it."""
+
+
+@attrs.frozen(eq=False)
+class _Alone:
+    """A stream whose packets refer to no other."""
+
+    pack: Callable[[NDArray[Any]], bytes]
+    unpack: Callable[[bytes], NDArray[Any]]
+
+    def encode(self, content: NDArray[Any]) -> Packet:
+        return Packet(0, True, self.pack(content))
+
+    def decode(self, packet: Packet) -> NDArray[Any]:
+        return self.unpack(packet.data)
+
+    def request_key(self) -> None:
+        """Do nothing: every packet is one."""
+
+
+class _Video:
+    """A stream of pictures through the video codec."""
+
+    def __init__(self, encoder: Encoder, decoder: Decoder) -> None:
+        self.encode, self.request_key, self.decode = encoder.encode, encoder.request_key, decoder.decode
+
+
+@attrs.frozen(eq=False)
+class _Content:
+    """A texture or array that is sent, and how."""
+
+    # Decoded content is written over it.
+    into: moderngl.Texture | NDArray[Any]
+    coding: str
+    drawn: NDArray[Any]
+
+    @property
+    def video_pixels(self) -> int:
+        """Its pixels if it is a video's, else 0."""
+        return self.drawn.size if self.coding in _VIDEOS else 0
+
+
+@attrs.frozen(eq=False)
+class CodedFrame:
+    """A frame in transit."""
+
+    frame: Frame
+    # Empty where nothing is encoded.
+    packets: Mapping[Key, Packet] = attrs.field(factory=dict)
+    # The packets that the client's plan reads; others are for plans that are compared with it.
+    counted: frozenset[Key] = frozenset()
+    into: Mapping[Key, moderngl.Texture | NDArray[Any]] = attrs.field(factory=dict)
+    # The pictures before encoding; kept only where the loss is measured.
+    before: Mapping[Key, NDArray[np.uint8]] = attrs.field(factory=dict)
+
+    @property
+    def is_key(self) -> bool:
+        """Whether it can be decoded without those before it."""
+        return all(packet.key for packet in self.packets.values())
+
+    def layer_bytes(self) -> Counter[str]:
+        """Return the bytes of what is counted, by layer."""
+        out = Counter[str]()
+        for key in self.counted:
+            out[key[1]] += self.packets[key].size_bytes
+        return out
+
+
+class Coder:
+    """The streams of a run, one for each texture or array; each is opened by its first frame.
+
+    How a layer is coded says its declaration in frames.layers. A bit rate is shared by the videos
+    of an eye, by their pixels.
+    """
+
+    def __init__(self, coding: Coding, rate_hz: float) -> None:
+        self._coding, self._rate_hz = coding, rate_hz
+        self._streams: dict[Key, Stream] = {}
+        self._encoded = 0
+        self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
+
+    def encode(self, frame: Frame, reads: Reads, beside: Reads | None = None, *, wants_key: bool) -> CodedFrame:
+        """Encode what is read of a frame; its time is entered in the frame's timings.
+
+        beside: what is read for comparison; it is coded too, and takes no time and no bytes.
+        """
+        counted = frozenset(_parts(frame, reads))
+        contents = {
+            key: _Content(into, coding, into if isinstance(into, np.ndarray) else download(into))
+            for key, (into, coding) in _parts(frame, reads | beside if beside is not None else reads).items()
+        }
+        self._open(contents)
+        packets, took_ms = {}, 0.0
+        for key, content in contents.items():
+            started = time.perf_counter_ns()
+            if wants_key:
+                self._streams[key].request_key()
+            packets[key] = self._streams[key].encode(content.drawn)
+            took_ms += _milliseconds_since(started) if key in counted else 0
+        frame.timings_ms["encode"] = took_ms
+        self._encode_ms.append(took_ms)
+        looked_at = counted if self._encoded % LOOK_EVERY == 0 else ()
+        before = {key: picture_from_linear(contents[key].drawn) for key in looked_at if contents[key].video_pixels}
+        self._encoded += 1
+        return CodedFrame(frame, packets, counted, {key: one.into for key, one in contents.items()}, before)
+
+    def receive(self, coded: CodedFrame) -> bool:
+        """Decode into the frame's own textures; return False if the frame cannot be decoded."""
+        arrived: dict[Key, NDArray[Any]] = {}
+        took_ms = 0.0
+        for key, packet in coded.packets.items():
+            started = time.perf_counter_ns()
+            # Each stream gets its packet, whatever has become of the others.
+            with suppress(Undecodable):
+                arrived[key] = self._streams[key].decode(packet)
+            took_ms += _milliseconds_since(started) if key in coded.counted else 0
+        if len(arrived) < len(coded.packets):
+            return False
+        coded.frame.timings_ms["decode"] = took_ms
+        self._decode_ms.append(took_ms)
+        for key, into in coded.into.items():
+            if isinstance(into, np.ndarray):
+                into[...] = arrived[key]
+            else:
+                upload(into, arrived[key])
+        for key, before in coded.before.items():
+            self._lost_db.append(psnr_db(picture_from_linear(arrived[key]), before))
+        return True
+
+    def summary(self) -> dict[str, Any]:
+        """Return the codec's part of summary.json; a figure is None where nothing was coded."""
+        figures = {"encode_ms": self._encode_ms, "decode_ms": self._decode_ms, "coded_psnr_db": self._lost_db}
+        told = {name: median(values) if values else None for name, values in figures.items()}
+        return {"codec": self._coding.codec, **told}
+
+    def _open(self, contents: Mapping[Key, _Content]) -> None:
+        """Open the streams that are not open yet."""
+        for key, content in contents.items():
+            if key not in self._streams:
+                of_eye = sum(one.video_pixels for (eye, *_), one in contents.items() if eye == key[0])
+                self._streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1))
+
+    def _stream(self, content: _Content, share: float) -> Stream:
+        size, asked = content.drawn.shape[1::-1], self._coding
+        if content.coding == DEPTH:
+            return _Alone(DepthEncoder(size).encode, DepthDecoder(size).decode)
+        if content.coding == VECTORS:
+            channels = content.drawn.shape[2]
+            return _Alone(VectorEncoder(size, channels).encode, VectorDecoder(size, channels).decode)
+        if content.coding not in _VIDEOS:
+            return _Alone(pack, unpack)
+        rate = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
+        beyond = content.coding == BRIGHT_VIDEO
+        encoder = Encoder(asked.codec, size, self._rate_hz, crf=asked.crf, bitrate_mbit=rate, keeps_beyond_1=beyond)
+        return _Video(encoder, Decoder(asked.codec, size))
+
+
+def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDArray[Any], str]]:
+    """Return every texture and array that is read, with its coding."""
+    return {
+        (eye, name, number): part
+        for (eye, name), layer, data in reads.contents(frame)
+        for number, part in enumerate(layer.coded(data))
+    }
+
+
+def _milliseconds_since(started_ns: int) -> float:
+    return (time.perf_counter_ns() - started_ns) * 1e-6
