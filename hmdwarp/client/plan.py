@@ -288,6 +288,8 @@ def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) ->
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     what = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
     names = [effect.name for effect in planned.effects if effect.name in forced]
+    if names and all(effect.by_name_only for effect in planned.effects):
+        return f"asked for by name: {what}"
     return (
         f"the scene calls for it: {what}"
         if not names

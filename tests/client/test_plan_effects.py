@@ -21,7 +21,7 @@ from hmdwarp.frames import EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov
 
-EVERY_EFFECT = effects.ordered(effects.names())
+EVERY_EFFECT = effects.ordered(effect.name for effect in effects if not effect.by_name_only)
 SETS = [chosen for count in range(8) for chosen in itertools.combinations(EVERY_EFFECT, count)]
 SIZES = EyeSizes((40, 30), (20, 10), (Fov.symmetric(1, 1),) * 2)
 
