@@ -19,6 +19,7 @@ from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import load_scene, only_light, unlit
 from hmdwarp.server import Server
@@ -144,3 +145,11 @@ def test_no_scene_asks_for_it_and_its_reason_is_the_name():
     (step,) = [step for step in plan.steps if step.stage == "effects"]
     assert step.reason.startswith("asked for by name")
     assert plan.needs == Needs(light=True)
+
+
+def test_a_codec_keeps_light_beyond_1():
+    """The albedo takes from it again: what a display would clip is half of what is seen."""
+    late = {"trace": "walk", "latency_ms": 50.0, "effects": NAME}
+    coded, _ = shown_by(coding=Coding(codec="h264", crf=10), **late)
+    plain, _ = shown_by(**late)
+    assert coded <= plain + 0.01

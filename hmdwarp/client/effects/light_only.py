@@ -18,7 +18,7 @@ class LightPass(ShownPass):
     """Draw the scene's albedo at the newest pose; multiply it with the warped and filled light."""
 
     name = "light times albedo"
-    reads = ("shown.colour", "client.model")
+    reads = ("shown.colour", "rendered.light", "client.model")
 
     def prepare(self) -> None:
         geometry = self.tools.geometry
