@@ -12,9 +12,8 @@ from client_scene import ClientScene
 from replays import small
 from worlds import read
 
-from hmdwarp.client import PassInputs, ShownPicture
+from hmdwarp.client import PassInputs, ShownPicture, build_plan
 from hmdwarp.client.effects import Tools, effects
-from hmdwarp.client.plan import build_plan
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, View
