@@ -6,7 +6,7 @@ import itertools
 from typing import Any
 
 from ..client.effects import effects
-from ..client.plan import build_plan
+from ..client.plan import Plan, build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
@@ -47,9 +47,20 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
 
     Errors: as build_plan.
     """
-    pairs = itertools.product(warps_of(options), fills_of(options))
+    pairs, lens = itertools.product(warps_of(options), fills_of(options)), options.lens
+    return [Combination(w, f, plan_of(options, scene, w, f, lens)) for w, f in pairs]
+
+
+def plan_of(
+    options: BenchOptions, scene: Scene | None, warp: str, fill: str, lens: str, *, fused: bool = False
+) -> Plan:
+    """Return the plan of a warp and fill in a scene, with the effects of the options.
+
+    Errors: as build_plan.
+    """
     selected = effects.selected(options.effects, effects.of(scene) if scene is not None else ())
-    return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
+    named = effects.forced(options.effects)
+    return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused)
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:

@@ -63,7 +63,7 @@ class _About:
     show: Callable[[], None]
 
 
-def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for
 
     built = build_plan_for(options, headset, scene, **told)
@@ -107,7 +107,7 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
     """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
 
@@ -128,7 +128,7 @@ def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[s
 
 
 def _auto_from_file(
-    bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]
+    bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]
 ) -> _About:
     from ..auto.levels import best_within
     from ..pipeline.planning import plans_for

@@ -19,7 +19,8 @@ def scene_drawn(plan: Plan) -> str:
     setting `share` is 1, and those without one, take all of it.
     """
     drawn = [getattr(fill.settings, "share", 1.0) for fill in plan.fills if CLIENT_MODEL in fill.entry.reads]
-    if CLIENT_MODEL in plan.warp.reads or any(share == 1 for share in drawn):
+    of_effects = any(CLIENT_MODEL in one.reads for one in plan.effect_passes)
+    if of_effects or CLIENT_MODEL in plan.warp.reads or any(share == 1 for share in drawn):
         return "whole"
     return "reduced" if drawn or plan.reads(CLIENT_DEPTH) else "none"
 

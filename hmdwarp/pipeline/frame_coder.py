@@ -227,10 +227,15 @@ class Coder:
 def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDArray[Any], str]]:
     """Return every texture and array that is read, with its coding."""
     return {
-        (eye, name, number): part
+        (eye, name, number): (into, _coding_in(frame, coding))
         for (eye, name), layer, data in reads.contents(frame)
-        for number, part in enumerate(layer.coded(data))
+        for number, (into, coding) in enumerate(layer.coded(data))
     }
+
+
+def _coding_in(frame: Frame, coding: str) -> str:
+    """Return how a video is coded in this frame: light that an albedo will take from is kept."""
+    return BRIGHT_VIDEO if coding == VIDEO and "light" in frame.eyes[0] else coding
 
 
 def _milliseconds_since(started_ns: int) -> float:

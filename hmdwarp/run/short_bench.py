@@ -62,7 +62,8 @@ def candidates(options: PipelineOptions) -> list[Combination]:
     build_plan_for(options.with_pair("none", "none"), headset, scene)
     for warp, fill in product(every_warp(), FILLS):
         try:
-            found.append(Combination(warp, fill, build_plan_for(options.with_pair(warp, fill), headset, scene)))
+            pair = options.with_pair(warp, fill)
+            found.append(Combination(warp, fill, build_plan_for(pair, headset, scene, shares_frames=True)))
         except PlanError:
             continue
     return found

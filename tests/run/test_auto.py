@@ -251,10 +251,10 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
     every = set(itertools.product(every_warp(), FILLS))
     assert {(c.warp, c.fill) for c in candidates(options)} == every
 
-    def picky(one, *inputs):
+    def picky(one, *inputs, **more):
         if one.warp == "rotation":
             raise PlanError("not in this run")
-        return build_plan_for(one, *inputs)
+        return build_plan_for(one, *inputs, **more)
 
     monkeypatch.setattr("hmdwarp.run.short_bench.build_plan_for", picky)
     assert {(c.warp, c.fill) for c in candidates(options)} == {pair for pair in every if pair[0] != "rotation"}
