@@ -286,7 +286,7 @@ BROKEN = [
     (
         "jitter = 'uniform:20'",
         "mirrors = 'glass'",
-        "condition 'b': unknown kind of mirrors 'glass' geometry or screen",
+        "condition 'b': unknown kind of mirrors 'glass': known are geometry, screen",
         None,
     ),
     ('scene = "planes"', 'scene = "plains"', "unknown scene 'plains': did you mean 'planes'?", None),
