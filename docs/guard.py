@@ -27,8 +27,8 @@ BYTES_PER_PIXEL = 12  # colour and inverse depth of one eye
 # axes that makes as many pixels.
 SMALL = 4
 AS_MANY = tuple(f"{math.sqrt(w * h / (OUTPUT[0] * OUTPUT[1])):.3f}" for w, h in PICTURES)
-# Of the thesis's three: the median, the mean of both and the 95th percentile of recorded heads, and
-# up to a slow walk. The amplitudes give the head its full speed for longer than the latency.
+# Heads turn with 30 degrees a second in the median and 113 at the 95th percentile; 1 m/s is a slow
+# walk. The amplitudes give the head its full speed for longer than the latency.
 SPEEDS = {"sideways": ("0.25", "0.5", "1"), "rotate": ("30", "60", "113")}
 AMPLITUDES = {"sideways": "1.2", "rotate": "180"}
 UNITS = {"sideways": "m/s", "rotate": "deg/s"}

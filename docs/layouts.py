@@ -220,8 +220,7 @@ LAYOUTS = (
             "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
             lambda r: [(EPOCH_NS + r.ns) // 10**9, (EPOCH_NS + r.ns) % 10**9, *r.p, *r.q],
         ),
-        {"axes": "ros"},
-    ),  # fmt: skip
+    ),
 )
 
 

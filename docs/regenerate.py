@@ -206,7 +206,13 @@ def thesis_guard_bands(folder: Path) -> None:
 def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
+    layers(folder)
     server_rates(folder)
+
+
+def layers(folder: Path) -> None:
+    """Measure what each kind of layer sends."""
+    replace("layers", passes.layers_table(partial(run, folder)))
 
 
 def server_rates(folder: Path) -> None:
@@ -335,6 +341,7 @@ PARTS = {
     "thesis-guard": thesis_guard_bands,
     "link": link,
     "thesis": thesis,
+    "layers": layers,
     "server-rates": server_rates,
     "readme": readme,
 }

@@ -27,7 +27,7 @@ PACKAGE = ROOT / "hmdwarp"
 # From the ground up; a module imports from floors below its own, or from its own unit.
 FLOORS = [
     {"errors", "version"},
-    {"registry", "resources", "colour", "geometry"},
+    {"registry", "resources", "colour", "extra", "geometry"},
     {"tables", "options"},
     {"gpu", "poses", "headsets", "clients"},
     {"scenes"},

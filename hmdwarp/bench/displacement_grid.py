@@ -109,7 +109,8 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, setup.server.recycle, setup.schedule.rate_hz)
+    recycle, rate_hz = setup.server.recycle, setup.schedule.rate_hz
+    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, recycle, rate_hz)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(

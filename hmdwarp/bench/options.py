@@ -44,7 +44,7 @@ _TRACE = Option("As an argument; repeat it for several.", list, name="trace", me
 def _size(value: Any) -> Size:
     sides = tuple(value)
     if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
-        raise InputError(f"size {value!r}: expected (width, height) in pixels of one eye")
+        raise InputError(f"--size {value!r}: expected (width, height) in pixels of one eye")
     return sides
 
 
@@ -59,7 +59,7 @@ class BenchOptions(Declared):
         _RUN.trace,
         ("look-around", "walk"),
         name="traces",
-        metavar="[TRACE]...",
+        metavar="TRACE",
         positional=True,
         parse=None,
         beside=(_TRACE,),
@@ -93,7 +93,7 @@ class BenchOptions(Declared):
     )
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
-    # picture take 0.6 s, and fifteen warps with two fills on two recordings make sixty pictures an
+    # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))

@@ -32,12 +32,15 @@ def _run(options: BenchOptions, quiet: bool) -> None:
 
 def _tell(result) -> None:
     from ..bench.answer import answer
+    from ..report import axes_of_traces
     from ..report.bench import bench_table
     from ._show import console, paragraph
 
     screen = console()
     screen.print(bench_table(result.data["rows"], width=screen.width))
     paragraph(f"Timed by {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
+    for trace, axes in axes_of_traces(result.data["rows"]).items():
+        paragraph(f"Axes of {trace}: {axes}.")
     of_rows = (note for row in result.data["rows"] for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")

@@ -17,7 +17,7 @@ def replay(said: Said) -> None:
 
 
 def _run(options: RunOptions, quiet: bool) -> None:
-    from ..report import summary_table, transit_lines
+    from ..report import axes_of_traces, summary_table, transit_lines
     from ..run import replay as run
     from ._show import console, steps
 
@@ -26,6 +26,8 @@ def _run(options: RunOptions, quiet: bool) -> None:
     if quiet:
         return
     console().print(summary_table(result.summary, result.against))
+    for trace, axes in axes_of_traces([result.summary]).items():
+        typer.echo(f"axes of {trace}: {axes}")
     for line in transit_lines(result.summary):
         typer.echo(line)
     for note in result.summary["notes"]:

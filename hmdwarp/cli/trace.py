@@ -27,7 +27,7 @@ _TRACE = Option(
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _PLOT = Option("Draw the motion into this PNG: way from above, angles, speeds, view sphere.", Path, name="plot")
-_TO = Option("Format to write: native, tum or euroc.", default="native", name="to")
+_TO = Option("Format to write: native, tum, euroc or mcap.", default="native", name="to")
 
 
 @app.command()
@@ -67,7 +67,8 @@ def info(said: Said) -> None:
 def convert(said: Said) -> None:
     """Write a clean trace.
 
-    One segment, unit quaternions without sign flips, rising time, OpenXR axes, metres.
+    One segment, unit quaternions without sign flips, rising time, metres; OpenXR axes, in MCAP
+    those of ROS.
     """
     from rich.console import Console
 
@@ -79,14 +80,14 @@ def convert(said: Said) -> None:
     target = formats.get(to)
     if not target.writes:
         able = ", ".join(f.name for f in formats if f.writes)
-        raise InputError(f"format {to} is read, not written: expected one of {able}")
+        raise InputError(f"--to {to}: this format is read, not written: expected one of {able}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         refuse_existing(out, force=said["force"])
-    write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path)
+    write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary)
     console = Console(stderr=True)
     _print_defects(console, loaded)
-    console.print(f"axes read: {loaded.axes}; written: openxr", markup=False, highlight=False)
+    console.print(f"axes read: {loaded.axes}; written: {target.axes_written}", markup=False, highlight=False)
     console.print(
         f"{out}: {counted(len(loaded.track), 'sample')}, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
         markup=False,

@@ -178,7 +178,9 @@ def build_plan(
     """
     choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
     if distorts and chosen_lens.is_pass:
-        raise PlanError(f"lens '{lens}': {distorts} corrects the lens by itself, and would do so again; use lens none")
+        raise PlanError(
+            f"--lens {lens}: {distorts} corrects the lens by itself, and would do so again; use --lens none"
+        )
     if fused:
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
@@ -288,6 +290,8 @@ def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) ->
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     what = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
     names = [effect.name for effect in planned.effects if effect.name in forced]
+    if names and all(effect.by_name_only for effect in planned.effects):
+        return f"asked for by name: {what}"
     return (
         f"the scene calls for it: {what}"
         if not names
@@ -332,15 +336,15 @@ def _plan_shown_depth(
 def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
-        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
+        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave --fused out")
     if not lens.library:
         raise PlanError(
-            f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
+            f"--fused with --lens {lens.name}: there is nothing to look through; choose a lens, or leave --fused out"
         )
     if chain:
         raise PlanError(
-            f"fused with fill '{fill_text(chain)}': a fill needs the picture between warp and lens; "
-            "use fill none, or leave fused out"
+            f"--fused with --fill {fill_text(chain)}: a fill needs the picture between warp and lens; "
+            "use --fill none, or leave --fused out"
         )
 
 

@@ -128,6 +128,11 @@ class DisplayOptions:
     rate_hz: float | None = None  # refresh rate, where no screen defines it
     controls: tuple[Control, ...] = CONTROLS  # what keys, mouse and controllers request
 
+    def about_trace(self) -> dict[str, str]:
+        """Return the name of the recording and the axes that it was read in, as `Display.about`."""
+        found = {"trace": self.trace.name, "trace_axes": self.trace.axes} if self.trace is not None else {}
+        return {name: text for name, text in found.items() if text}
+
 
 class Display(Protocol):
     """The protocol of displays.

@@ -49,7 +49,7 @@ class OffscreenDisplay(SwitchableView):
         self._target: moderngl.Framebuffer | None = None
         self._texture: moderngl.Texture | None = None
         self._closed = False
-        self.about = {"display": "offscreen", "trace": options.trace.name, "renderer": self.gpu.renderer}
+        self.about = {"display": "offscreen", **options.about_trace(), "renderer": self.gpu.renderer}
 
     def now_ns(self) -> int:
         """Return the simulated time in nanoseconds."""

@@ -95,8 +95,8 @@ class Link(Generic[Payload]):
         key: bool = True,
         render_ns: int = 0,
         encode_ns: int = 0,
-    ) -> None:
-        """Send a frame from the server.
+    ) -> TransitStats:
+        """Send a frame from the server; return what it will go through, if it gets through.
 
         size_bytes: as coded. key: whether it can be decoded without those before it. render_ns,
         encode_ns: how long the server works on it from now on; it encodes one after the other.
@@ -125,11 +125,12 @@ class Link(Generic[Payload]):
         if taken and not is_lost:
             self._count("under_way")
             heapq.heappush(self._under_way, (transit.ready_ns, transit.number, transit, frame))
-            return
+            return transit
         self._count("lost" if taken else "dropped")
         heard_ns = transit.ready_ns + delay_ns
         self._heard_ns = heard_ns if self._heard_ns is None else min(self._heard_ns, heard_ns)
         self._wasted(frame)
+        return transit
 
     def newest(self, now_ns: int) -> Payload | None:
         """Return the newest frame that has arrived by now, None before the first."""

@@ -10,15 +10,17 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Number, Option, option
+from ..options import Declared, Number, Option, one_of, option
 from .bandwidth import QUEUE_MS, Bandwidth
 from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
+from .overload import Overload
 from .stage_times import StageTimes, parse_response
 
-_MOST_SEED = 2**63
+ALL, CHANGES = "all", "changes"
+DROP, RESOLUTION = "drop", "resolution"
 
 
 def parse_jitter(text: str) -> DelayModel:
@@ -34,13 +36,13 @@ def parse_loss(text: str) -> GilbertElliott | None:
         return None
     wanted = "expected p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
     if "=" not in text:
-        share = _number(text, f"loss '{text}'", wanted)
+        share = _number(text, f"--loss '{text}'", wanted)
         if not 0 <= share <= 1:
-            raise InputError(f"loss '{text}': expected a share of the frames, from 0 to 1")
+            raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
         return GilbertElliott(share, 1 - share)
-    values = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
+    values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
-        raise InputError(f"loss '{text}': {wanted}")
+        raise InputError(f"--loss '{text}': {wanted}")
     return GilbertElliott(**values)
 
 
@@ -50,8 +52,8 @@ def parse_bandwidth(text: str) -> Bandwidth | None:
         return None
     rate, *more = text.split(",")
     wanted = "expected Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
-    values = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
-    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
+    values = _pairs(more, f"--bandwidth '{text}'", wanted, ("queue",))
+    return Bandwidth(_number(rate, f"--bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
 
 
 def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:
@@ -76,7 +78,7 @@ _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, nam
 
 @attrs.frozen
 class LinkOptions(Declared):
-    """Delays, losses and bandwidth of the network, and how often the server sends through it.
+    """Delays, losses and bandwidth of the network, and which frames the server sends through it.
 
     By default the latency alone, and a frame for each refresh.
     """
@@ -110,7 +112,7 @@ class LinkOptions(Declared):
         parse=parse_bandwidth,
     )
     # The same seed gives the same network, whatever is sent through it.
-    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
+    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed", valid=Number(most=2**63 - 1))
     # What adds to a frame's way beside the network; None: the latency is all of it.
     response: StageTimes | None = option(
         None,
@@ -128,10 +130,17 @@ class LinkOptions(Declared):
         unit="Hz",
         valid=Number(least=0.1, most=1000),
     )
-
-    def __attrs_post_init__(self) -> None:
-        if not 0 <= self.seed < _MOST_SEED:
-            raise InputError(f"seed {self.seed}: expected a whole number, 0 or more")
+    send: str = option(
+        ALL,
+        "all frames; or changes: only those in which something moved by more than half a pixel.",
+        valid=one_of(ALL, CHANGES),
+    )
+    # See Overload.
+    overload: str = option(
+        DROP,
+        "Where frames cannot keep up: drop some of them; or resolution, which is lowered first.",
+        valid=one_of(DROP, RESOLUTION),
+    )
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -148,14 +157,21 @@ class LinkOptions(Declared):
             return super().values_of(said)
         if said.get("jitter"):
             raise InputError(
-                f"jitter '{said['jitter']}' beside a delay trace: the trace says every delay; leave one of them out"
+                f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them out"
             )
         return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
 
     @property
     def is_plain(self) -> bool:
         """Whether every frame takes exactly the latency and arrives."""
-        return attrs.evolve(self, seed=0, server_rate_hz=None) == LinkOptions()
+        return attrs.evolve(self, seed=0, server_rate_hz=None, send=ALL, overload=DROP) == LinkOptions()
+
+    def overload_at(self, display_hz: float) -> Overload | None:
+        """Return what lowers the resolution, None where frames are dropped."""
+        if self.overload == DROP:
+            return None
+        queue_ms = self.bandwidth.queue_ms if self.bandwidth is not None else QUEUE_MS
+        return Overload(round(1e9 / self.sends_hz(display_hz)), round(queue_ms * 1e6))
 
     def sends_hz(self, display_hz: float) -> float:
         """Return the server's rate beside this display."""

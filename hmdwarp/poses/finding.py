@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..errors import TraceError
-from .formats import TraceFormat, formats, ordered
+from .formats import TraceFormat, formats
 from .options import TraceOptions
 from .reading.file_head import Head
 
@@ -20,8 +20,11 @@ def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     best = max(scores, key=scores.__getitem__)
     if scores[best] > 0:
         return formats.get(best)
-    if head.names is None and head.width in (5, 6, 7, 8) and options.quat_order is None:
-        ordered(head, (0, 0, 0, 0), None)  # raises an error on the ambiguous order
+    if head.names is None and head.width >= 5:
+        raise TraceError(
+            f"{head.path}: nothing in the file says what its columns are ({head.describe()}): "
+            "say --columns t=1,p=2+3+4,q=5+6+7+8 with their numbers (q: x y z w)"
+        )
     known = ", ".join(formats.names())
     raise TraceError(
         f"{head.path} is in no known trace format ({head.describe()}): "

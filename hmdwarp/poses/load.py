@@ -26,12 +26,16 @@ class LoadedTrace:
     time_unit: str  # of the file's clock, in words
     columns: str  # which were read as what, by name or number
     axes_assumed: bool  # nothing says which they are
-    axes: str  # of the file's world and head, who says so, and what the motion shows, in words
 
     def notes(self) -> list[str]:
         """Return a line for each defect, and one for axes that are only assumed."""
         assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
         return [*assumed, *map(str, self.defects)]
+
+    @property
+    def axes(self) -> str:
+        """Axes of the file, who says so, and what the motion shows, in words."""
+        return self.track.axes
 
     @property
     def rate_hz(self) -> float:
@@ -68,7 +72,6 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
         time_unit=cleaned.time_unit,
         columns=cleaned.columns,
         axes_assumed=cleaned.axes_assumed,
-        axes=cleaned.axes,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from .formats import TraceFormat, column_of, ordered
+from .formats import TraceFormat, column_of, column_of_devices, ordered
 
 if TYPE_CHECKING:
     from .options import TraceOptions
@@ -29,10 +29,11 @@ class StatedColumns(TraceFormat):
         stated = {key.strip(): [column_of(head, word) for word in value.split("+")] for key, _, value in parts if value}
         counts = {"t": 1, "p": 3, "q": 4}
         if len(stated) != len(parts) or "q" not in stated or any(len(v) != counts.get(k) for k, v in stated.items()):
-            raise InputError(f"columns '{text}': expected {_SYNTAX}")
+            raise InputError(f"--columns '{text}': expected {_SYNTAX}")
         position = stated.get("p")
         return Layout(
             time=stated["t"][0] if "t" in stated else None,
             orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
+            device=column_of_devices(head),
             position=None if position is None else (position[0], position[1], position[2]),
         )

@@ -70,6 +70,8 @@ class PoseTrack:
     orientation_xyzw: NDArray[np.float64] = attrs.field(converter=_floats)
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
+    # of the file's world and head, who says so, and what the motion shows; "" without a file
+    axes: str = ""
     notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
@@ -211,7 +213,7 @@ class PoseTrack:
 
         The gap limit follows the new times unless it is passed too.
         """
-        fields = ("time_ns", "position_m", "orientation_xyzw", "name", "origin", "notes", "epoch_ns", "jumps")
+        fields = ("time_ns", "position_m", "orientation_xyzw", "name", "origin", "axes", "notes", "epoch_ns", "jumps")
         return PoseTrack(**{f: getattr(self, f) for f in fields} | changes)
 
 

@@ -37,6 +37,7 @@ from .style import css_variables as css_variables
 from .style import dashes_of as dashes_of
 from .style import markers_of as markers_of
 from .style import warp_of as warp_of
+from .tables import axes_of_traces as axes_of_traces
 from .tables import comparison_rows as comparison_rows
 from .tables import summary_table as summary_table
 from .thesis_page import render_thesis_page as render_thesis_page

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -111,6 +111,11 @@ def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
             cells += [Text(f"{main} *" if best else main, style="bold green" if best else ""), Text(tail)]
         table.add_row(*cells)
     return table
+
+
+def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
+    """Return the axes in which each recorded trace was read, by its name."""
+    return {str(one["trace"]): str(one["trace_axes"]) for one in summaries if one.get("trace_axes")}
 
 
 def _head(figure: Figure) -> str:

@@ -61,6 +61,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         pixels_per_degree=view.fov.pixels_per_degree(size),
         machine=machine_of(gpu),
         clock=gpu.timer.clock,
+        trace_axes=display.about.get("trace_axes", ""),
     )
     return LiveFacts(shared, options, display.name, dict(display.about), plan.lens.name, tuple(host.scene.notes))
 

@@ -49,7 +49,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         pixels_per_degree=setup.pixels_per_degree,
         machine=machine_of(setup.gpu),
         clock=setup.gpu.timer.clock,
-        trace_axes=setup.trace.axes,
+        trace_axes=setup.track.axes,
     )
 
 

@@ -1,4 +1,3 @@
 from .actual import actual_of as actual_of
-from .extra import import_extra as import_extra
 from .measure import measure_study as measure_study
 from .measure_options import MeasureOptions as MeasureOptions

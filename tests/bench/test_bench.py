@@ -82,6 +82,8 @@ def test_writes_its_files_and_nothing_else(full):
     out, result, _ = full
     assert set(contents(out)) == {"bench.csv", "bench.json", "bench.html"}
     assert result.report == out / "bench.html" and result.refused == ""
+    page = result.report.read_text(encoding="utf-8")
+    assert "axes of look-around <b>openxr (world=x,y,-z head=x,y,-z), stated by the file</b>" in page
 
 
 def test_json_has_every_key_and_no_number_that_is_none(full):

@@ -196,6 +196,21 @@ def test_a_head_far_from_any_room_is_named_with_the_scale_that_fits(tmp_path, me
     assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=metres)))
 
 
+def test_a_height_in_feet_is_named(tmp_path):
+    path = written(tmp_path, WALK.evolve(position_m=WALK.position_m / 0.3048))
+    defect = defect_of(load_trace(path), "place-implausible")
+    assert "--scale 0.3048 takes it as feet" in defect.done and "floor" in defect.done
+    assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=0.3048)))
+
+
+def test_a_tilt_is_told_beside_the_axes(tmp_path):
+    """What keeps no defects, such as a study's records, has it too."""
+    tilt = Rotation.from_euler("X", 25, degrees=True)
+    turned = (tilt * Rotation.from_quat(LOOK.orientation_xyzw)).as_quat()
+    loaded = load_trace(written(tmp_path, LOOK.evolve(orientation_xyzw=turned)))
+    assert "assumed; up is tilted by 2" in loaded.axes and "tilt" in kinds(loaded)
+
+
 def test_quaternions_whose_median_length_is_off_are_refused(tmp_path):
     longer = [[*r[:4], *(repr(1.4 * float(f)) for f in r[4:])] for r in rows(WALK)]
     with pytest.raises(TraceError, match=r"longer than 1\.4, expected 1"):

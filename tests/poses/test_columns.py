@@ -62,7 +62,7 @@ def test_stated_columns_that_are_none(tmp_path, text, said):
 
 def test_six_bare_columns_are_never_guessed(tmp_path):
     path = write(tmp_path / "b.txt", [r[:6] for r in TABLE], header="", separator=" ")
-    assert "--quat-order" in refusal(path)
+    assert "--columns t=1" in refusal(path)
 
 
 @pytest.mark.parametrize("name", ["head", "hmd", "Camera", "CenterEye", "MainCam", "XRCam", "Headset"])
@@ -91,6 +91,32 @@ def test_the_head_is_chosen_among_devices(tmp_path, names):
     loaded = load_trace(write(tmp_path / "d.csv", of_devices(*names), "device," + HEADER))
     assert same_motion(loaded.track, TRACK)
     assert f"rows of {names[-1]} taken" in next(d.done for d in loaded.defects if d.kind == "devices-interleaved")
+
+
+def test_a_hand_is_not_taken_while_something_else_is_there(tmp_path):
+    """And among several heads the plainest name wins; which one it was is told."""
+    for names, wanted in ((("LeftHand", "subject7"), "subject7"), (("hand camera", "main camera", "hmd"), "hmd")):
+        loaded = load_trace(write(tmp_path / "d.csv", of_devices(*names), "device," + HEADER))
+        assert f"device: device = {wanted}" in loaded.columns
+
+
+def test_bodies_under_a_name_of_their_own_are_told_apart(tmp_path):
+    """A column of text that names heads and hands is one of devices, whatever it is called."""
+    table = [[name, *r] for r in TABLE for name in ("LeftHand", "Camera (eye)", "RightHand")]
+    table = [[*r[:4], "9", *r[5:]] if "Hand" in r[0] else r for r in table]
+    loaded = load_trace(write(tmp_path / "d.csv", table, "who," + HEADER))
+    assert same_motion(loaded.track, TRACK) and "who = Camera (eye)" in loaded.columns
+    stated = load_trace(write(tmp_path / "d.csv", table, "who," + HEADER), TraceOptions(columns="t=time,q=qx+qy+qz+qw"))
+    assert len(stated.track) == len(TRACK) and "duplicate-stamp" not in kinds(stated)
+
+
+def test_a_device_name_of_any_length_is_one_of_its_own(tmp_path):
+    long = "a tracker whose name is longer than most"
+    table = [[f"{long} {i}", *r[:1], str(i), *r[2:]] for r in TABLE for i in (1, 2)]
+    path = write(tmp_path / "d.csv", table, "device," + HEADER)
+    for i in (1, 2):
+        track = load_trace(path, TraceOptions(device=f"{long} {i}")).track
+        assert len(track) == len(TABLE) and (track.position_m[:, 0] == i).all()
 
 
 def test_a_device_that_never_tracked_is_not_chosen(tmp_path):
@@ -167,7 +193,7 @@ def test_seconds_and_nanoseconds_are_one_clock(tmp_path):
     table = [[*stamp, *r[1:]] for stamp, r in zip(stamps, TABLE, strict=True)]
     header = "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
     header += ",".join(f"pose.orientation.{a}" for a in "xyzw")
-    track = load_trace(write(tmp_path / "ros2.csv", table, header)).track
+    track = load_trace(write(tmp_path / "ros2.csv", table, header), TraceOptions(axes="openxr")).track
     assert np.array_equal(track.time_ns, TRACK.time_ns) and same_motion(track, TRACK)
 
 
@@ -265,3 +291,13 @@ def test_numbers_that_are_no_rotations_are_refused(tmp_path):
     table = [[r[0], *"123456789"[:9], *"123"] for r in TABLE]
     path = write(tmp_path / "m.txt", table, header="", separator=" ")
     assert "no rotations" in refusal(path, format="matrices")
+
+
+@pytest.mark.parametrize(("unit", "right"), [("deg", "rad"), ("rad", "deg")])
+def test_angles_in_another_unit_than_stated_are_told(tmp_path, unit, right):
+    turns = Rotation.from_quat(TRACK.orientation_xyzw).as_euler("zxy", degrees=right == "deg")
+    table = [[*r[:4], *map(repr, (x, y, z))] for r, (z, x, y) in zip(TABLE, turns.tolist(), strict=True)]
+    path = write(tmp_path / "e.csv", table, "time,x,y,z,rot_x,rot_y,rot_z")
+    loaded = load_trace(path, TraceOptions(euler=f"ZXY,{unit}"))
+    assert any(f"--euler ZXY,{right}" in d.done for d in loaded.defects if d.kind == "angles-implausible")
+    assert "angles-implausible" not in kinds(load_trace(path, TraceOptions(euler=f"ZXY,{right}")))

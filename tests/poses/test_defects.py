@@ -557,6 +557,13 @@ def test_15_rows_without_a_pose_are_dropped_up_to_a_fifth(tmp_path, share, reads
         assert "42 of 200 rows hold no pose" in refusal(path)
 
 
+def test_15_the_share_that_may_be_lost_is_stated(tmp_path):
+    table = [[r[0], *("" for _ in r[1:])] if i % 10 < 3 else r for i, r in enumerate(TABLE)]
+    path = write(tmp_path / "n.csv", table)
+    assert "--lost-rows 0.3 reads the others" in refusal(path)
+    assert len(load_trace(path, TraceOptions(lost_rows=0.3)).track) == round(0.7 * len(TABLE))
+
+
 def test_15_a_line_of_text_among_the_rows_is_dropped(tmp_path):
     table = [*TABLE[:50], ["tracking lost"], *TABLE[50:]]
     assert found(load_trace(write(tmp_path / "t.csv", table)), "row-without-pose").line == 52
@@ -634,6 +641,7 @@ def test_15_an_unknown_recording_is_offered_the_nearest():
         {"rate": -1.0},
         {"rate": float("inf")},
         {"segment": 0},
+        {"lost_rows": 1.0},
         {"up": "up"},
         {"up": "x,x,y"},
         {"up": "0,0,0"},

@@ -18,7 +18,7 @@ from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import KINDS, load_trace
 from hmdwarp.poses.formats import formats
 
-from .traces import head, rows, same_motion, write
+from .traces import WRITERS, head, rows, same_motion, write
 
 TRACK = head(200)
 
@@ -106,7 +106,7 @@ def test_info_on_a_track_too_short_for_the_table(tmp_path):
     assert "trace too short" in run("info", write(tmp_path / "s.csv", rows(head(10))))
 
 
-@pytest.mark.parametrize("to", [f.name for f in formats if f.writes])
+@pytest.mark.parametrize("to", WRITERS)
 def test_convert_writes_a_clean_trace(tmp_path, to):
     table = [[*r[:4], *("-" + f if i % 2 else f for f in r[4:])] for i, r in enumerate(rows(TRACK))]
     table = [[f.removeprefix("--") for f in r] for r in table]
@@ -195,7 +195,7 @@ def test_places_that_cannot_be_written(tmp_path):
 
 def test_wrong_names_get_the_nearest_known_one(tmp_path):
     assert "did you mean 'euroc'" in refused("convert", "walk", tmp_path / "o", "--to", "eurok")
-    assert "read, not written: expected one of euroc, native, tum" in refused(
+    assert "read, not written: expected one of euroc, mcap, native, tum" in refused(
         "convert", "walk", tmp_path / "o", "--to", "questset"
     )
     assert "did you mean 'reversals'" in refused("synth", "reversal", "--out", tmp_path / "o")

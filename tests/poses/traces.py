@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
 
 import numpy as np
+import pytest
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.poses import PoseTrack
+from hmdwarp.poses.formats import formats
+
+_NO_MCAP = pytest.mark.skipif(
+    importlib.util.find_spec("mcap") is None, reason="mcap is not installed (pip install 'hmdwarp[mcap]')"
+)
+# Names of the formats that are written.
+WRITERS = [pytest.param(f.name, marks=_NO_MCAP if f.name == "mcap" else ()) for f in formats if f.writes]
 
 
 def head(n: int = 200, rate_hz: float = 60.0) -> PoseTrack:
@@ -38,6 +47,14 @@ def write(
     """A text file of that table."""
     lines = ([header] if header else []) + [separator.join(r) for r in table]
     path.write_bytes(("\n".join(lines) + end).encode())
+    return path
+
+
+def save(track: PoseTrack, path: Path, name: str) -> Path:
+    """A file of that format."""
+    target = formats.get(name)
+    with path.open("wb" if target.binary else "w") as stream:
+        target.write(track, stream)
     return path
 
 

@@ -146,6 +146,11 @@ def test_worst_frames_come_from_what_the_pool_kept():
     assert "0.50 s, right eye" in render(worst=[frame])
 
 
+def test_the_axes_of_the_trace_are_on_the_page():
+    axes = "ros (world=-y,z,x head=-y,z,x), assumed; the motion agrees"
+    assert f"in axes {axes} ·" in Page(render(summary={**a_summary(), "trace_axes": axes})).text
+
+
 def test_without_baseline_worst_frames_notes_or_any_measurement():
     rows = [{"frame": 0, "eye": 0, "time_s": 0.0, "angular_speed_deg_s": 1.0, "linear_speed_m_s": 0.0}]
     text = render(

@@ -21,6 +21,7 @@ from replays import contents, rows_of
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu import download, flip_rows
+from hmdwarp.poses import load_trace
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
 from hmdwarp.run import live_log as log
@@ -125,6 +126,14 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
     both = [float(a["total_ms"]) + float(b["total_ms"]) for a, b in zip(rows[::2], rows[1::2], strict=True)]
     assert live["refresh_ms"]["total"]["median"] > np.median(both) > live["refresh_ms"]["warp"]["median"] > 0
     assert live["garbage_collector"]["between"] and live["garbage_collector"]["collections"][0] >= len(rows) // 2 - 1
+
+
+def test_the_axes_of_a_recorded_head_are_told(monkeypatch, tmp_path):
+    """In the summary as a replay has them, and on the page."""
+    track = load_trace("look-around").track
+    result, _ = go(monkeypatch, tmp_path / "out", events=closed_at(3), track=track)
+    assert result.summary["trace_axes"] == result.summary["live"]["about"]["trace_axes"] == track.axes
+    assert track.axes in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
 def test_a_recording_replays_unchanged_with_the_same_poses(monkeypatch, tmp_path):
@@ -344,7 +353,7 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
         and "<b>lost" not in page
         and "&lt;out&gt;" in page
     )
-    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at hand-over" in page
+    assert page.count("<svg") == 7 and "<h2>Time per refresh</h2>" in page and "Pose age at hand-over" in page
     # And nothing hidden.
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
 

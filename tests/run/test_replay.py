@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 import pytest
 from PIL import Image
+from poses.traces import WRITERS, save
 from replays import contents, rows_of, run, small
 
 from hmdwarp.client.fills import fills
@@ -22,7 +23,6 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
-from hmdwarp.poses.formats import formats
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
 from hmdwarp.run import set_up_replay
 from hmdwarp.version import __version__
@@ -343,13 +343,11 @@ def seen_centre(scene: Path) -> np.ndarray:
     return shown[20:60, 24:72]
 
 
-@pytest.mark.parametrize("name", [f.name for f in formats if f.writes])
+@pytest.mark.parametrize("name", WRITERS)
 def test_traces_in_other_formats(name, tmp_path):
     """The same head written in each format is the same replay: same poses, so the same figures."""
     track = load_trace("look-around").track
-    path = tmp_path / "head.txt"
-    with path.open("w", encoding="utf-8") as stream:
-        formats.get(name).write(track, stream)
+    path = save(track, tmp_path / "head.txt", name)
     other = run(tmp_path / "a", trace=str(path))
     own = run(tmp_path / "b", trace="look-around")
     assert other.summary["trace"] == "head"
@@ -366,9 +364,12 @@ def test_trace_options_reach_the_reader(tmp_path):
     path = tmp_path / "head.txt"
     path.write_text(rows, encoding="utf-8")
     result = run(
-        tmp_path / "out", trace=str(path), seconds=0.2, trace_options=TraceOptions(format="tum", rate=50.0, scale=0.5)
-    )
+        tmp_path / "out", trace=str(path), seconds=0.2,
+        trace_options=TraceOptions(format="tum", rate=50.0, scale=0.5, axes="ros"),
+    )  # fmt: skip
     assert result.rows[0]["linear_speed_m_s"] == pytest.approx(0.001 * 0.5 * 50, rel=1e-6)
+    axes = "ros (world=-y,z,x head=-y,z,x), as --axes or --up says"
+    assert result.summary["trace_axes"] == axes
 
 
 # --- frames and memory
@@ -426,8 +427,7 @@ def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
     from hmdwarp.run import replay
 
     path = tmp_path / "long.csv"
-    with path.open("w", encoding="utf-8") as stream:
-        formats.get("native").write(synthesise("look-around", seed=5, seconds=61), stream)
+    save(synthesise("look-around", seed=5, seconds=61), path, "native")
     counts, held = [], []
     for seconds in (2.0, 60.0):
         with monkeypatch.context() as patch:

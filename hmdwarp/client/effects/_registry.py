@@ -50,7 +50,7 @@ class EffectRegistry(Registry[Effect]):
             elif word != AUTO:
                 raise unknown_name("effect", name, [*known, *(f"{FORBID}{one}" for one in known), AUTO, NONE])
         if both := self.ordered(forced & forbidden):
-            raise InputError(f"effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
+            raise InputError(f"--effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
         return forced, forbidden
 
     def ordered(self, names: Iterable[str]) -> tuple[str, ...]:

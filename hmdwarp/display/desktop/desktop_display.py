@@ -85,6 +85,7 @@ class DesktopDisplay(SwitchableView):
             "window": self._window.system_text,
             "screen": self._window.screen_text(),
             "renderer": self.gpu.renderer,
+            **options.about_trace(),
         }
 
     def _source(self, options: DisplayOptions, walker: Walker) -> PoseSource:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import IO, TYPE_CHECKING
+import itertools
+from typing import IO, TYPE_CHECKING, Any
 
 import attrs
 
 from ...errors import InputError, TraceError
 from ..defects import Defect
 from ..options import TraceOptions
-from ..reading.columns import Columns, find_columns
+from ..reading.columns import UNRANKED, Columns, find_columns, head_rank
 from ..reading.file_head import is_number
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ _ORDER_ASSUMED = Defect(
     "nothing in the file says whether w comes first or last in its quaternions",
     "w last taken, as in TUM files; --quat-order wxyz says otherwise",
 )
+_MIXED = 4  # rows of several devices change from one to another at least every fourth time
 
 
 class TraceFormat:
@@ -32,6 +34,8 @@ class TraceFormat:
     name = ""  # the name of the format
     summary = ""  # one line for people
     writes = False  # whether `write` works
+    binary = False  # whether `write` takes a stream of bytes
+    axes_written = "openxr"  # of the files that `write` makes
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         """Return how likely the file is of this format: 0 not at all, 100 certainly.
@@ -60,18 +64,21 @@ class TraceFormat:
             )
         if options.rate is not None:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
-        reader = RowReader(head, layout)
+        reader = RowReader(head, layout, options.lost_rows)
         rows = reader.read()
-        layout = attrs.evolve(layout, caveats=(*layout.caveats, *reader.defects))
+        layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
         cleaner = Cleaner(str(head.path), rows, layout, options, reader.ends_with_newline)
+        cleaner.defects_of_devices = head.source.defects_of_devices
         cleaned = cleaner.clean(head.path.stem, self.origin(head))
-        return attrs.evolve(cleaned, columns=_columns_taken(head, layout))
+        return attrs.evolve(cleaned, columns=_columns_taken(head, layout, cleaned.device))
 
     def origin(self, head: Head) -> str:
         """Return the origin of the motion, if the file states it."""
-        return ""
+        return next(
+            (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:")), ""
+        )
 
-    def write(self, track: PoseTrack, stream: IO[str]) -> None:
+    def write(self, track: PoseTrack, stream: IO[Any]) -> None:
         """Write a track so that reading it gives the same poses bit for bit."""
         raise TraceError(f"format {self.name} is read, not written")
 
@@ -149,7 +156,7 @@ def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
         "euler": euler,
         "matrix": orientation is found.matrix,
         "position": found.position,
-        "device": found.device,
+        "device": column_of_devices(head),
         "scale": found.length_m or 1.0,
         "gravity_down": _mean_of(head, found.gravity),
     }
@@ -178,8 +185,29 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     )
 
 
-def _columns_taken(head: Head, layout: Layout) -> str:
-    """Return which columns were read as what, by name, or by number from 1."""
+def column_of_devices(head: Head) -> int | None:
+    """Return the column that names devices.
+
+    By its own name, or because it names heads or hands row by row.
+    """
+    names = head.names or []
+    named = find_columns(names).device
+    if named is not None:
+        return named
+    return next((c for c in range(len(names)) if _names_bodies([r[c] for r in head.rows if c < len(r)])), None)
+
+
+def _names_bodies(fields: list[str]) -> bool:
+    changes = sum(a != b for a, b in itertools.pairwise(fields))
+    told = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
+    return told and _MIXED * changes > len(fields)
+
+
+def _columns_taken(head: Head, layout: Layout, device: str) -> str:
+    """Return which columns were read as what, by name, or by number from 1.
+
+    device: whose rows were taken; "" where the file does not say.
+    """
     names = head.names or []
     parts = {
         "time": (layout.time, layout.nanoseconds),
@@ -191,6 +219,8 @@ def _columns_taken(head: Head, layout: Layout) -> str:
         part: ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
         for part, columns in parts.items()
     }
+    if device:
+        words["device"] += f" = {device}"
     return "; ".join(f"{part}: {said}" for part, said in words.items() if said)
 
 
@@ -212,7 +242,7 @@ def parse_euler(text: str) -> Euler:
 
     order, _, unit = text.strip().lower().partition(",")
     if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
-        raise InputError(f"euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
+        raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
     return Euler(order, unit.strip() == "deg")
 
 

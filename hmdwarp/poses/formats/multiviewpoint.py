@@ -15,7 +15,7 @@ from ._base import TraceFormat, has, named_layout
 # The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed
 # about x is half that about y in the head's own axes), so x is forward and y left, as in the viewer
 # of Corbillon et al. 2017, whose convention the set names.
-AXES = "-y,z,x"
+AXES = "ros"
 
 
 class MultiViewpoint(TraceFormat):

@@ -32,11 +32,6 @@ class Native(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         return named_layout(head, options, unit="ns", axes_by=BY_FORMAT)
 
-    def origin(self, head: Head) -> str:
-        return next(
-            (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:")), ""
-        )
-
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         write_native(track, stream)
 

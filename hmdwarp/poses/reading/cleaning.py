@@ -17,9 +17,19 @@ from ..defects import Defect
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
-from .columns import is_head
+from .columns import head_rank
 from .motion_faults import find_jumps, gravity_axis
-from .plausibility import CLEAR, Evidence, Verdict, best_points, evidence_of, judge, place_fault, rate_fault
+from .plausibility import (
+    CLEAR,
+    Evidence,
+    Verdict,
+    best_points,
+    evidence_of,
+    height_fault,
+    judge,
+    place_fault,
+    rate_fault,
+)
 from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
@@ -60,8 +70,8 @@ class Cleaned:
     defects: list[Defect]  # every defect, with its repair
     segments: list[Segment]  # recordings of the file
     time_unit: str  # of the file's clock, in words
-    axes: str  # of the file's world and head, who says so, and what the motion shows, in words
     axes_assumed: bool  # nothing says which they are
+    device: str = ""  # whose rows were taken, where a column names devices
     columns: str = ""  # which columns were read as what
 
 
@@ -76,8 +86,11 @@ class Cleaner:
         self.time_unit = ""
         self.axes, self.axes_by = self._stated_axes()
         self._axes_wrong = False
+        self._tilt_deg = 0.0
         self.leaves_open = ""
         self.epoch_ns = 0
+        self.device = ""
+        self.defects_of_devices: dict[str, Defect] = {}
 
     def clean(self, name: str, origin: str) -> Cleaned:
         """Run all steps, each after those that it relies on."""
@@ -108,12 +121,18 @@ class Cleaner:
             self.rows.orientation,
             name=name,
             origin=origin,
+            axes=self._axes_in_words(),
             notes=notes,
             epoch_ns=self.epoch_ns,
             jumps=tuple(jumps),
         )
         return Cleaned(
-            track, self.defects, self.segments, self.time_unit, self._axes_in_words(), self.axes_by == ASSUMED
+            track,
+            self.defects,
+            self.segments,
+            self.time_unit,
+            self.axes_by == ASSUMED,
+            self.device,
         )
 
     def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
@@ -171,23 +190,18 @@ class Cleaner:
         stated = self.options.device
         if stated is not None and stated not in texts:
             raise TraceError(f"{self.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
+        if stated is None:
+            tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
+            lost = [not tracked[device == name].any() for name in names]
+            order = [float(t) for t in texts] if all(_is_index(t) for t in texts) else first.tolist()
+            taken = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
+        else:
+            taken = texts.index(stated)
+        self.device = texts[taken]
+        if self.device in self.defects_of_devices:
+            self.defects.append(self.defects_of_devices[self.device])
         if len(names) < 2:
             return
-        tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
-        lost = [i for i, name in enumerate(names) if not tracked[device == name].any()]
-        heads = [i for i, t in enumerate(texts) if is_head(t) and i not in lost]
-        if stated is not None:
-            taken = texts.index(stated)
-        elif heads:
-            taken = heads[0]
-        elif lost and len(lost) < len(names):
-            taken = min((i for i in range(len(names)) if i not in lost), key=lambda i: first[i])
-        else:
-            taken = (
-                min(range(len(texts)), key=lambda i: float(texts[i]))
-                if all(_is_index(t) for t in texts)
-                else int(np.argmin(first))
-            )
         others = len(device) - int(counts[taken])
         self.note(
             "devices-interleaved",
@@ -501,13 +515,15 @@ class Cleaner:
         """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
         p = self.rows.position
         metres = None if p is None else p * self._scale()
-        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
-        if what:
-            self.note("place-implausible", what, f"kept; {remedy}")
         evidence = evidence_of(time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
+        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
         if self.layout.order_assumed:
             self._check_order(time_ns, evidence)
         verdict = judge(evidence, self.axes)
+        if not what and not verdict.faults:
+            what, remedy = height_fault(float(self.axes.world[1] @ evidence.height_m))
+        if what:
+            self.note("place-implausible", what, f"kept; {remedy}")
         self.leaves_open = verdict.leaves_open
         auto = self.options.axes == AUTO
         if verdict.world_alone and self._is_tilted():
@@ -538,6 +554,8 @@ class Cleaner:
         words = f"{self.axes.label()}, {self.axes_by}"
         if self._axes_wrong:
             return f"{words}; the motion contradicts them"
+        if self._tilt_deg:
+            return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
         if self.axes_by != ASSUMED:
             return words
         return f"{words}; the motion {'does not show ' + self.leaves_open if self.leaves_open else 'agrees'}"
@@ -627,6 +645,7 @@ class Cleaner:
         if tilt > _TILT_SHOWN_DEG:
             shown = ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
+            self._tilt_deg = tilt
             self.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
 
 

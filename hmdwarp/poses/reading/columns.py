@@ -69,7 +69,8 @@ _ELSEWHERE = {
     ),
     *("tracker", "base", "basestation"),
 }
-_HEAD = {"head", "hmd", "camera", "headset", "centereye", "maincam", "xrcam", "cam"}
+_HEAD = ("head", "hmd", "headset", "centereye", "maincam", "xrcam", "camera", "cam")  # the likeliest first
+UNRANKED = len(_HEAD)  # what `head_rank` gives for a name that tells nothing
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
 _TIMES = {
     "time",
@@ -104,6 +105,7 @@ _DEVICES = {
     "deviceindex",
     "eye",
     "eyeindex",
+    "topic",
     "tracker",
     "trackerid",
     "sensor",
@@ -131,10 +133,12 @@ class Columns:
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
 
 
-def is_head(name: str) -> bool:
-    """Return whether a name is a head's, and no hand's, hip's or controller's."""
+def head_rank(name: str) -> int:
+    """Return how likely a device is the head, by its name: 0 most, hands and hips least."""
     found = set(words(name))
-    return bool(found & _HEAD) and not found & _ELSEWHERE
+    if found & (_ELSEWHERE - {"eye"} if "camera" in found else _ELSEWHERE):  # "Camera (eye)" is SteamVR's head
+        return UNRANKED + 1
+    return next((rank for rank, word in enumerate(_HEAD) if word in found), UNRANKED)
 
 
 def names_rotation(name: str) -> bool:
@@ -212,7 +216,7 @@ def _find_gravity(groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, i
 
 
 def _is_position(key: tuple[str, ...]) -> bool:
-    return bool(set(key) & _POSITION) or set(key) <= _HEAD
+    return bool(set(key) & _POSITION) or set(key) <= set(_HEAD)
 
 
 def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -221,7 +225,7 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
     "head" first, else the plainest.
     """
     heads = [k for k in keys if not set(k) & _ELSEWHERE]
-    return min(heads, key=lambda k: (not set(k) & _HEAD, len(k)), default=None)
+    return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
 
 
 def _find_clocks(split: list[list[str]]) -> tuple[tuple[tuple[int, str | None], ...], int | None]:

@@ -15,7 +15,9 @@ from typing import BinaryIO, cast
 import attrs
 
 from ...errors import TraceError
+from ..defects import Defect
 from .json_rows import table_of_json
+from .mcap_rows import MAGIC, table_of_mcap
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
@@ -25,6 +27,23 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?$")
 _WHOLE = re.compile(r"[-+]?\d+([eE][-+]?\d+)?$")
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 COMMENT_SIGNS = ("#", "%", "//")
+
+
+@attrs.frozen(eq=False)
+class Source:
+    """What the text of a file's rows comes from."""
+
+    kind: str  # "text", or "json" or "mcap" where the rows are made of its records
+    packed: bool = False  # by gzip
+    table: bytes | None = None  # the rows that were made
+    defects: tuple[Defect, ...] = ()  # found while they were made
+    defects_of_devices: dict[str, Defect] = attrs.field(factory=dict)  # those of one device's rows
+
+    def open(self, path: Path) -> BinaryIO:
+        """Open the text of the rows. Errors: OSError."""
+        if self.table is not None:
+            return io.BytesIO(self.table)
+        return cast("BinaryIO", gzip.open(path, "rb")) if self.packed else path.open("rb")
 
 
 @attrs.frozen
@@ -42,6 +61,11 @@ class Head:
     comments: list[tuple[int, str]]  # (line, text without the comment sign) before the rows
     decimal_comma: bool  # numbers are written 0,5
     newline: bytes  # b"\n" or b"\r"
+    source: Source
+
+    def open(self) -> BinaryIO:
+        """Open the text of the rows. Errors: OSError."""
+        return self.source.open(self.path)
 
     @property
     def width(self) -> int:
@@ -71,7 +95,7 @@ def is_number(field: str) -> bool:
 
 def read_head(path: Path) -> Head:
     """Inspect the file. Errors: TraceError for anything but a text of rows."""
-    raw, more = _first_bytes(path)
+    source, raw, more = _first_bytes(path)
     _refuse_binary(path, raw)
     newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
     lines = _whole_lines(path, raw, more, newline)
@@ -93,32 +117,41 @@ def read_head(path: Path) -> Head:
                 break
     if names and names[-1] == "" and len(names) > 1:
         names = names[:-1]
-    return Head(path, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline)
+    return Head(path, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline, source)
 
 
-def open_trace(path: Path) -> BinaryIO:
-    """Open a file of rows: gzip is unpacked, JSON made into a table. Errors: OSError."""
-    with path.open("rb") as start:
-        packed = start.read(2) == _GZIP
-    file = cast("BinaryIO", (gzip.open if packed else open)(path, "rb"))
-    first = file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n")[:1]
-    file.seek(0)
-    if first not in (b"{", b"["):
-        return file
-    with file:
-        raw = file.read()
-    return io.BytesIO(table_of_json(raw) or raw)
+def _source(path: Path) -> Source:
+    """Unpack what is no text of rows: gzip as it is read, JSON and MCAP at once.
+
+    Errors: OSError; TraceError and MachineError as `table_of_mcap`.
+    """
+    with path.open("rb") as file:
+        text = Source("text", packed=file.read(2) == _GZIP)
+    with text.open(path) as file:
+        start = file.read(64)
+        file.seek(0)
+        if start.startswith(MAGIC):
+            whole = io.BytesIO(file.read()) if text.packed else file
+            size = whole.seek(0, os.SEEK_END)
+            whole.seek(0)
+            made = table_of_mcap(path, whole, size)
+            return Source("mcap", text.packed, made.text, made.defects, made.nested)
+        if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"["):
+            return text
+        table = table_of_json(file.read())
+    return text if table is None else Source("json", text.packed, table)
 
 
-def _first_bytes(path: Path) -> tuple[bytes, bool]:
-    """Return the first bytes, and whether more follow."""
+def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
+    """Return the source of the rows, their first bytes, and whether more follow."""
     try:
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
             raise TraceError(f"{path} is a directory: expected a file of head poses{_inside(path)}")
         if not stat.S_ISREG(status.st_mode):
             raise TraceError(f"{path} is a device or a pipe: expected a plain file of head poses")
-        with open_trace(path) as file:
+        source = _source(path)
+        with source.open(path) as file:
             raw, more = file.read(LOOK_BYTES), bool(file.read(1))
     except (EOFError, gzip.BadGzipFile, zlib.error) as error:
         raise TraceError(f"{path}: its gzip data are damaged ({error}): pack or copy it again") from None
@@ -131,12 +164,12 @@ def _first_bytes(path: Path) -> tuple[bytes, bool]:
         raise TraceError(f"{path}: cannot be read: {why}") from None
     if not raw.strip():
         raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
-    return raw, more
+    return source, raw, more
 
 
 def _inside(path: Path) -> str:
     try:
-        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum"))
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap"))
     except OSError:
         return ""
     return f", for instance {found[0]} in it" if found else ""

@@ -230,6 +230,15 @@ def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str
     return what, "--scale gives metres per unit"
 
 
+def height_fault(height_m: float) -> tuple[str, str]:
+    """Return as `place_fault` for a steady height over the origin."""
+    for name, metres in _LENGTHS.items():
+        if height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
+            what = f"the head is {height_m:.3g} m above the origin"
+            return what, f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
+    return "", ""
+
+
 def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Array | None, gravity: Array) -> Evidence:
     """Collect the evidence of (n, 4) unit quaternions xyzw and (n, 3) positions in the file's axes.
 

@@ -18,13 +18,16 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
 from ..defects import Defect
-from .file_head import COMMENT_SIGNS, Head, is_number, open_trace, split
+from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024
-MOST_BAD_ROWS = 0.2  # share of rows without a pose (lost tracking, a line of text) that are dropped
 _REPAIR = "; repair or remove that line"
 _MATRIX_OFF = 0.05
+# Angles within one turn are radians if they spread, by half a degree; beyond two turns they are
+# degrees.
+_TURN_RAD = 2 * math.pi
+_TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
@@ -102,8 +105,9 @@ class _Chunk:
 class RowReader:
     """Reads the rows of one file."""
 
-    def __init__(self, head: Head, layout: Layout) -> None:
+    def __init__(self, head: Head, layout: Layout, most_lost: float) -> None:
         self.head, self.layout = head, layout
+        self._most_lost = most_lost  # share of rows without a pose that may be dropped
         self.defects: list[Defect] = []
         self.ends_with_newline = True
         self._repeated_headers: list[int] = []
@@ -144,8 +148,9 @@ class RowReader:
             return
         line, error = self._first_bad
         count, rows = self._bad_rows, self._bad_rows + good
-        if count > MOST_BAD_ROWS * rows:
-            raise TraceError(f"{error} ({count} of {rows} rows hold no pose)") from None
+        if count > self._most_lost * rows:
+            rest = f"; --lost-rows {math.ceil(100 * count / rows) / 100:g} reads the others" if good > 1 else ""
+            raise TraceError(f"{error} ({count} of {rows} rows hold no pose{rest})") from None
         reason = str(error).removeprefix(f"{self.head.path}: line {line}: ").removesuffix(_REPAIR)
         what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason})"
         self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
@@ -177,7 +182,7 @@ class RowReader:
     def _chunks(self) -> Iterator[_Chunk]:
         """Yield pieces of whole lines."""
         line, rest, newline = self.head.first_line, b"", self.head.newline
-        with open_trace(self.head.path) as file:
+        with self.head.open() as file:
             file.seek(self.head.first_byte)
             following = file.read(CHUNK_BYTES)
             while following:
@@ -239,6 +244,8 @@ class RowReader:
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
                 return None
             stamps = parse_fields(table["t"]) if layout.time is not None else None
+            if layout.device is not None and table["d"].view(np.uint8).reshape(count, -1)[:, -1].any():
+                return None  # a name longer than its field would pass for another
             if stamps is not None and layout.nanoseconds is not None:
                 stamps.billionths += parse_fields(table["n"]).whole
         except (ValueError, OverflowError):
@@ -319,7 +326,7 @@ class RowReader:
             stamps = Stamps(whole, parts, any(t[2] for t in times))
         turns = len(self.layout.orientation)
         position = None if self.layout.position is None else table[:, turns:].copy()
-        device = None if self.layout.device is None else np.array(devices, dtype=f"S{WIDTH}")
+        device = None if self.layout.device is None else np.array(devices, dtype=np.bytes_)
         return Rows(stamps, table[:, :turns].copy(), position, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
@@ -368,8 +375,22 @@ class RowReader:
             columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
             for p in parts:  # free the pieces at once: the peak is the result and one column
                 setattr(p, name, None)
+        if self.layout.euler is not None:
+            self._judge_angles(columns["orientation"], self.layout.euler)
         columns["orientation"] = _quaternions(columns["orientation"], self.layout, self.head)
         return Rows(stamps, **columns)
+
+    def _judge_angles(self, angles: NDArray[np.float64], euler: Euler) -> None:
+        """Warn where the unit of angles is not the one that they look like."""
+        largest, spread = float(np.abs(angles).max()), float(np.ptp(angles, axis=0).max())
+        fits = largest > _TURN_RAD if euler.degrees else largest < 2 * _TURN_RAD
+        if fits or spread < _TURNED_RAD:
+            return
+        unit, other = ("degrees", "rad") if euler.degrees else ("radians", "deg")
+        what = f"its angles, read as {unit}, reach {largest:.3g}"
+        self.defects.append(
+            Defect("angles-implausible", what, f"kept; --euler {euler.order.upper()},{other} takes the other unit")
+        )
 
 
 def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:

@@ -8,6 +8,7 @@ from typing import Any
 from ...metrics import REGIONS, Figure, metrics, metrics_in_order
 from ..parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, Tile, environment
 from ..style import css_variables, markers_of
+from ..tables import axes_of_traces
 from ..words import counted, listed, plain
 from .bars import region_parts, regions_chart, row_name, traffic, traffic_chart
 from .charts import pareto_chart, pareto_text
@@ -77,6 +78,7 @@ def _title(rows: Sequence[Row], groups: Sequence[Case]) -> tuple[str, str]:
 def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[tuple[str, str]]:
     facts = [
         ("recordings", listed([str(trace) for trace in _unique(rows, "trace")])),
+        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", listed([f"{latency:g} ms" for latency in _unique(rows, "latency_ms")])),
         ("fills", listed(_unique(rows, "fill"))),
     ]

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...extra import import_extra
 from ...report import counted
-from ..extra import import_extra
 from .ratings import Rating
 
 _LEAST_REST = 5  # degrees of freedom that must be left for the noise
@@ -65,7 +65,7 @@ def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) 
         return {"why_not": "it is confounded with the conditions: all participants saw them in the same order"}
     if len(values) - _rank(model) < _LEAST_REST:
         return {"why_not": f"{counted(len(values), 'rating')} {'is' if len(values) == 1 else 'are'} too few for it"}
-    api = import_extra("statsmodels.api", "statsmodels")
+    api = import_extra("statsmodels.api", "statsmodels", "study")
     with warnings.catch_warnings():
         # Sums of squares, ranks and the slope are the same for every solution of least squares.
         warnings.filterwarnings("ignore", "The design matrix is rank-deficient")

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+from ...extra import import_extra
 from ...version import __version__
-from ..extra import import_extra
 from .table_columns import FLAG, INTEGER, MISSING, NUMBER, Column
 
 
@@ -63,7 +63,7 @@ def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequen
 
     Errors: MachineError where pyarrow is missing; OSError.
     """
-    pa, parquet = import_extra("pyarrow", "pyarrow"), import_extra("pyarrow.parquet", "pyarrow")
+    pa, parquet = import_extra("pyarrow", "pyarrow", "study"), import_extra("pyarrow.parquet", "pyarrow", "study")
     types = {NUMBER: pa.float64(), INTEGER: pa.int64(), FLAG: pa.bool_()}
     fields = [pa.field(c.name, types.get(c.type, pa.string()), metadata=_metadata(c)) for c in columns]
     schema = pa.schema(fields, metadata={"title": title, "made_by": f"hmdwarp {__version__}", "missing": "null"})

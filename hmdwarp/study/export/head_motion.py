@@ -47,7 +47,8 @@ class TrackingSystem:
         """
         display = facts.get("display", {})
         if facts.get("trace"):
-            return cls("trace", "head trace, replayed")
+            axes = facts.get("trace_axes")
+            return cls("trace", f"head trace, replayed{f'; its axes: {axes}' if axes else ''}")
         if facts.get("source") == OPENXR:
             model = display.get("headset", "")
             return cls("hmd", f"{model or 'headset'}, by OpenXR runtime {_runtime(display) or 'unknown'}", model)

@@ -8,10 +8,10 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
+from ...extra import install_line
 from ...report import OutputFolder, counted
 from ...version import __version__
 from ..design import Design
-from ..extra import INSTALL
 from ..scales import QUESTIONNAIRE, RATING, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
@@ -155,7 +155,7 @@ def _parquet(
     if wanted is False:
         return ""
     if wanted is None and not has_parquet():
-        return f"no ratings.parquet: the package pyarrow is not installed ({INSTALL})"
+        return f"no ratings.parquet: the package pyarrow is not installed ({install_line('study')})"
     write_parquet(folder.path("ratings.parquet"), rows, columns, design.title)
     return "ratings.parquet: the same with typed columns"
 

@@ -39,6 +39,7 @@ def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
         "rate_hz": display.rate_hz,
         "seed": design.seed,
         "trace": Path(trace).name,
+        "trace_axes": display.about.get("trace_axes", ""),
     }
 
 

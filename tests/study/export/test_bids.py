@@ -197,6 +197,10 @@ LED = [  # facts of a session; label, name, model
     ({"source": "desktop", "headset": "rift-dk1"}, ("mouse", "mouse and keyboard of a desktop window", "")),
     ({"source": "desktop", "headset": "rift-dk1", "trace": "secret.csv"}, ("trace", "head trace, replayed", "")),
     (
+        {"source": "offscreen", "trace": "secret.csv", "trace_axes": "unity (..), assumed"},
+        ("trace", "head trace, replayed; its axes: unity (..), assumed", ""),
+    ),
+    (
         {"source": "openxr", "headset": "Index", "display": HEADSET},
         ("hmd", "Index, by OpenXR runtime Monado 25.0.0", "Index"),
     ),
@@ -204,7 +208,7 @@ LED = [  # facts of a session; label, name, model
 ]
 
 
-@pytest.mark.parametrize(("facts", "wanted"), LED, ids=[wanted[0] for _, wanted in LED])
+@pytest.mark.parametrize(("facts", "wanted"), LED, ids=[wanted[1][:22] for _, wanted in LED])
 def test_what_led_the_head_is_named_and_not_the_emulated_headset(facts, wanted):
     assert attrs.astuple(TrackingSystem.of(facts)) == wanted
 
@@ -224,7 +228,7 @@ def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, desi
         contents = store.contents()
     tree = export(contents, design, tmp_path / "out").folder / "bids"
     sides = [loaded(path) for path in sorted(tree.rglob("*_motion.json"), key=lambda path: "tracksys-hmd" in path.name)]
-    assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[2][1][1]]
+    assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[3][1][1]]
     assert [side["ManufacturersModelName"] for side in sides] == ["n/a", "Index"]
 
 

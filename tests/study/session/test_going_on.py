@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from hmdwarp.display import DisplayOptions, OffscreenDisplay
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.poses import load_trace
 from hmdwarp.study import actual, scales
 from hmdwarp.study.design import load_design
 from hmdwarp.study.session import facts_of
@@ -312,3 +314,13 @@ def test_where_a_recorded_head_lies_is_not_kept(gpu, tmp_path):
     )
     assert facts["trace"] == "walk.csv"
     assert "jane" not in repr(facts)
+
+
+def test_the_axes_that_a_recorded_head_was_read_in_are_kept(gpu, tmp_path):
+    """Which for the world, which for the head, and why: here nobody says so."""
+    path = tmp_path / "head.csv"
+    path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "".join(f"{i / 90},0,{i / 900},0,0,0,0,1\n" for i in range(90)))
+    display = OffscreenDisplay(DisplayOptions(trace=load_trace(path).track, size=(32, 40)), gpu)
+    facts = facts_of(display, load_design(str(study(tmp_path))), str(path))
+    assert facts["trace_axes"] == facts["display"]["trace_axes"]
+    assert facts["trace_axes"].startswith("openxr (world=x,y,-z head=x,y,-z), assumed")

@@ -1,0 +1,24 @@
+"""Optional packages: imported where they are used, and named where they are missing."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+from .errors import MachineError
+
+
+def install_line(extra: str) -> str:
+    """Return the line that installs the packages of an extra."""
+    return f"pip install 'hmdwarp[{extra}]'"
+
+
+def import_extra(module: str, package: str, extra: str) -> ModuleType:
+    """Import a module of an optional package.
+
+    Errors: MachineError with the line that installs the package, where it is missing.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MachineError(f"this needs {package}, which is not installed: {install_line(extra)}") from error

@@ -1,0 +1,286 @@
+"""MCAP files: written ones are read back, and those of ROS 2 and Foxglove are read right."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import TraceError
+from hmdwarp.poses import TraceOptions, load_trace
+from hmdwarp.poses.reading.axes import parse_axes
+
+from .traces import head, kinds, same_motion, save
+
+READER = pytest.importorskip("mcap.reader", reason="mcap is not installed (pip install 'hmdwarp[mcap]')")
+WRITER = pytest.importorskip("mcap.writer")
+pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed (pip install 'hmdwarp[mcap]')")
+EPOCH_NS = 1_700_000_000 * 10**9
+
+_HEADER = "std_msgs/Header header\n"
+_TAIL = (
+    "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id",
+    "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec",
+    "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z",
+    "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z",
+    "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w",
+    "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation",
+    "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance",
+    "MSG: geometry_msgs/Twist\ngeometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular",
+    "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance",
+    "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
+    f"MSG: geometry_msgs/TransformStamped\n{_HEADER}string child_frame_id\ngeometry_msgs/Transform transform",
+)
+ROS = {
+    "geometry_msgs/msg/PoseStamped": f"{_HEADER}geometry_msgs/Pose pose",
+    "geometry_msgs/msg/PoseWithCovarianceStamped": f"{_HEADER}geometry_msgs/PoseWithCovariance pose",
+    "geometry_msgs/msg/TransformStamped": f"{_HEADER}string child_frame_id\ngeometry_msgs/Transform transform",
+    "nav_msgs/msg/Odometry": f"{_HEADER}string child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
+    "geometry_msgs/TwistWithCovariance twist",
+    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms",
+}
+
+
+class Cdr:
+    """ROS 2's encoding, by its rules: little-endian, numbers aligned to their size."""
+
+    def __init__(self) -> None:
+        self.body = b""
+
+    def put(self, kind: str, *values: float) -> Cdr:
+        for value in values:
+            self.body += b"\0" * (-len(self.body) % struct.calcsize(kind)) + struct.pack(f"<{kind}", value)
+        return self
+
+    def text(self, value: str) -> Cdr:
+        self.put("I", len(value) + 1).body += value.encode() + b"\0"
+        return self
+
+    def header(self, ns: int, frame: str) -> Cdr:
+        return self.put("i", ns // 10**9).put("I", ns % 10**9).text(frame)
+
+    def bytes(self) -> bytes:
+        return b"\x00\x01\x00\x00" + self.body
+
+
+def ros_message(kind: str, ns: int, numbers, child: str = "head", parent: str = "map") -> bytes:
+    """A message whose pose is the seven numbers."""
+    cdr = Cdr()
+    if kind.endswith("TFMessage"):
+        cdr.put("I", 1)
+    cdr.header(ns, parent)
+    if kind.endswith(("TFMessage", "TransformStamped", "Odometry")):
+        cdr.text(child)
+    cdr.put("d", *numbers)
+    if kind.endswith(("Odometry", "PoseWithCovarianceStamped")):
+        cdr.put("d", *[0.0] * 36)
+    if kind.endswith("Odometry"):
+        cdr.put("d", *[0.0] * 42)
+    return cdr.bytes()
+
+
+def in_ros(track):
+    """Position and quaternion of each sample, in the axes of ROS."""
+    basis = parse_axes("ros").world
+    q = track.orientation_xyzw
+    return np.hstack([track.position_m @ basis, q[:, :3] @ basis, q[:, 3:]]).tolist()
+
+
+class Bag:
+    """An MCAP file that is being written."""
+
+    def __init__(self, path, **how) -> None:
+        self.path, self.stream = path, path.open("wb")
+        self.writer = WRITER.Writer(self.stream, **how)
+        self.writer.start()
+        self._channels: dict[str, int] = {}
+
+    def add(self, topic: str, name: str, ns: int, data: bytes, *, encoding="cdr", schema=None) -> None:
+        if topic not in self._channels:
+            text = schema or (f"\n{'=' * 80}\n".join([ROS.get(name, "float64 x"), *_TAIL])).encode()
+            kind = {"cdr": "ros2msg", "json": "jsonschema", "protobuf": "protobuf"}.get(encoding, encoding)
+            found = self.writer.register_schema(name, kind, text)
+            self._channels[topic] = self.writer.register_channel(topic, encoding, found)
+        self.writer.add_message(self._channels[topic], ns, data, ns)
+
+    def done(self):
+        self.writer.finish()
+        self.stream.close()
+        return self.path
+
+
+def test_a_written_file_is_read_back_bit_for_bit_with_its_axes_and_clock(tmp_path):
+    track = head().evolve(epoch_ns=EPOCH_NS, origin="made for a test")
+    loaded = load_trace(save(track, tmp_path / "a.mcap", "mcap"))
+    np.testing.assert_array_equal(loaded.track.time_ns, track.time_ns)
+    np.testing.assert_array_equal(loaded.track.position_m, track.position_m)
+    np.testing.assert_array_equal(loaded.track.orientation_xyzw, track.orientation_xyzw)
+    assert (loaded.format, loaded.track.epoch_ns, loaded.track.origin) == ("mcap", EPOCH_NS, "made for a test")
+    assert loaded.axes.startswith("ros (") and "stated by the file" in loaded.axes
+    assert "/head" in loaded.columns and not loaded.axes_assumed
+
+
+def test_other_tools_find_a_pose_in_frame_in_a_written_file(tmp_path):
+    """By the reader of the format's authors: schema, times, and up is z."""
+    track = head()
+    with save(track.evolve(epoch_ns=EPOCH_NS), tmp_path / "a.mcap", "mcap").open("rb") as stream:
+        found = list(READER.make_reader(stream, validate_crcs=True).iter_messages())
+    assert len(found) == len(track)
+    schema, channel, message = found[7]
+    said = json.loads(message.data)
+    assert (schema.name, schema.encoding, channel.message_encoding) == ("foxglove.PoseInFrame", "jsonschema", "json")
+    assert set(json.loads(schema.data)["properties"]) == set(said)
+    assert said["timestamp"] == {"sec": message.log_time // 10**9, "nsec": message.log_time % 10**9}
+    assert message.log_time == EPOCH_NS + int(track.time_ns[7])
+    assert said["pose"]["position"]["z"] == track.position_m[7, 1]
+
+
+@pytest.mark.parametrize("kind", ROS)
+def test_poses_of_ros_2_are_read_in_the_axes_of_ros(tmp_path, kind):
+    track = load_trace("walk").track
+    bag = Bag(tmp_path / "bag.mcap")
+    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+        bag.add("/vr/head", kind, EPOCH_NS + ns, ros_message(kind, EPOCH_NS + ns, numbers))
+    loaded = load_trace(bag.done())
+    assert same_motion(loaded.track, track)
+    assert "by the format" in loaded.axes and "contradict" not in loaded.axes
+    assert "= /vr/head" in loaded.columns
+
+
+def test_the_stamp_of_a_message_counts_not_when_it_was_logged(tmp_path):
+    """Unless the messages have none, which is said."""
+    kind, track = "geometry_msgs/msg/PoseStamped", head()
+    times = track.time_ns.tolist()
+    stamped, bare = Bag(tmp_path / "stamped.mcap"), Bag(tmp_path / "bare.mcap")
+    for i, (ns, numbers) in enumerate(zip(times, in_ros(track), strict=True)):
+        stamped.add("/head", kind, EPOCH_NS + ns + (i % 3) * 1_000_000, ros_message(kind, EPOCH_NS + ns, numbers))
+        bare.add("/head", kind, EPOCH_NS + ns, ros_message(kind, 0, numbers))
+    loaded = load_trace(stamped.done())
+    assert same_motion(loaded.track, track) and "stamp-missing" not in kinds(loaded)
+    loaded = load_trace(bare.done())
+    assert same_motion(loaded.track, track) and "stamp-missing" in kinds(loaded)
+
+
+def test_the_head_is_chosen_by_its_name_and_named(tmp_path):
+    """Among a robot's topics and frames; static transforms are no head; --device takes another."""
+    track = head()
+    pose, frames = "geometry_msgs/msg/PoseStamped", "tf2_msgs/msg/TFMessage"
+    long = "the_left_hand_of_a_person_with_a_very_long_name"
+    still = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    bag = Bag(tmp_path / "bag.mcap")
+    bag.add("/tf_static", frames, 0, ros_message(frames, 0, still, "head_camera_mount"))
+    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+        bag.add("/imu", "sensor_msgs/msg/Imu", ns, b"\0" * 8)
+        bag.add("/arm", pose, ns, ros_message(pose, ns, still))
+        bag.add("/tf", frames, ns, ros_message(frames, ns, still, f"{long}_1"))
+        bag.add("/tf", frames, ns, ros_message(frames, ns, [5.0, *still[1:]], f"{long}_2"))
+        bag.add("/tf", frames, ns, ros_message(frames, ns, numbers, "hmd"))
+    path = bag.done()
+    loaded = load_trace(path)
+    assert same_motion(loaded.track, track)
+    assert "= /tf hmd" in loaded.columns and "devices-interleaved" in kinds(loaded)
+    other = load_trace(path, TraceOptions(device=f"/tf {long}_2")).track
+    np.testing.assert_array_equal(other.position_m, np.tile([0.0, 0.0, -5.0], (len(other), 1)) + [0, 1.0, 0])
+
+
+def test_a_pose_in_a_frame_that_moves_itself_is_told(tmp_path):
+    kind, track = "tf2_msgs/msg/TFMessage", head()
+    bag = Bag(tmp_path / "bag.mcap")
+    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+        bag.add("/tf", kind, ns, ros_message(kind, ns, [ns * 1e-9, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], "base", "odom"))
+        bag.add("/tf", kind, ns, ros_message(kind, ns, numbers, "head", "base"))
+    loaded = load_trace(bag.done())
+    (nested,) = [d for d in loaded.defects if d.kind == "frame-nested"]
+    assert "frame 'base', which is itself in frame 'odom'" in str(nested)
+
+
+def test_json_of_foxglove_is_read(tmp_path):
+    track = head()
+    bag = Bag(tmp_path / "bag.mcap")
+    for ns, (x, y, z, a, b, c, w) in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+        one = {
+            "timestamp": {"sec": ns // 10**9, "nsec": ns % 10**9},
+            "parent_frame_id": "world",
+            "child_frame_id": "head",
+            "translation": {"x": x, "y": y, "z": z},
+            "rotation": {"x": a, "y": b, "z": c, "w": w},
+        }
+        data = json.dumps({"transforms": [one]}).encode()
+        bag.add("/tf", "foxglove.FrameTransforms", ns, data, encoding="json", schema=b"{}")
+    assert same_motion(load_trace(bag.done()).track, track)
+
+
+def test_protobuf_of_foxglove_is_read(tmp_path):
+    """As Foxglove's own SDK writes it."""
+    pytest.importorskip("mcap_protobuf", reason="mcap-protobuf-support is not installed (pip install 'hmdwarp[mcap]')")
+    from google.protobuf import descriptor_pb2, message_factory
+
+    files = descriptor_pb2.FileDescriptorSet()
+    file = files.file.add(name="pose.proto", package="foxglove", syntax="proto3")
+    kinds_of = {"double": 1, "int64": 3, "int32": 5, "string": 9}
+    fields = {
+        "Time": {"seconds": "int64", "nanos": "int32"},
+        "Vector3": dict.fromkeys("xyz", "double"),
+        "Quaternion": dict.fromkeys("xyzw", "double"),
+        "Pose": {"position": "Vector3", "orientation": "Quaternion"},
+        "PoseInFrame": {"timestamp": "Time", "frame_id": "string", "pose": "Pose"},
+    }
+    for name, parts in fields.items():
+        message = file.message_type.add(name=name)
+        for number, (part, kind) in enumerate(parts.items(), 1):
+            field = message.field.add(name=part, number=number, label=1, type=kinds_of.get(kind, 11))
+            if kind not in kinds_of:
+                field.type_name = f".foxglove.{kind}"
+    made = message_factory.GetMessages([file])["foxglove.PoseInFrame"]
+    track = head()
+    bag = Bag(tmp_path / "bag.mcap")
+    for ns, (x, y, z, a, b, c, w) in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+        pose = {"position": {"x": x, "y": y, "z": z}, "orientation": {"x": a, "y": b, "z": c, "w": w}}
+        data = made(timestamp={"seconds": ns // 10**9, "nanos": ns % 10**9}, frame_id="world", pose=pose)
+        how = {"encoding": "protobuf", "schema": files.SerializeToString()}
+        bag.add("/head", "foxglove.PoseInFrame", ns, data.SerializeToString(), **how)
+    assert same_motion(load_trace(bag.done()).track, track)
+
+
+def test_a_file_that_was_cut_off_is_read_up_to_there_and_one_in_gzip_whole(tmp_path):
+    """A recorder that crashed left no index, and half a chunk."""
+    kind, track = "geometry_msgs/msg/PoseStamped", head()
+    bag = Bag(tmp_path / "bag.mcap", chunk_size=4096)
+    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+        bag.add("/head", kind, ns, ros_message(kind, ns, numbers))
+    raw = bag.done().read_bytes()
+    cut, packed = tmp_path / "cut.mcap", tmp_path / "bag.mcap.gz"
+    cut.write_bytes(raw[: len(raw) // 2])
+    loaded = load_trace(cut)
+    n = len(loaded.track)
+    assert "file-cut" in kinds(loaded) and 20 < n < len(track)
+    np.testing.assert_allclose(loaded.track.position_m, track.position_m[:n], atol=1e-12)
+    packed.write_bytes(gzip.compress(raw))
+    assert same_motion(load_trace(packed).track, track)
+
+
+def test_damage_is_refused(tmp_path):
+    path = save(head(), tmp_path / "a.mcap", "mcap")
+    raw = bytearray(path.read_bytes())
+    raw[len(raw) // 3] ^= 0xFF
+    path.write_bytes(raw)
+    with pytest.raises(TraceError, match=r"a\.mcap.*damaged.*copy or record it again"):
+        load_trace(path)
+
+
+def test_a_file_without_poses_is_refused_with_what_it_holds(tmp_path):
+    bag = Bag(tmp_path / "bag.mcap")
+    bag.add("/imu", "sensor_msgs/msg/Imu", 0, b"\0" * 8)
+    bag.add("/old", "geometry_msgs/PoseStamped", 0, b"\0" * 8, encoding="ros1", schema=b"x")
+    with pytest.raises(TraceError, match=r"/imu \(sensor_msgs/Imu, cdr\), /old \(geometry_msgs/PoseStamped, ros1\)"):
+        load_trace(bag.done())
+
+
+def test_another_file_named_as_mcap_is_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "0,0,0,0,0,0,0,1\n" * 3)
+    with pytest.raises(TraceError, match="is no MCAP file"):
+        load_trace(path, TraceOptions(format="mcap"))
