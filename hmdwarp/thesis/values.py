@@ -103,6 +103,16 @@ def growth_exponent(name: str) -> Value:
     return value
 
 
+def share_of(mbit_s: float) -> Value:
+    """Return the rate of the only run's stream over that of a link."""
+
+    def value(runs: Sequence[Figures]) -> float | None:
+        rate = only("full_size_mbit_s")(runs)
+        return None if rate is None else rate / mbit_s
+
+    return value
+
+
 def not_known(runs: Sequence[Figures]) -> float | None:
     """Return None: the program has no such thing."""
     return None
