@@ -102,7 +102,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     ),
     Experiment(
         name="ring",
-        source="section 4.1",
+        source="the latency ring",
         claim="In a ring of 60 frames at 60 Hz, place 30 is a latency of 500 ms.",
         thesis="place 30",
         measured="refreshes from drawing to showing at 500 ms and 60 Hz",
@@ -151,7 +151,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     ),
     Experiment(
         name="holes-latency",
-        source="sections 4.2 and 5.2",
+        source="the forward warp",
         claim="Holes grow with the latency.",
         thesis="for every motion",
         measured="least growth of the holes from one latency to the next",
@@ -408,7 +408,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     ),
     Experiment(
         name="times",
-        source="sections 4.1 to 4.7",
+        source="its times",
         claim="Copy, warp, client depth, interpolation, composite and reflections take 1, 2, 3, 3, 2 and 1 ms.",
         thesis="1 : 2 : 3 : 3 : 2 : 1",
         measured="time over the warp's, over the same ratio of the thesis",
@@ -427,7 +427,7 @@ EXPERIMENTS: tuple[Experiment, ...] = (
     ),
     Experiment(
         name="linear",
-        source="section 4.2",
+        source="the forward warp",
         claim="The cost of the warp is linear in the pixels.",
         thesis="O(n)",
         measured="exponent of the pixels in the time of the warp",
