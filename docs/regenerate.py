@@ -241,7 +241,7 @@ def on_a_gpu(_: Path, *ready: str) -> None:
     if not ready:
         raise SystemExit("gpu: expected bench.json of runs on a GPU, as in OPTIONS=gpu:FILE,FILE")
     data = [json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]
-    replace("gpu machine", bench_tables.machine_line(data[0]))
+    replace("gpu machine", bench_tables.machine_line(data[0], defaults=False))
     replace("gpu", gpu_tables.times_table([row for each in data for row in each["rows"]]))
 
 
