@@ -312,6 +312,13 @@ def thesis(folder: Path, *ready: str) -> None:
     replace("thesis again", summary_markdown([json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]))
 
 
+def thesis_on_a_gpu(_: Path, *ready: str) -> None:
+    """Write the verdicts that hang on times. ready: results.json of a run on a machine with a GPU."""
+    if not ready:
+        raise SystemExit("thesis-gpu: expected results.json of a run on a GPU, as in OPTIONS=thesis-gpu:FILE")
+    replace("thesis gpu", summary_markdown([json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]))
+
+
 def trace_layouts(_: Path) -> None:
     """Read files of twenty layouts with known truth."""
     replace("layouts", layouts.layouts_table())
@@ -341,6 +348,7 @@ PARTS = {
     "thesis-guard": thesis_guard_bands,
     "link": link,
     "thesis": thesis,
+    "thesis-gpu": thesis_on_a_gpu,
     "layers": layers,
     "server-rates": server_rates,
     "readme": readme,
@@ -350,7 +358,7 @@ PARTS = {
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         # All but what needs a GPU, which the machine that writes the pages may not have.
-        for part in sys.argv[1:] or [part for part in PARTS if part != "gpu"]:
+        for part in sys.argv[1:] or [part for part in PARTS if not part.endswith("gpu")]:
             which, _, ready = part.partition(":")
             PARTS[which](Path(name), *filter(None, ready.split(",")))
 

@@ -62,7 +62,7 @@ def test_quiet_is_quiet(tmp_path, command):
 @pytest.mark.parametrize(
     "options, status, told",
     [
-        (["--source", "wii"], 2, "expected openxr or desktop or synthetic"),
+        (["--source", "wii"], 2, "expected openxr, desktop or synthetic"),
         (["--source", "synthetic", "--kind", "dance"], 2, "unknown kind of motion 'dance'"),
         (["--source", "synthetic", "--rate", "0.5"], 2, "rate 0.5 Hz: expected a number of at least 1 Hz"),
         (["--source", "synthetic", "--seconds", "-1"], 2, "seconds -1 s"),
