@@ -313,7 +313,7 @@ def thesis(folder: Path, *ready: str) -> None:
 
 
 def thesis_on_a_gpu(_: Path, *ready: str) -> None:
-    """Write the verdicts that hang on times. ready: results.json of a run on a machine with a GPU."""
+    """Write the verdicts that hang on times. ready: results.json of a run on a GPU."""
     if not ready:
         raise SystemExit("thesis-gpu: expected results.json of a run on a GPU, as in OPTIONS=thesis-gpu:FILE")
     replace("thesis gpu", summary_markdown([json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]))
