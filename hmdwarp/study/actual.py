@@ -39,7 +39,7 @@ NUMBERS = (
     "head_shift_m",
 )
 FLAGS = ("head_still",)
-TEXTS = ("warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size")
+TEXTS = ("warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by")
 NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
 
@@ -49,7 +49,8 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
 
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
     session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
-    from where it was first; head_still: session/head_range.py.
+    from where it was first; head_still: session/head_range.py; ended_by: "time", or who
+    ended a trial that is shown until somebody is done, "" for one that was not seen to its end.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
     the frame to showing it. period: between two pictures. missed: refreshes without a new picture,

@@ -16,6 +16,7 @@ from .definitions import Breaks, Condition, Consent, Page, Sickness
 from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
+UNTIL_DONE, LONGEST_S = "until done", 600.0
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 
 
@@ -55,6 +56,18 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
             "[sickness]",
         )
     return tuple(made)
+
+
+def length_of(trial: Table) -> tuple[float, bool]:
+    """Return how long a trial is at most, and whether the participant ends it."""
+    said = trial.raw("seconds") if "seconds" in trial else None
+    if isinstance(said, str):
+        if said != UNTIL_DONE:
+            raise trial.fault("seconds", f'is {quoted(said)}: expected a finite number, or "{UNTIL_DONE}"')
+        return trial.within("longest", 0, 3600, LONGEST_S, above=True), True
+    if "longest" in trial:
+        raise trial.fault("longest", f'belongs to seconds = "{UNTIL_DONE}": leave it out beside a number')
+    return trial.within("seconds", 0, 3600, 20.0, above=True), False
 
 
 def practice_of(data: Table, checker: Checker) -> Condition | None:

@@ -97,7 +97,8 @@ class Design:
     parts: tuple[Part, ...]
     scales: tuple[Scale, ...]  # asked after each trial, in this order
     families: tuple[Family, ...] = ()
-    seconds: float = 20.0  # a trial shows its condition for so long
+    seconds: float = 20.0  # a trial shows its condition for so long, or at most so long
+    until_done: bool = False  # whether the participant ends a trial
     repeats: int = 1  # presentations of each condition
     order: str = WILLIAMS  # one of ORDERS
     seed: int = 0

@@ -35,9 +35,10 @@ class Show:
     key: str
     trial: int  # from 1 on; 0 for the practice
     condition: Condition
-    seconds: float
+    seconds: float  # at most, where it is shown until the participant is done
     repeat: int = 1  # from 1 on
     block: int = 1  # of trials between two planned breaks, from 1 on; 0 for the practice
+    until_done: bool = False  # whether the participant ends it
 
 
 @attrs.frozen
@@ -90,7 +91,7 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
 def _trial(design: Design, trial: int, condition: Condition, repeat: int) -> list[Step]:
     key = f"trial/{trial}"
     block = 1 + (trial - 1) // design.breaks.every if design.breaks.every else 1
-    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat, block)]
+    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat, block, design.until_done)]
     steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial)]
     if design.sickness is not None and trial % design.sickness.every == 0:
         steps += _sickness(design, key, trial)

@@ -118,6 +118,7 @@ _TEXTS = {
     "hmdwarp": "Version of hmdwarp",
     "size": "Pixels of one eye",
     "source": "Display",
+    "ended_by": "What ended the trial: its time, or who said that the participant is done",
     "headset": "Headset; where a window or trace leads the head, only its optics were emulated",
 }
 

@@ -159,7 +159,7 @@ class SessionRunner:
             self._knows_how_to_look = True
         while True:
             panel_ns = context.display.now_ns()
-            panel = number_panel(step, context.steps)
+            panel = number_panel(step, context.steps, self.hints)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
             showing, handler = self.trials.run(step, panel_ns)
             context.shown = step

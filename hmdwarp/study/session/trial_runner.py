@@ -14,16 +14,18 @@ from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import Scene, SceneKey
 from ..actual import actual_of
 from ..design import Show
+from ..dialogs import hints_for
 from ..store import Showing
 from .head_range import HeadRange
 from .session_context import SessionContext
-from .step_handlers import LOST, StepHandler
+from .step_handlers import CONFIRMS, LOST, StepHandler
 from .wording import number_panel
 
 if TYPE_CHECKING:
     from ...pipeline.loop import Refresh
 
 BY = "hmdwarp study"
+TIME = "time"  # ended a trial, where nobody did
 # Least time of black with the number, before frames get under way: eyes rest, and building a
 # pipeline seldom takes longer.
 LEAD_S = 1.0
@@ -60,7 +62,7 @@ class TrialHandler(StepHandler):
         self._panel_ns, self._log, self._wait_s = panel_ns, log, wait_s
         self.head = HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
-        self._arrived = False
+        self._arrived = self._is_done = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
 
@@ -73,12 +75,13 @@ class TrialHandler(StepHandler):
         return 0.0 if instant_ns is None else (self.context.display.now_ns() - instant_ns) * 1e-9
 
     def finished(self) -> bool:
-        """Return whether the trial's seconds are over."""
-        return self._first_ns is not None and self.seen_s >= self.step.seconds
+        """Return whether the trial's seconds are over, or somebody ended it."""
+        return self._is_done or (self._first_ns is not None and self.seen_s >= self.step.seconds)
 
     def label(self) -> Label:
         """Return the panel with the number, and nothing over pictures."""
-        return "" if self.pictures else number_panel(self.step, self.context.steps)
+        hints = hints_for(self.context.display.name)
+        return "" if self.pictures else number_panel(self.step, self.context.steps, hints)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -93,10 +96,16 @@ class TrialHandler(StepHandler):
 
     def figures(self) -> dict[str, Any]:
         """Return what the session adds to the figures of study/actual.py."""
-        return {"onset_s": self._onset_s, **self.head.figures()}
+        ended_by = (self.by or TIME) if self.finished() and not self.interrupt else ""
+        return {"onset_s": self._onset_s, "ended_by": ended_by, **self.head.figures()}
 
     def take(self, by: str, command: Command) -> None:
-        """Do nothing: no command changes a trial."""
+        """End a trial that is shown until the participant is done; no command changes another.
+
+        In the black before the first picture there is nothing to end.
+        """
+        if self.step.until_done and self._first_ns is not None and command.control in CONFIRMS:
+            self.by, self._is_done = by, True
 
     def handle(self, commands: Sequence[Command]) -> bool:
         """Carry out the commands, and lead from the black to the pictures."""
@@ -124,11 +133,12 @@ class TrialHandler(StepHandler):
         self.interrupt = LOST
 
     def describe(self) -> Mapping[str, Any]:
-        """Return the time left and the frame rate; the age of frames would tell the condition."""
+        """Return the times and the frame rate; the age of frames would tell the condition."""
         status = self._log.status
         return {
             "phase": self.phase,
             "left_s": self.step.seconds - self.seen_s,
+            "seen_s": self.seen_s if self.step.until_done else None,
             "rate_hz": status.rate_hz,
             "missed": status.missed,
             "condition": self.step.condition.name if self.context.tells_condition else "",

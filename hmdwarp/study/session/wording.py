@@ -62,9 +62,10 @@ def still_text(head: HeadRange) -> str:
     return f"the head hardly moved ({moved}): what was rated is almost a still picture"
 
 
-def number_panel(step: Show, steps: Sequence[Step]) -> MessagePanel:
-    """Make the panel before a trial."""
-    return trial_panel(step.trial, _trials(steps))
+def number_panel(step: Show, steps: Sequence[Step], hints: InputHints) -> MessagePanel:
+    """Make the panel before a trial; it says how to end one that has no time of its own."""
+    hint = f"Look around as long as you like. {hints.confirm}: done" if step.until_done else ""
+    return trial_panel(step.trial, _trials(steps), hint)
 
 
 def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:

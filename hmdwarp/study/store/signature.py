@@ -23,7 +23,7 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     return {
         "conditions": [_condition(one, folder) for one in design.part(part).conditions],
-        "seconds": float(design.seconds),
+        "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
         "repeats": design.repeats,
         "order": design.order,
         "seed": design.seed,
