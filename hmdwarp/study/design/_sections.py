@@ -12,10 +12,11 @@ from ...tables import Table, quoted, text_of
 from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
-from .definitions import Breaks, Condition, Consent, Page, Sickness
+from .definitions import Breaks, Condition, Consent, Page, Part, Sickness, Task
 from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
+TASKS = ("targets",)
 UNTIL_DONE, LONGEST_S = "until done", 600.0
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 
@@ -80,6 +81,26 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
     table = data.table(PRACTICE)
     own = {key: table.raw(key) for key in table.keys() if key != "seconds"}  # noqa: SIM118  (a Table is no dict)
     return Condition(PRACTICE, checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE))
+
+
+def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | None:
+    """Return the task, None without [task]; the scenes of all conditions must have room for it."""
+    if "task" not in data:
+        return None
+    table = data.table("task")
+    table.word("kind", TASKS)
+    names = table.texts("conditions", ())
+    known = [one.name for part in parts for one in part.conditions]
+    for number, name in enumerate(names):
+        if name not in known:
+            raise table.fault("conditions", f"has '{name}': expected some of {', '.join(known)}", number)
+    count, seed = table.whole("count", 1, 100), table.whole("seed", 0, 2**63 - 1, 0)
+    task = Task(count, table.within("size", 0.5, 20, 4.0), seed, names)
+    try:
+        checker.has_room_for(task)
+    except InputError as error:
+        raise table.fault("count", f"is {count}, and with a quarter to spare {error}") from error
+    return task
 
 
 def breaks_of(data: Table) -> Breaks:

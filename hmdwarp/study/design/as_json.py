@@ -24,6 +24,7 @@ def design_as_json(design: Design) -> dict[str, object]:
         "repeats": design.repeats,
         "trial_seconds": design.seconds,
         "trial_until_done": design.until_done,
+        "task": None if design.task is None else attrs.asdict(design.task),
         "practice": None
         if design.practice is None
         else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},

@@ -74,7 +74,8 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
 
 
 def _lasting(design: Design) -> str:
-    return f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
+    lasting = f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
+    return f"{lasting}, with {counted(design.task.count, 'target')} to find" if design.task else lasting
 
 
 def _asked(scale: Scale) -> str:

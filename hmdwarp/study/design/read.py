@@ -18,6 +18,7 @@ from ._sections import (
     questionnaires_of,
     scales_of,
     sickness_of,
+    task_of,
 )
 from .definitions import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
 
@@ -87,6 +88,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         order=trial.word("order", ORDERS, WILLIAMS),
         seed=data.whole("seed", 0, 2**63 - 1, 0),
         blind=data.word("blind", BLIND, BOTH),
+        task=task_of(data, parts, checker),
         practice=practice_of(data, checker),
         practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True)
         if "practice" in data
