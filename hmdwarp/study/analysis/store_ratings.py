@@ -18,10 +18,8 @@ from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 
 # Scores of a task, analysed beside the ratings: by the name of a figure of study/actual.py.
 TASK_MEASURES = {
-    "task_target_s": ScaleInfo("task_target_s", "Time for each target found", low_is_good=True, least=0.0, unit="s"),
-    "task_misses": ScaleInfo(
-        "task_misses", "Selections without a target", low_is_good=True, least=0.0, unit="selections"
-    ),
+    "task_target_s": ScaleInfo("task_target_s", "Time for each target found", low_is_good=True, unit="s"),
+    "task_misses": ScaleInfo("task_misses", "Selections without a target", low_is_good=True, unit="selections"),
 }
 _WHY = {
     SICK: "the stop rule for sickness ended the session before",
