@@ -6,6 +6,8 @@ import shlex
 from collections.abc import Callable
 from typing import Any
 
+from hmdwarp.client.warps import warps
+
 Summary = dict[str, Any]
 Run = Callable[..., Summary]  # (trace, *options) -> summary.json
 
@@ -60,6 +62,9 @@ NETWORKS = (
     ("10 % lost in bursts of three", ("--loss", "p=0.037,r=0.33", "--link-seed", "1")),
     ("60 Mbit/s", ("--bandwidth", "60")),
 )
+TRAFFIC = shlex.split("--size 320x400 --lens none --fill none --rate 60 --start 1 --seconds 0.5 --metrics-every 100")
+SENT_BY_FILLS = ("wide",)
+LAYERED_SCENES = ("gallery", "greenhouse", "cockpit", "workshop", "parade")
 CODECS = ("none", "h264", "hevc")
 
 
@@ -142,6 +147,33 @@ def link_table(run: Run) -> str:
             summary = run("look-around", *SHORT, "--latency", "200", "--fill", "pyramid", "--codec", codec, *options)
             rows.append(_line(network, codec, *_link_figures(summary)))
     return "\n".join(rows)
+
+
+def layers_table(run: Run) -> str:
+    """Return what each warp and each kind of layer sends, uncompressed and through H.264.
+
+    Warps that read the same of a frame send the same, and share a row.
+    """
+    asked = {f"`{warp.name}`": ("--scene", "room", "--warp", warp.name) for warp in warps}
+    asked |= {f"fill `{fill}`": ("--scene", "room", "--warp", "rotation", "--fill", fill) for fill in SENT_BY_FILLS}
+    asked |= {f"scene `{scene}`": ("--scene", scene, "--warp", "iterative") for scene in LAYERED_SCENES}
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for name, options in asked.items():
+        coded, plain = (run("look-around", *TRAFFIC, "--codec", codec, *options)["link"] for codec in ("h264", "none"))
+        layers = ", ".join(f"{layer.replace('_', ' ')} {rate:.1f}" for layer, rate in coded["layers_mbit_s"].items())
+        rows.setdefault((f"{plain['mbit_s']:.0f}", f"{coded['mbit_s']:.1f}", layers), []).append(name)
+    lines = [_line(", ".join(names), *figures) for figures, names in rows.items()]
+    return "\n".join([*_head("warp, fill or scene", "Mbit/s uncompressed", "h264", "of that"), *lines])
+
+
+def server_rates_table(rows: list[Summary]) -> str:
+    """Return FLIP of each warp at each rate of the server, from the rows of a bench."""
+    rates = sorted({row["server_rate_hz"] for row in rows})
+    flip = {(row["warp"], row["server_rate_hz"]): f"{_quality(row, 'flip'):.3f}" for row in rows}
+    lines = _head("warp", *(f"{rate:g} Hz" for rate in rates))
+    for warp in dict.fromkeys(row["warp"] for row in rows):
+        lines.append(_line(f"`{warp}`", *(flip[warp, rate] for rate in rates)))
+    return "\n".join(lines)
 
 
 def _link_figures(summary: Summary) -> list[str]:

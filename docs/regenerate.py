@@ -204,6 +204,22 @@ def thesis_guard_bands(folder: Path) -> None:
 def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
+    layers(folder)
+    server_rates(folder)
+
+
+def layers(folder: Path) -> None:
+    """Measure what each kind of layer sends."""
+    replace("layers", passes.layers_table(partial(run, folder)))
+
+
+def server_rates(folder: Path) -> None:
+    """Measure the error over the server's rate, on a display of 60 Hz."""
+    options = "--server-rate 10,15,30,60 --warp none,rotation,forward,iterative,backward --fill pyramid"
+    options += " --size 480x600 --no-grid --no-fused --quiet --out"
+    program("bench", "look-around", *shlex.split(options), str(folder / "server-rates"))
+    rows = json.loads((folder / "server-rates" / "bench.json").read_text(encoding="utf-8"))["rows"]
+    replace("server rates", passes.server_rates_table(rows))
 
 
 def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **environment: str) -> str:
@@ -311,6 +327,8 @@ PARTS = {
     "guard": guard_bands,
     "thesis-guard": thesis_guard_bands,
     "link": link,
+    "layers": layers,
+    "server-rates": server_rates,
     "readme": readme,
 }
 

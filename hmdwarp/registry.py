@@ -18,6 +18,7 @@ from __future__ import annotations
 import difflib
 import functools
 import importlib
+import os
 import pkgutil
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -26,6 +27,8 @@ from .errors import InputError, UnknownNameError
 
 if TYPE_CHECKING:
     import importlib.metadata
+
+FILE = "FILE"  # how an entry begins that stands for a file of the user
 
 T = TypeVar("T")
 E = TypeVar("E")
@@ -41,7 +44,12 @@ def nearest(name: str, known: list[str]) -> str:
 
 
 def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
-    """Return the error for an unknown `name`; its message offers the nearest of `known`."""
+    """Return the error for an unknown `name`; its message offers the nearest of `known`.
+
+    Where a file is known too (an entry like FILE.toml), a directory is called one.
+    """
+    if any(one.startswith(FILE) for one in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
+        return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
     near = nearest(name, known)
     hint = f"did you mean '{near}'? " if near else ""
     return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")

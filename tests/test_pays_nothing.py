@@ -12,7 +12,7 @@ import pytest
 from costs import Costs, costs_of
 
 from hmdwarp.client.effects import effects
-from hmdwarp.frames import Needs
+from hmdwarp.frames.layers import layers
 from hmdwarp.resources import folder
 from hmdwarp.scenes import scenes
 
@@ -77,12 +77,28 @@ def test_each_effect_is_paid_by_those_who_call_for_it(scene):
         assert fewer != everything, f"{name} costs nothing at all"
 
 
+@pytest.mark.parametrize("scene", SCENES)
+def test_warp_none_is_an_imposter_in_every_scene(scene):
+    """It shows the picture and nothing else is sent, whatever the scene calls for."""
+    costs = costs_of(scene=scene, warp="none")
+    assert not {path for path in costs.shaders if path.startswith("effects/")}
+    assert set(costs.layers) == {"rendered.colour"}
+    assert costs.sent == 2 * 96 * 80 * 8
+    assert costs == costs_of(scene=scene, warp="none", effects="none")
+
+
+@pytest.mark.parametrize("scene", CALLING)
+def test_an_imposter_pays_for_what_is_asked_for_by_name(scene):
+    named = ",".join(scenes.get(scene).effects)
+    assert costs_of(scene=scene, warp="none", effects=named).sent > costs_of(scene=scene, warp="none").sent
+
+
 @pytest.mark.parametrize("name", effects.names())
 def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
     plain, forced = (costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
     assert forced.shaders > plain.shaders
     assert {path for path in forced.shaders if path.startswith("effects/")}
-    if effects.get(name).needs != Needs():
+    if any(layers.get(layer).formats for layer in effects.get(name).needs):
         assert set(forced.layers) > set(plain.layers)
         # A layer that is as large as what it shows is of no size here.
         assert forced.sent >= plain.sent
@@ -96,7 +112,9 @@ def test_every_effect_says_what_it_does():
 
 
 def test_every_effect_has_a_scene_that_calls_for_it():
-    assert {effect for name in SCENES for effect in scenes.get(name).effects} == set(effects.names())
+    assert {effect for name in SCENES for effect in scenes.get(name).effects} == {
+        effect.name for effect in effects if not effect.by_name_only
+    }
 
 
 def names_effects(tree: ast.AST) -> list[int]:

@@ -19,6 +19,10 @@ import needs
 import pytest
 from display.virtual_screen import VirtualScreen
 
+from hmdwarp import load_trace
+from hmdwarp.headsets import load_headset
+from hmdwarp.metrics import LEAST_INSTANTS
+
 ROOT = Path(__file__).resolve().parents[1]
 TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md")
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in (*TOP, *sorted((ROOT / "docs").glob("*.md")))}
@@ -99,6 +103,20 @@ def _untracked(names: list[str]) -> list[str]:
     if ignored.returncode > 1:  # no git, or no clone
         return []
     return [name for name in names if name not in ignored.stdout.splitlines()]
+
+
+def test_the_front_page_replays_long_enough_for_intervals():
+    """Three measured refreshes have none, and its table said so."""
+    (line,) = [line for kind, text in BLOCKS["README.md"] for line in text.splitlines() if "hmdwarp replay" in line]
+    words = line.split()
+    said = {name: words[words.index(name) + 1] for name in ("--seconds", "--metrics-every")}
+    refreshes = float(said["--seconds"]) * load_headset("rift-dk1").refresh_hz
+    assert refreshes / int(said["--metrics-every"]) >= LEAST_INSTANTS
+
+
+def test_the_front_page_knows_how_long_all_of_the_recording_is():
+    (seconds,) = re.findall(r"`SECONDS=all` replays all (\d+) s", PAGES["README.md"])
+    assert load_trace("look-around").track.duration_ns == int(seconds) * 10**9
 
 
 FORMATS = {  # page: files of that format that are part of the package

@@ -11,7 +11,19 @@ import attrs
 from ..errors import InputError
 
 # The keys that two rows must share for their figures to be comparable.
-_CASE = ("trace", "scene", "latency_ms", "lens", "headset", "size", "rate_hz", "guard", "predict", "frames")
+_CASE = (
+    "trace",
+    "scene",
+    "latency_ms",
+    "lens",
+    "headset",
+    "size",
+    "rate_hz",
+    "server_rate_hz",
+    "guard",
+    "predict",
+    "frames",
+)
 Row = Mapping[str, Any]
 Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR in dB
 
@@ -97,12 +109,12 @@ def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None) -> in
     Errors: InputError with the cheapest time if none fits.
     """
     if budget_ms is None or not (math.isfinite(budget_ms) and budget_ms > 0):
-        raise InputError(f"budget {budget_ms or 0:g} ms: expected a time above 0 ms for one eye")
+        raise InputError(f"--budget {budget_ms or 0:g} ms: expected a time above 0 ms for one eye")
     fitting = [number for number, level in enumerate(levels) if level.total_ms <= budget_ms]
     if not fitting:
         cheapest = levels[0]
         raise InputError(
-            f"budget {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes "
+            f"--budget {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes "
             f"{cheapest.total_ms:.2f} ms per eye: "
             "allow that much, or use a smaller size"
         )

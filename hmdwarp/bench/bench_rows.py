@@ -28,6 +28,7 @@ _PLAIN = (
     "headset",
     "frames",
     "rate_hz",
+    "server_rate_hz",
     "guard",
     "predict",
     "clock",

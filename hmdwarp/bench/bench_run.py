@@ -227,10 +227,11 @@ def _case_rows(
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    plans = {
-        c.warp: build_plan(c.plan.effects, c.warp, "none", "none", client_geometry=True) for c in work.combinations
-    }
-    unfilled = [Combination(warp, "none", plan) for warp, plan in plans.items()]
+    done = {c.warp: c.plan.effects for c in work.combinations}
+    unfilled = [
+        Combination(warp, "none", build_plan(effects, warp, "none", "none", client_geometry=True, named=effects))
+        for warp, effects in done.items()
+    ]
     with (
         _pool(options, headset, displacement_grid.SIZE) as pool,
         set_up_replay(
@@ -252,7 +253,7 @@ def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) 
         set_up_replay(work.run, needs_of(c.plan for c in work.combinations)) as setup,
     ):
         return fused.fused_rows(
-            setup, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
+            setup, options, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
         )
 
 

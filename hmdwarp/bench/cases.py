@@ -6,8 +6,9 @@ import itertools
 from typing import Any
 
 from ..client.effects import effects
-from ..client.plan import build_plan
+from ..client.plan import Plan, build_plan
 from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
+from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
 from ..poses import PoseTrack
 from ..run.combinations import Case, Combination
@@ -18,9 +19,11 @@ from .options import BenchOptions
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
-    """Return all cases, a recording's latencies one after the other."""
-    product = itertools.product(options.sizes, options.scenes, options.recordings, options.latencies_ms)
-    return [Case(scene, recording, latency, size) for size, scene, recording, latency in product]
+    """Return all cases, a recording's latencies one after the other, with every server's rate."""
+    product = itertools.product(
+        options.sizes, options.scenes, options.recordings, options.latencies_ms, options.server_rates_hz or (None,)
+    )
+    return [Case(scene, recording, latency, size, hz) for size, scene, recording, latency, hz in product]
 
 
 def warps_of(options: BenchOptions) -> list[str]:
@@ -44,9 +47,20 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
 
     Errors: as build_plan.
     """
-    pairs = itertools.product(warps_of(options), fills_of(options))
+    pairs, lens = itertools.product(warps_of(options), fills_of(options)), options.lens
+    return [Combination(w, f, plan_of(options, scene, w, f, lens)) for w, f in pairs]
+
+
+def plan_of(
+    options: BenchOptions, scene: Scene | None, warp: str, fill: str, lens: str, *, fused: bool = False
+) -> Plan:
+    """Return the plan of a warp and fill in a scene, with the effects of the options.
+
+    Errors: as build_plan.
+    """
     selected = effects.selected(options.effects, effects.of(scene) if scene is not None else ())
-    return [Combination(w, f, build_plan(selected, w, f, options.lens, client_geometry=True)) for w, f in pairs]
+    named = effects.forced(options.effects)
+    return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused)
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
@@ -66,6 +80,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "headset": options.headset,
         "size": case.size,
         "rate_hz": options.rate_hz,
+        "network": LinkOptions(server_rate_hz=case.server_rate_hz),
         "start_s": options.start_s,
         "seconds": options.seconds,
         "guard": 1.0 if options.rendered_size else options.guard,

@@ -25,6 +25,7 @@ from ..poses import Origin, PoseSample
 from ..run.combinations import Combination
 from ..run.read_back import coverage, shown_picture
 from ..run.replay_setup import ReplaySetup
+from ..run.whole_pictures import WholePictures
 from ..scenes import Scene
 from ..server.targets import TargetPool
 
@@ -86,14 +87,15 @@ def grid_rows(
         compensators = [setup.compensator(c.plan) for c in warps]
         targets = TargetPool(setup.gpu, setup.size)
         stack.callback(targets.close)
-        target = targets.acquire()
+        target, whole = targets.acquire(), WholePictures(setup.server)
+        stack.callback(whole.close)
         for number in range(len(moves)):
             refresh = loop.show(number + 1)
             assert refresh is not None  # the link has no latency
             truth = setup.server.draw(refresh.inputs[0].shown, setup.size, target, refresh.shown_ns)
             picture = picture_from_linear(download(truth.colour))
             for combination, compensator in zip(warps, compensators, strict=True):
-                result = compensator.run(loop.inputs(refresh, combination.plan.needs)[0])
+                result = compensator.run(whole.inputs(loop, refresh, combination.plan)[0])
                 shown = Compared(shown_picture(result), picture, result.view)
                 pool.submit((combination.warp, number), QualityJob(shown, covered=coverage(result)))
             setup.gpu.timer.collect()
@@ -107,7 +109,8 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, setup.server.recycle)
+    recycle, rate_hz = setup.server.recycle, setup.schedule.rate_hz
+    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, recycle, rate_hz)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
     loop = Loop(
@@ -119,7 +122,7 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
         setup.headset,
     )
     for back in range(needs.others.past, -1, -1):
-        loop.draw(-back * max(1, needs.others.spacing_ns))
+        loop.draw_at(-back * max(1, needs.others.spacing_ns))
     return loop
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
-from ..client.plan import build_plan, needs_of
+from ..client.lens import lenses
+from ..client.plan import needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
 from ..metrics import Compared, QualityJob, QualityPool, sharpness
@@ -19,7 +20,10 @@ from ..run.combination_bench import refreshes
 from ..run.combinations import instants_of
 from ..run.frame_rows import stage_columns
 from ..run.replay_setup import ReplaySetup
+from ..run.whole_pictures import WholePictures
 from ..server.targets import Target, TargetPool
+from .cases import plan_of
+from .options import BenchOptions
 
 INSTANTS = 3
 SUPERSAMPLING = 3
@@ -37,13 +41,13 @@ class _Pair:
     sharpness: dict[str, list[float]] = attrs.field(factory=lambda: {form: [] for form in FORMS})
 
 
-def pairs_of(setup: ReplaySetup, warps: list[str], lens: str) -> list[_Pair]:
+def pairs_of(setup: ReplaySetup, options: BenchOptions, warps: list[str], lens: str) -> list[_Pair]:
     """Return the warps that can be fused with the lens."""
     pairs = []
     for warp in warps:
-        plan = build_plan(setup.plan.effects, warp, "none", lens, client_geometry=True)
+        plan = plan_of(options, setup.scene, warp, "none", lens)
         if plan.warp.fuses:
-            fused = build_plan(setup.plan.effects, warp, "none", lens, client_geometry=True, fused=True)
+            fused = plan_of(options, setup.scene, warp, "none", lens, fused=True)
             pairs.append(_Pair(warp, {"fused": setup.compensator(fused), "separate": setup.compensator(plan)}))
     return pairs
 
@@ -64,8 +68,7 @@ class PanelTruth:
         # A canvas is sampled bilinearly, as the lens expects; a target of the server is not.
         self._shown, self._panel = Canvas(setup.gpu.gl, self._size), Canvas(setup.gpu.gl, self._size)
         self._target = Target(self._shown.texture, self._targets.acquire().inverse_depth)
-        plan = build_plan(setup.plan.effects, "none", "none", lens, client_geometry=True)
-        self._lens = plan.lens(setup.gpu, setup.headset, self._size)
+        self._lens = lenses.get(lens)(setup.gpu, setup.headset, self._size)
 
     def __call__(self, inputs: PassInputs) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
         """Return the sRGB picture (h, w, 3) and the lit pixels (h, w), top row first."""
@@ -86,6 +89,7 @@ class PanelTruth:
 
 def fused_rows(
     setup: ReplaySetup,
+    options: BenchOptions,
     warps: list[str],
     lens: str,
     pool: QualityPool,
@@ -94,15 +98,15 @@ def fused_rows(
     step: Callable[[], None],
 ) -> list[dict[str, Any]]:
     """Return the `fused` of bench.json: the left eye at up to INSTANTS refreshes, both forms."""
-    pairs = pairs_of(setup, warps, lens)
-    truth_of = PanelTruth(setup, lens)
+    pairs = pairs_of(setup, options, warps, lens)
+    truth_of, whole = PanelTruth(setup, lens), WholePictures(setup.server)
     numbers = instants_of(setup.schedule.count, min(INSTANTS, instants))
     needs = needs_of(compensator.plan for pair in pairs for compensator in pair.compensators.values())
     try:
         for number, refresh in refreshes(setup, needs, numbers):
             pool.wait()
             inputs = {
-                pair.warp: setup.loop.inputs(refresh, pair.compensators["fused"].plan.needs)[EYE] for pair in pairs
+                pair.warp: whole.inputs(setup.loop, refresh, pair.compensators["fused"].plan)[EYE] for pair in pairs
             }
             _time(setup, pairs, inputs, rounds)
             truth, seen = truth_of(refresh.inputs[EYE])
@@ -112,6 +116,7 @@ def fused_rows(
             step()
         pool.wait()
     finally:
+        whole.close()
         truth_of.close()
     return [_row(pair, numbers, pool) for pair in pairs]
 

@@ -10,6 +10,7 @@ import attrs
 
 from ..clients import PICTURE_CLIENT
 from ..errors import InputError
+from ..link import LinkOptions
 from ..options import (
     Declared,
     Guard,
@@ -36,14 +37,14 @@ if TYPE_CHECKING:
 
 Size = tuple[int, int]
 
-_RUN = attrs.fields(RunOptions)
+_RUN, _LINK = attrs.fields(RunOptions), attrs.fields(LinkOptions)
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
 def _size(value: Any) -> Size:
     sides = tuple(value)
     if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
-        raise InputError(f"size {value!r}: expected (width, height) in pixels of one eye")
+        raise InputError(f"--size {value!r}: expected (width, height) in pixels of one eye")
     return sides
 
 
@@ -58,7 +59,7 @@ class BenchOptions(Declared):
         _RUN.trace,
         ("look-around", "walk"),
         name="traces",
-        metavar="[TRACE]...",
+        metavar="TRACE",
         positional=True,
         parse=None,
         beside=(_TRACE,),
@@ -81,6 +82,8 @@ class BenchOptions(Declared):
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     headset: str = same_as(_RUN.headset)
     rate_hz: float | None = same_as(_RUN.rate_hz)
+    # Empty for the display's.
+    server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     guard: Guard = guard_field(
@@ -90,7 +93,7 @@ class BenchOptions(Declared):
     )
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
-    # picture take 0.6 s, and fifteen warps with two fills on two recordings make sixty pictures an
+    # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))

@@ -54,7 +54,7 @@ def _parameter(option: Option) -> inspect.Parameter:
     kind = kinds.get(option.kind, option.kind)
     default = inspect.Parameter.empty if option.required else option.default
     default = str(default) if isinstance(default, Path) else default
-    metavar = option.metavar or ("PATH" if option.kind is Path else None)
+    metavar = option.flag if option.positional else option.metavar or ("PATH" if option.kind is Path else None)
     about: dict[str, Any] = {"help": option.help, "metavar": metavar}
     if default in (None, ""):
         kind, about["show_default"] = (kind | None if default is None else kind), False

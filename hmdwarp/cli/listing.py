@@ -9,29 +9,29 @@ from ..errors import InputError
 from ..options import Declared, option
 from ._options import Said, as_json, takes
 
-KINDS = (
-    "warps",
-    "fills",
-    "effects",
-    "lenses",
-    "scenes",
-    "headsets",
-    "clients",
-    "axes",
-    "formats",
-    "layers",
-    "recordings",
-    "scales",
-    "studies",
-    "options",
-)
+KINDS = {
+    "warps": "Move a late picture to the newest head pose.",
+    "fills": "Close the holes that a warp leaves.",
+    "effects": "What a scene may call for beside plain surfaces: mirrors, moving bodies, glass, overlays.",
+    "lenses": "Correct the lens of a headset.",
+    "scenes": "What is rendered, beside files of your own.",
+    "headsets": "Displays that can be emulated.",
+    "clients": "Devices that warp, with what each can do.",
+    "axes": "Axes of head traces, by the software that writes them.",
+    "formats": "Formats of head traces.",
+    "layers": "What a frame holds beside its picture.",
+    "recordings": "Head traces that are part of the package.",
+    "scales": "What a study asks.",
+    "studies": "Plans of studies that are part of the package.",
+    "options": "Every option, with its limits, its default and the commands that take it.",
+}
 
 
 @attrs.frozen
 class ListOptions(Declared):
     """What to list, and how. Errors: InputError for two forms at once."""
 
-    kind: str = option(attrs.NOTHING, f"One of {', '.join(KINDS)}.", positional=True)
+    kind: str | None = option(None, f"One of {', '.join(KINDS)}; by default these kinds are listed.", positional=True)
     name: str | None = option(None, "Tell everything about this one.", positional=True)
     json: bool = option(False, "Everything, as a JSON array of objects.")
     markdown: bool = option(False, "Everything, as a Markdown table.")
@@ -47,9 +47,12 @@ def list_(said: Said) -> None:
     from ..registry import unknown_name
 
     options = ListOptions.of(said)
-    if options.kind not in KINDS:
+    if options.kind is None:
+        rows = [{"name": name, "summary": summary} for name, summary in KINDS.items()]
+    elif options.kind in KINDS:
+        rows = _rows(options.kind, options.name)
+    else:
         raise unknown_name("list", options.kind, list(KINDS))
-    rows = _rows(options.kind, options.name)
     if options.json:
         typer.echo(as_json(rows))
     elif options.markdown:
@@ -86,10 +89,12 @@ def _markdown(rows: list[dict[str, str]]) -> str:
     return "\n".join(lines)
 
 
-def _print_summaries(kind: str, rows: list[dict[str, str]]) -> None:
+def _print_summaries(kind: str | None, rows: list[dict[str, str]]) -> None:
     from ._show import in_columns, paragraph
 
     in_columns((row["name"], row["summary"]) for row in rows)
+    if kind is None:
+        return
     rest = ", ".join(key.replace("_", " ") for key in list(rows[0])[2:])
     typer.echo()
     paragraph(f"'hmdwarp list {kind} NAME' tells the rest of one: {rest}.")

@@ -32,6 +32,7 @@ def plan(said: Said) -> None:
     Tells what makes the scene slow to draw, and what to do about it.
     """
     from ..headsets import load_headset
+    from ..run import check_names
     from ..scenes import load_scene, slow_in
 
     source, headset = said["source"], load_headset(said["headset"])
@@ -39,6 +40,7 @@ def plan(said: Said) -> None:
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
+    check_names(options)
     scene = load_scene(*options.scene_key)
     slow = list(slow_in(scene))
     about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
@@ -61,7 +63,7 @@ class _About:
     show: Callable[[], None]
 
 
-def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for
 
     built = build_plan_for(options, headset, scene, **told)
@@ -87,7 +89,7 @@ def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
     from ..display.openxr import RUNTIME_LABEL
 
     if source not in (REPLAY, OPENXR, DESKTOP):
-        raise InputError(f"source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
+        raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
     kind = PipelineOptions if source == REPLAY else LiveOptions
     return kind, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
 
@@ -105,7 +107,7 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]) -> _About:
+def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
     """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
 
@@ -126,7 +128,7 @@ def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[s
 
 
 def _auto_from_file(
-    bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, str]
+    bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]
 ) -> _About:
     from ..auto.levels import best_within
     from ..pipeline.planning import plans_for

@@ -80,7 +80,7 @@ def convert(said: Said) -> None:
     target = formats.get(to)
     if not target.writes:
         able = ", ".join(f.name for f in formats if f.writes)
-        raise InputError(f"format {to} is read, not written: expected one of {able}")
+        raise InputError(f"--to {to}: this format is read, not written: expected one of {able}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         refuse_existing(out, force=said["force"])

@@ -22,7 +22,8 @@ class WarpOptions(Declared):
 
     frame: Path = option(
         attrs.NOTHING,
-        "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw; depth_scale for integer depth.",
+        "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw; depth_scale for integer depth, "
+        "encoding for float colour.",
         kind=Path,
         positional=True,
     )
@@ -36,6 +37,9 @@ class WarpOptions(Declared):
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth_scale: float | None = option(
         None, "Metres per unit of depth: 0.001 for millimetres, 1 for metres; by default the frame's.", kind=float
+    )
+    encoding: str | None = option(
+        None, "Of float colour: linear, or srgb (0 to 1); by default the frame's, or else linear."
     )
 
 
@@ -58,6 +62,7 @@ def warp(said: Said) -> None:
         options.fill,
         options.size,
         depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
+        encoding=options.encoding or frame.encoding,
     )
     write_image_result(options.out, result.colour, result.coverage, result.time_ms)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())

@@ -10,9 +10,6 @@ from .plan import CLIENT_DEPTH, CLIENT_MODEL, Plan
 
 if TYPE_CHECKING:
     from ..clients import Client
-    from .effects import EffectPass
-    from .fills import Fill
-    from .warps import Warp
 
 
 def scene_drawn(plan: Plan) -> str:
@@ -22,7 +19,8 @@ def scene_drawn(plan: Plan) -> str:
     setting `share` is 1, and those without one, take all of it.
     """
     drawn = [getattr(fill.settings, "share", 1.0) for fill in plan.fills if CLIENT_MODEL in fill.entry.reads]
-    if CLIENT_MODEL in plan.warp.reads or any(share == 1 for share in drawn):
+    of_effects = any(CLIENT_MODEL in one.reads for one in plan.effect_passes)
+    if of_effects or CLIENT_MODEL in plan.warp.reads or any(share == 1 for share in drawn):
         return "whole"
     return "reduced" if drawn or plan.reads(CLIENT_DEPTH) else "none"
 
@@ -36,12 +34,12 @@ def layers_beyond_picture(plan: Plan) -> list[str]:
 
 def needing_compute(plan: Plan) -> list[str]:
     """Return the names of the plan's passes that cannot do without compute shaders."""
-    named: list[tuple[str, type[Warp | Fill | EffectPass]]] = [
-        (f"warp '{plan.choice}'", plan.warp),
-        *((f"fill '{fill}'", fill.entry) for fill in plan.fills),
+    named = [
+        (f"warp '{plan.choice}'", plan.warp.needs_compute),
+        *((f"fill '{fill}'", fill.entry.needs_compute_for(fill.settings)) for fill in plan.fills),
+        *((f"effect pass '{each.made_by.name}'", each.made_by.needs_compute) for each in plan.effect_passes),
     ]
-    named += [(f"effect pass '{each.made_by.name}'", each.made_by) for each in plan.effect_passes]
-    return [name for name, entry in named if entry.needs_compute]
+    return [name for name, needed in named if needed]
 
 
 def lacking(plan: Plan, client: Client) -> str:

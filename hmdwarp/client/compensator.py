@@ -111,7 +111,7 @@ class Compensator:
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.makes_shown_depth else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills = [one.entry(gpu, rendered_size, shown_size, one.settings, geometry) for one in plan.fills]
-        tools = Tools(carry, pictures, images_read(plan.needs))
+        tools = Tools(carry, pictures, images_read(plan.needs), geometry)
         made = [
             one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
             for one in plan.effect_passes

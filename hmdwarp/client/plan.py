@@ -153,6 +153,7 @@ def build_plan(
     brings: tuple[str, ...] | None = None,
     fused: bool = False,
     scanout: bool = False,
+    named: Collection[str] = (),
     forced: Collection[str] = (),
     forbidden: Collection[str] = (),
     distorts: str = "",
@@ -165,7 +166,8 @@ def build_plan(
     triangles to draw from. brings: the layers that frames carry, by readable name; None for every
     layer. fused: warp and lens in one resample; then nothing can be composited between them.
     scanout: the display shows its rows one after the other; a warp that cannot follow shows all
-    rows as in the middle of the scan-out. forced, forbidden: names of effects that are declared
+    rows as in the middle of the scan-out. named: names of declared effects that were asked for by
+    name, which an imposter compensates too. forced, forbidden: names of effects that are declared
     though the scene lacks them, and not declared though it has them; used only in the stated
     reasons. distorts, takes_depth: names of the display parts that correct the lens after this
     plan, and that read the shown picture's depth; "" for none.
@@ -176,11 +178,13 @@ def build_plan(
     """
     choice, chain, chosen_lens = parse_warp(warp), parse_fills(fill), lenses.get(lens)
     if distorts and chosen_lens.is_pass:
-        raise PlanError(f"lens '{lens}': {distorts} corrects the lens by itself, and would do so again; use lens none")
+        raise PlanError(
+            f"--lens {lens}: {distorts} corrects the lens by itself, and would do so again; use --lens none"
+        )
     if fused:
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
-    passes = _effect_passes(declared, choice.entry, fused, forbidden, draft)
+    passes = _effect_passes(declared, choice.entry, fused, named, forbidden, draft)
     rendered, shown = (
         [one for one in passes if issubclass(one.made_by, RenderedPass) is before] for before in (True, False)
     )
@@ -237,12 +241,17 @@ class _Draft:
 
 
 def _effect_passes(
-    declared: Collection[str], warp: type[Warp], fused: bool, forbidden: Collection[str], draft: _Draft
+    declared: Collection[str],
+    warp: type[Warp],
+    fused: bool,
+    named: Collection[str],
+    forbidden: Collection[str],
+    draft: _Draft,
 ) -> list[PlannedEffect]:
     """Return the passes for the declared effects; leave out what this warp cannot do."""
     chosen: list[Effect] = []
     for effect in effects:
-        why_not = _why_not(effect, declared, warp, fused, forbidden)
+        why_not = _why_not(effect, declared, warp, fused, named, forbidden)
         if why_not:
             draft.leave_out(effect.name, why_not)
         else:
@@ -252,7 +261,12 @@ def _effect_passes(
 
 
 def _why_not(
-    effect: Effect, declared: Collection[str], warp: type[Warp], fused: bool, forbidden: Collection[str]
+    effect: Effect,
+    declared: Collection[str],
+    warp: type[Warp],
+    fused: bool,
+    named: Collection[str],
+    forbidden: Collection[str],
 ) -> str:
     if effect.name in forbidden:
         return f"the scene calls for it, but it was forbidden: {effect.without}"
@@ -262,6 +276,12 @@ def _why_not(
         return f"it refines {effect.refines}, which is left out: {effect.without}"
     if fused and not issubclass(effect.made_by, RenderedPass):
         return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
+    return _why_not_beside(warp, effect, named)
+
+
+def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) -> str:
+    if warp.imposter and effect.name not in named:
+        return f"warp '{warp.name}' compensates nothing unless asked for by name: {effect.without}"
     if effect.made_by.carries and not warp.carries:
         return f"warp '{warp.name}' carries nothing along: {effect.without}"
     return ""
@@ -270,6 +290,8 @@ def _why_not(
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     what = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
     names = [effect.name for effect in planned.effects if effect.name in forced]
+    if names and all(effect.by_name_only for effect in planned.effects):
+        return f"asked for by name: {what}"
     return (
         f"the scene calls for it: {what}"
         if not names
@@ -314,15 +336,15 @@ def _plan_shown_depth(
 def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
-        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave fused out")
+        raise PlanError(f"warp '{warp.name}' cannot be fused with the lens: {able}; leave --fused out")
     if not lens.library:
         raise PlanError(
-            f"fused with lens '{lens.name}': there is nothing to look through; choose a lens, or leave fused out"
+            f"--fused with --lens {lens.name}: there is nothing to look through; choose a lens, or leave --fused out"
         )
     if chain:
         raise PlanError(
-            f"fused with fill '{fill_text(chain)}': a fill needs the picture between warp and lens; "
-            "use fill none, or leave fused out"
+            f"--fused with --fill {fill_text(chain)}: a fill needs the picture between warp and lens; "
+            "use --fill none, or leave --fused out"
         )
 
 

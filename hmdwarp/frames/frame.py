@@ -89,8 +89,15 @@ class Frame:
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
     drawing: Lap | None = None
-    # Milliseconds of other work on its way, by name (encode, decode); the worker enters them.
+    # Milliseconds of work on its way, by name (render, encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
+
+    @property
+    def render_ms(self) -> float:
+        """How long the server drew it; waits for the GPU if it has not finished."""
+        if "render" in self.timings_ms or self.drawing is None:
+            return self.timings_ms.get("render", 0.0)
+        return sum(milliseconds for _, milliseconds in self.drawing.read())
 
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:
         """Yield every layer of every eye with its data; what both eyes share comes once."""

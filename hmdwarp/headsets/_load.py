@@ -30,8 +30,9 @@ def load_headset(name: str) -> Headset:
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not path.is_file():
         if name.endswith(".toml"):
-            raise InputError(f"headset file {name} does not exist")
-        raise unknown_name("headset", name, headset_names())
+            found = "is a directory: expected a .toml file" if path.is_dir() else "does not exist"
+            raise InputError(f"headset file {name} {found}")
+        raise unknown_name("headset", name, [*headset_names(), "FILE.toml"])
     try:
         return _headset(
             Table(tomllib.loads(path.read_text(encoding="utf-8")), example="hmdwarp/headsets/rift-dk1.toml")

@@ -18,7 +18,7 @@ from ..geometry import Fov, Pose, View
 
 _VIEW = {"fov": 4, "position_m": 3, "orientation_xyzw": 4}
 _KEYS = ("colour", "depth_m", *_VIEW)
-_SCALE = "depth_scale"
+_SCALE, _ENCODING = "depth_scale", "encoding"
 
 
 @attrs.frozen(eq=False)
@@ -30,17 +30,20 @@ class FrameFile:
     view: View
     # Metres per unit of depth_m; None for metres.
     depth_scale: float | None = None
+    # Of float colour; None for linear light.
+    encoding: str | None = None
 
 
 def read_frame(path: Path) -> FrameFile:
-    """Return what a FRAME.npz holds; depth_scale may be missing.
+    """Return what a FRAME.npz holds; depth_scale and encoding may be missing.
 
     Errors: InputError naming the file and its fault.
     """
     arrays = _arrays(path)
     _check_keys(path, arrays, _KEYS)
     scale = float(_numbers(path, _SCALE, np.atleast_1d(arrays[_SCALE]), 1)[0]) if _SCALE in arrays else None
-    return FrameFile(arrays["colour"], arrays["depth_m"], _view(path, arrays), scale)
+    encoding = str(arrays[_ENCODING]) if _ENCODING in arrays else None
+    return FrameFile(arrays["colour"], arrays["depth_m"], _view(path, arrays), scale, encoding)
 
 
 def _arrays(path: Path) -> dict[str, NDArray[Any]]:
@@ -50,7 +53,7 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
         raise InputError(f"{path}: not an .npz file; {wanted}")
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
-            return {key: data[key] for key in (*_KEYS, _SCALE) if key in data}
+            return {key: data[key] for key in (*_KEYS, _SCALE, _ENCODING) if key in data}
     # Zip, zlib and NumPy raise many kinds of exceptions for a damaged file.
     except Exception as error:
         why = "holds Python objects" if "allow_pickle" in str(error) else f"{type(error).__name__}: {error}"

@@ -28,6 +28,12 @@ from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
 
 NO_DEPTH = -1.0
+# What float colour may be.
+SRGB, LINEAR = "srgb", "linear"
+ENCODINGS = (SRGB, LINEAR)
+# Light above it is rare, and a picture is not lit like that in most places, nor in whole numbers:
+# 8-bit values are, as floats.
+_BRIGHTEST = 64.0
 
 
 @attrs.frozen(eq=False)
@@ -55,19 +61,22 @@ def warp_image(
     gpu: Gpu | None = None,
     *,
     depth_scale: float | None = None,
+    encoding: str | None = None,
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
-    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top. depth_m: (h, w) metres
-    along -z; inf is infinitely far; 0, negative or NaN marks a hole, which is counted and never
-    spread. A pixel that a numpy.ma mask hides, in colour or depth, is a hole too. size: (w, h) of
-    the result, by default the size of `colour`. gpu: a context made in the calling thread; by
-    default one is made at the first call and shared by all threads, one at a time. depth_scale:
-    metres per unit of depth_m, which integers must have: 0.001 for millimetres.
+    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top; see `encoding`. depth_m:
+    (h, w) metres along -z; inf is infinitely far; 0, negative or NaN marks a hole, which is counted
+    and never spread. A pixel that a numpy.ma mask hides, in colour or depth, is a hole too. size:
+    (w, h) of the result, by default the size of `colour`. gpu: a context made in the calling
+    thread; by default one is made at the first call and shared by all threads, one at a time.
+    depth_scale: metres per unit of depth_m, which integers must have: 0.001 for millimetres.
+    encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
+    look like 8 bits as floats are refused.
     Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than a
     picture with depth; UnknownNameError; MachineError without OpenGL 4.3.
     """
-    linear, inverse_depth = checked(colour, depth_m, depth_scale)
+    linear, inverse_depth = checked(colour, depth_m, depth_scale, encoding)
     for name, view in (("rendered", rendered), ("shown", shown)):
         if not isinstance(view, View):
             raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
@@ -141,7 +150,7 @@ def _warp(gpu: Gpu, plan: Plan, inputs: _Late, shown: View, shown_size: tuple[in
 
 
 def checked(
-    colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None
+    colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return linear colour with coverage (h, w, 4) and inverse depth (h, w), top row first.
 
@@ -158,10 +167,10 @@ def checked(
         )
     hidden = depth_mask | colour_mask.any(axis=2)
     colour = np.where(hidden[..., None], 0, colour).astype(colour.dtype)
-    linear = linear_from_srgb(colour) if colour.dtype == np.uint8 else colour
-    if not np.isfinite(linear).all():
-        y, x = np.argwhere(~np.isfinite(linear).all(axis=2))[0]
+    if not np.isfinite(colour).all():
+        y, x = np.argwhere(~np.isfinite(colour).all(axis=2))[0]
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
+    linear = _in_linear_light(colour, encoding)
     metres = _in_metres(depth_m, depth_scale)
     if (metres < 0).all():
         raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
@@ -170,6 +179,28 @@ def checked(
     limit = float(np.finfo(np.float16).max)
     rgba = np.concatenate([np.clip(linear, -limit, limit) * covered[..., None], covered[..., None]], axis=2)
     return rgba.astype(np.float32), np.where(covered, inverse, NO_DEPTH).astype(np.float32)
+
+
+def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]:
+    """Return colour as linear light. Errors: InputError where the encoding is wrong or unclear."""
+    if encoding not in (None, *ENCODINGS):
+        raise InputError(f"encoding is {encoding!r}: expected {' or '.join(ENCODINGS)}")
+    if colour.dtype == np.uint8:
+        if encoding == LINEAR:
+            raise InputError("colour is uint8, which is sRGB, and encoding is linear: give linear light as floats")
+        return linear_from_srgb(colour)
+    most = float(colour.max())
+    if encoding == SRGB:
+        if most > 1:
+            raise InputError(f"colour goes up to {most:g}: expected sRGB as floats of 0 to 1, or as uint8")
+        return linear_from_srgb(colour)
+    if encoding is None and most > _BRIGHTEST and (np.median(colour) > 1 or (colour == np.rint(colour)).all()):
+        raise InputError(
+            f"colour is {colour.dtype} and goes up to {most:g}, where linear light has 1 for white: give 8-bit values "
+            'as uint8; divide encoded ones by their white and say encoding="srgb"; or say encoding="linear" if it is '
+            "light"
+        )
+    return colour
 
 
 def _in_metres(depth: NDArray[Any], scale: float | None) -> NDArray[Any]:

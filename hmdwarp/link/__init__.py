@@ -4,19 +4,29 @@ from .bandwidth import Bandwidth
 from .delays import DelayModel, delay_models
 from .link import Link
 from .loss import GilbertElliott
-from .options import LinkOptions
+from .options import CHANGES, RESOLUTION, LinkOptions
+from .overload import SCALES, Overload, scaled_size
+from .pacer import Pacer
 from .response import ResponseTime, figures_of_parts, response_figures
+from .stage_times import StageTimes
 from .tally import Tally, TransitStats
 
 __all__ = [
+    "CHANGES",
+    "RESOLUTION",
+    "SCALES",
     "delay_models",
     "Bandwidth",
     "DelayModel",
     "GilbertElliott",
     "Link",
     "LinkOptions",
+    "Overload",
+    "scaled_size",
+    "Pacer",
     "TransitStats",
     "ResponseTime",
+    "StageTimes",
     "Tally",
     "figures_of_parts",
     "response_figures",

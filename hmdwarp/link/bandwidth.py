@@ -27,10 +27,12 @@ class Bandwidth:
     def __attrs_post_init__(self) -> None:
         if not (math.isfinite(self.mbit) and 1e-3 <= self.mbit <= 1e6):
             raise InputError(
-                f"bandwidth {self.mbit:g} Mbit/s: expected 0.001 to 1000000; leave it out for a link without a limit"
+                f"--bandwidth {self.mbit:g} Mbit/s: expected 0.001 to 1000000; leave it out for a link without a limit"
             )
         if not 0 <= self.queue_ms <= 60_000:
-            raise InputError(f"queue {self.queue_ms:g} ms: expected the longest wait at the bottleneck, 0 to 60000 ms")
+            raise InputError(
+                f"--bandwidth queue={self.queue_ms:g} ms: expected the longest wait before it, 0 to 60000 ms"
+            )
 
     @property
     def queue_ns(self) -> int:

@@ -29,6 +29,9 @@ class Link(Generic[Payload]):
     decoder needs the earlier ones. A frame then waits for them, and a lost one counts as missing
     from the instant it would have arrived. False means undecodable.
 
+    decoding: how long, in ns, the decoder takes for a frame that it received; it decodes one after
+    the other, in order of arrival.
+
     discard: called with each frame that the client received and that can no longer be shown.
     wasted: called with those it never received: dropped and lost ones at once, undecodable ones,
     those in transit at the end; None for `discard`. Each frame goes to one of them, once.
@@ -46,14 +49,19 @@ class Link(Generic[Payload]):
         discard: Callable[[Payload], None] = lambda frame: None,
         wasted: Callable[[Payload], None] | None = None,
         receive: Callable[[Payload], bool] | None = None,
+        decoding: Callable[[Payload], int] = lambda frame: 0,
     ) -> None:
         self._delays, self._losses = delays, losses
         self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
         # When the sender first learns of a loss that no key frame has repaired.
         self._heard_ns: int | None = None
-        # A heap: ready_ns, then number, which is unique.
+        self._decoding = decoding
+        # Heaps: ready_ns, then number, which is unique. On the network, and in the decoder.
         self._under_way: list[tuple[int, int, TransitStats, Payload]] = []
+        self._decoded: list[tuple[int, int, TransitStats, Payload]] = []
+        # When encoder and decoder are idle.
+        self._encoder_ns = self._decoder_ns = 0
         self._shown: tuple[TransitStats, Payload] | None = None
         self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
         self._drawn = 0
@@ -63,7 +71,7 @@ class Link(Generic[Payload]):
 
     def __len__(self) -> int:
         """Return how many frames are held, in transit or shown."""
-        return len(self._under_way) + (self._shown is not None)
+        return len(self._under_way) + len(self._decoded) + (self._shown is not None)
 
     def delay_by(self, delays: Iterator[int]) -> None:
         """Use these delays for frames sent from now on."""
@@ -79,32 +87,50 @@ class Link(Generic[Payload]):
         """Transit statistics of the shown frame; None before the first."""
         return self._shown[0] if self._shown is not None else None
 
-    def send(self, frame: Payload, now_ns: int, size_bytes: int = 0, key: bool = True) -> None:
-        """Send a frame from the server.
+    def send(
+        self,
+        frame: Payload,
+        now_ns: int,
+        size_bytes: int = 0,
+        key: bool = True,
+        render_ns: int = 0,
+        encode_ns: int = 0,
+    ) -> TransitStats:
+        """Send a frame from the server; return what it will go through, if it gets through.
 
-        size_bytes: as coded. key: whether it can be decoded without those before it.
+        size_bytes: as coded. key: whether it can be decoded without those before it. render_ns,
+        encode_ns: how long the server works on it from now on; it encodes one after the other.
         """
         if self._last_sent_ns is not None and now_ns < self._last_sent_ns:
             raise ValueError(f"sent at {now_ns} ns after one sent at {self._last_sent_ns} ns")
         delay_ns, is_lost = next(self._delays), self._losses is not None and next(self._losses)
-        if delay_ns < 0 or size_bytes < 0:
-            raise ValueError(f"a frame of {size_bytes} bytes with a delay of {delay_ns} ns")
+        if min(delay_ns, size_bytes, render_ns, encode_ns) < 0:
+            raise ValueError(
+                f"a frame of {size_bytes} bytes with a delay of {delay_ns} ns, rendered in {render_ns} ns and "
+                f"encoded in {encode_ns} ns"
+            )
+        waits_ns = max(0, self._encoder_ns - (now_ns + render_ns))
+        self._encoder_ns = now_ns + render_ns + waits_ns + encode_ns
         queue_ns, transfer_ns, taken = (
-            self._bottleneck.enter(now_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
+            self._bottleneck.enter(self._encoder_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
         )
         self._last_sent_ns = now_ns
-        transit = self._in_order(TransitStats(self._drawn, now_ns, size_bytes, queue_ns, transfer_ns, delay_ns))
+        queue_ns += waits_ns
+        transit = self._in_order(
+            TransitStats(self._drawn, now_ns, size_bytes, render_ns, encode_ns, queue_ns, transfer_ns, delay_ns)
+        )
         self._drawn += 1
         if key:
             self._heard_ns = None
         if taken and not is_lost:
             self._count("under_way")
             heapq.heappush(self._under_way, (transit.ready_ns, transit.number, transit, frame))
-            return
+            return transit
         self._count("lost" if taken else "dropped")
         heard_ns = transit.ready_ns + delay_ns
         self._heard_ns = heard_ns if self._heard_ns is None else min(self._heard_ns, heard_ns)
         self._wasted(frame)
+        return transit
 
     def newest(self, now_ns: int) -> Payload | None:
         """Return the newest frame that has arrived by now, None before the first."""
@@ -127,7 +153,8 @@ class Link(Generic[Payload]):
 
         The tally still counts those in transit.
         """
-        under_way, self._under_way = [frame for *_, frame in sorted(self._under_way, key=lambda one: one[:2])], []
+        held = sorted([*self._decoded, *self._under_way], key=lambda one: one[:2])
+        under_way, self._under_way, self._decoded = [frame for *_, frame in held], [], []
         shown, self._shown = self._shown, None
         for frame in under_way:
             self._wasted(frame)
@@ -144,16 +171,27 @@ class Link(Generic[Payload]):
         return transit
 
     def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
-        """Return the decodable frames that have arrived since the last call, in sending order."""
-        arrived = []
+        """Return the frames that have been decoded since the last call, in sending order."""
         while self._under_way and self._under_way[0][0] <= now_ns:
             _, _, transit, frame = heapq.heappop(self._under_way)
             if self._receive is None or self._receive(frame):
-                arrived.append((transit, frame))
+                transit = self._through_decoder(transit, self._decoding(frame))
+                heapq.heappush(self._decoded, (transit.ready_ns, transit.number, transit, frame))
             else:
                 self._arrive("undecodable")
                 self._wasted(frame)
+        arrived = []
+        while self._decoded and self._decoded[0][0] <= now_ns:
+            arrived.append(heapq.heappop(self._decoded)[2:])
         return sorted(arrived, key=lambda one: one[0].number)
+
+    def _through_decoder(self, transit: TransitStats, decode_ns: int) -> TransitStats:
+        """Add the decoder's work, and the wait for it."""
+        if not decode_ns:
+            return transit
+        waits_ns = max(0, self._decoder_ns - transit.ready_ns)
+        self._decoder_ns = transit.ready_ns + waits_ns + decode_ns
+        return attrs.evolve(transit, hold_ns=transit.hold_ns + waits_ns, decode_ns=decode_ns)
 
     def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
         """Show the newest, which may already be shown; discard the others, oldest first."""

@@ -35,7 +35,7 @@ class GilbertElliott:
     def __attrs_post_init__(self) -> None:
         for name, value in attrs.asdict(self).items():
             if not 0 <= value <= 1:  # NaN too
-                raise InputError(f"loss {name}={value:g}: expected a probability from 0 to 1")
+                raise InputError(f"--loss {name}={value:g}: expected a probability from 0 to 1")
 
     @property
     def mean(self) -> float:

@@ -10,14 +10,17 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, Option, option
+from ..options import Declared, Number, Option, one_of, option
 from .bandwidth import QUEUE_MS, Bandwidth
 from .delays import DelayModel, delay_models
 from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
+from .overload import Overload
+from .stage_times import StageTimes, parse_response
 
-_MOST_SEED = 2**63
+ALL, CHANGES = "all", "changes"
+DROP, RESOLUTION = "drop", "resolution"
 
 
 def parse_jitter(text: str) -> DelayModel:
@@ -33,13 +36,13 @@ def parse_loss(text: str) -> GilbertElliott | None:
         return None
     wanted = "expected p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
     if "=" not in text:
-        share = _number(text, f"loss '{text}'", wanted)
+        share = _number(text, f"--loss '{text}'", wanted)
         if not 0 <= share <= 1:
-            raise InputError(f"loss '{text}': expected a share of the frames, from 0 to 1")
+            raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
         return GilbertElliott(share, 1 - share)
-    values = _pairs(text.split(","), f"loss '{text}'", wanted, ("p", "r", "good", "bad"))
+    values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
-        raise InputError(f"loss '{text}': {wanted}")
+        raise InputError(f"--loss '{text}': {wanted}")
     return GilbertElliott(**values)
 
 
@@ -49,8 +52,8 @@ def parse_bandwidth(text: str) -> Bandwidth | None:
         return None
     rate, *more = text.split(",")
     wanted = "expected Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
-    values = _pairs(more, f"bandwidth '{text}'", wanted, ("queue",))
-    return Bandwidth(_number(rate, f"bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
+    values = _pairs(more, f"--bandwidth '{text}'", wanted, ("queue",))
+    return Bandwidth(_number(rate, f"--bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
 
 
 def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:
@@ -75,9 +78,9 @@ _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, nam
 
 @attrs.frozen
 class LinkOptions(Declared):
-    """Delays, losses and bandwidth of the network.
+    """Delays, losses and bandwidth of the network, and which frames the server sends through it.
 
-    By default the latency alone.
+    By default the latency alone, and a frame for each refresh.
     """
 
     # Of each frame.
@@ -109,11 +112,35 @@ class LinkOptions(Declared):
         parse=parse_bandwidth,
     )
     # The same seed gives the same network, whatever is sent through it.
-    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed")
-
-    def __attrs_post_init__(self) -> None:
-        if not 0 <= self.seed < _MOST_SEED:
-            raise InputError(f"seed {self.seed}: expected a whole number, 0 or more")
+    seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed", valid=Number(most=2**63 - 1))
+    # What adds to a frame's way beside the network; None: the latency is all of it.
+    response: StageTimes | None = option(
+        None,
+        "fixed: a picture is as old as the latency says; sum: rendering, encoding and decoding come on top, as "
+        "measured, or as in sum:render=8,encode=5,decode=4.",
+        kind=str,
+        default="fixed",
+        parse=parse_response,
+    )
+    # None for the display's own. See Pacer.
+    server_rate_hz: float | None = option(
+        None,
+        "Frames that the server draws per second; by default one for each refresh.",
+        kind=float,
+        unit="Hz",
+        valid=Number(least=0.1, most=1000),
+    )
+    send: str = option(
+        ALL,
+        "all frames; or changes: only those in which something moved by more than half a pixel.",
+        valid=one_of(ALL, CHANGES),
+    )
+    # See Overload.
+    overload: str = option(
+        DROP,
+        "Where frames cannot keep up: drop some of them; or resolution, which is lowered first.",
+        valid=one_of(DROP, RESOLUTION),
+    )
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -130,22 +157,41 @@ class LinkOptions(Declared):
             return super().values_of(said)
         if said.get("jitter"):
             raise InputError(
-                f"jitter '{said['jitter']}' beside a delay trace: the trace says every delay; leave one of them out"
+                f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them out"
             )
         return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
 
     @property
     def is_plain(self) -> bool:
         """Whether every frame takes exactly the latency and arrives."""
-        return attrs.evolve(self, seed=0) == LinkOptions()
+        return attrs.evolve(self, seed=0, server_rate_hz=None, send=ALL, overload=DROP) == LinkOptions()
+
+    def overload_at(self, display_hz: float) -> Overload | None:
+        """Return what lowers the resolution, None where frames are dropped."""
+        if self.overload == DROP:
+            return None
+        queue_ms = self.bandwidth.queue_ms if self.bandwidth is not None else QUEUE_MS
+        return Overload(round(1e9 / self.sends_hz(display_hz)), round(queue_ms * 1e6))
+
+    def sends_hz(self, display_hz: float) -> float:
+        """Return the server's rate beside this display."""
+        return self.server_rate_hz or display_hz
 
     def longest_ns(self, latency_ns: int) -> int:
-        """Return a bound on the time from sending to arrival, without the transfer of bytes."""
-        return self.delay.longest_ns(latency_ns) + (self.bandwidth.queue_ns if self.bandwidth is not None else 0)
+        """Return a bound on the time from drawing to arrival.
+
+        Without the transfer of bytes, and without stages whose time is measured.
+        """
+        waiting_ns = self.bandwidth.queue_ns if self.bandwidth is not None else 0
+        return self.delay.longest_ns(latency_ns) + self._given_ns + waiting_ns
 
     def typical_ns(self, latency_ns: int) -> int:
-        """Return the mean delay, without queue and transfer."""
-        return self.delay.typical_ns(latency_ns)
+        """Return the mean time, without queue, transfer and stages whose time is measured."""
+        return self.delay.typical_ns(latency_ns) + self._given_ns
+
+    @property
+    def _given_ns(self) -> int:
+        return self.response.given_ns if self.response is not None else 0
 
     def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
         """Return a bound on the frames in transit, of any size, if one is sent each refresh.
@@ -154,7 +200,8 @@ class LinkOptions(Declared):
         delay of the others began within the longest delay; one is about to enter.
         """
         waiting = math.ceil(self.bandwidth.queue_ns * 1e-9 * rate_hz) + 2 if self.bandwidth is not None else 0
-        return waiting + math.ceil(self.delay.longest_ns(latency_ns) * 1e-9 * rate_hz) + 2
+        longest_ns = self.delay.longest_ns(latency_ns) + self._given_ns
+        return waiting + math.ceil(longest_ns * 1e-9 * rate_hz) + 2
 
     def check(self, latency_ns: int) -> None:
         """Check the delays against the latency. Errors: InputError for an impossible network."""
@@ -173,6 +220,7 @@ class LinkOptions(Declared):
         discard: Callable[[Any], None] = lambda frame: None,
         wasted: Callable[[Any], None] | None = None,
         receive: Callable[[Any], bool] | None = None,
+        decoding: Callable[[Any], int] = lambda frame: 0,
     ) -> Link:
         """Return a new link through this network; see `Link` for the callbacks.
 
@@ -181,4 +229,12 @@ class LinkOptions(Declared):
         import numpy as np
 
         losses = self.loss.samples(np.random.default_rng([self.seed, 1])) if self.loss is not None else None
-        return Link(self.delays(latency_ns), losses, self.bandwidth, discard=discard, wasted=wasted, receive=receive)
+        return Link(
+            self.delays(latency_ns),
+            losses,
+            self.bandwidth,
+            discard=discard,
+            wasted=wasted,
+            receive=receive,
+            decoding=decoding,
+        )

@@ -37,9 +37,14 @@ class Tally:
         """Frames passed to the link."""
         return self.dropped + self.sent
 
+    @property
+    def never_shown(self) -> int:
+        """Frames that were drawn in vain, without those that may still arrive."""
+        return self.drawn - self.shown - self.under_way
+
     def as_dict(self) -> dict[str, int]:
-        """Return the counts for summary.json: drawn, sent, then the fields."""
-        return {"drawn": self.drawn, "sent": self.sent, **attrs.asdict(self)}
+        """Return the counts for summary.json: drawn, sent, never_shown, then the fields."""
+        return {"drawn": self.drawn, "sent": self.sent, "never_shown": self.never_shown, **attrs.asdict(self)}
 
 
 @attrs.frozen
@@ -51,16 +56,32 @@ class TransitStats:
     sent_ns: int
     # As the sender declared it.
     size_bytes: int = 0
-    # Before its first bit left.
+    # Before it was sent; 0 where the latency includes them, like decode_ns.
+    render_ns: int = 0
+    encode_ns: int = 0
+    # Before the encoder, and before its first bit left.
     queue_ns: int = 0
     # From the first bit to the last: its size over the rate.
     transfer_ns: int = 0
     # On the network.
     delay_ns: int = 0
-    # Until the frames before it arrived, where a decoder needs them.
+    # Until the frames before it arrived and were decoded, where a decoder needs them.
     hold_ns: int = 0
+    decode_ns: int = 0
+
+    def parts_ns(self) -> dict[str, int]:
+        """Return what it spent its time on, in order."""
+        return {
+            "render": self.render_ns,
+            "encode": self.encode_ns,
+            "queue": self.queue_ns,
+            "transfer": self.transfer_ns,
+            "network": self.delay_ns,
+            "hold": self.hold_ns,
+            "decode": self.decode_ns,
+        }
 
     @property
     def ready_ns(self) -> int:
         """The instant from which it can be shown."""
-        return self.sent_ns + self.queue_ns + self.transfer_ns + self.delay_ns + self.hold_ns
+        return self.sent_ns + sum(self.parts_ns().values())

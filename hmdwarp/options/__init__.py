@@ -1,11 +1,24 @@
 """Options, each declared once, where it is used, as a field of an attrs class.
 
 The command line, the keys of a study's file, the help and the table of `hmdwarp list options` are
-made from the declarations. Neither this package nor a module that declares options imports anything
-heavy.
+made from the declarations. A message about an option names it as the command line does
+(Option.flag); who reads a file turns that into the file's key (as_keys). Neither this package nor a
+module that declares options imports anything heavy.
 """
 
-from .declared import CONDITION, DISPLAY, PICTURE, Declared, Option, group, option, option_of, options_of, same_as
+from .declared import (
+    CONDITION,
+    DISPLAY,
+    PICTURE,
+    Declared,
+    Option,
+    as_keys,
+    group,
+    option,
+    option_of,
+    options_of,
+    same_as,
+)
 from .guard_options import (
     AUTO,
     Guard,
@@ -30,6 +43,7 @@ __all__ = [
     "Guard",
     "Number",
     "Option",
+    "as_keys",
     "check_one_guard",
     "force_field",
     "group",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, ClassVar, Self
 
 import attrs
@@ -44,8 +45,8 @@ class Option:
 
     @property
     def flag(self) -> str:
-        """The option's name on the command line."""
-        return f"--{self.name.replace('_', '-')}"
+        """What a user types for it on the command line, and by which messages name it."""
+        return (self.metavar or self.name.upper()) if self.positional else f"--{self.name.replace('_', '-')}"
 
     @property
     def in_study(self) -> bool:
@@ -84,6 +85,16 @@ def option_of(field: attrs.Attribute[Any]) -> Option:
     """Return the option that an attrs field is, with its name."""
     first: Option = field.metadata[_KEY][0]
     return first.named(field.name)
+
+
+def as_keys(text: str, known: Collection[str]) -> str:
+    """Return a message that names options as keys of a file; known: those that it may set."""
+
+    def key(match: re.Match[str]) -> str:
+        name = match[1].replace("-", "_")
+        return name if name in known else match[0]
+
+    return re.sub(r"--([a-z][a-z-]*)", key, text)
 
 
 def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import attrs
@@ -19,7 +20,7 @@ AUTO = "auto"
 Size = tuple[int, int]
 Guard = float | tuple[float, float]
 _FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
-_BOTH = "guard and rendered-size both say how much the server draws: leave one of them out"
+_BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
 
 
 class HasGuard(Protocol):
@@ -34,11 +35,11 @@ class HasGuard(Protocol):
         """The pixels that are drawn, or None."""
 
 
-def parse_size(text: str) -> Size:
+def parse_size(text: str, flag: str = "--size") -> Size:
     """Return (640, 400) for '640x400'. Errors: InputError."""
     match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
     if not match or 0 in map(int, match.groups()):
-        raise InputError(f"size '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
+        raise InputError(f"{flag} '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
     return int(match.group(1)), int(match.group(2))
 
 
@@ -49,9 +50,9 @@ def parse_guard(text: str) -> Guard | str:
     try:
         x, *y = map(float, re.split("[xX]", text))
     except ValueError as error:
-        raise InputError(f"guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
     if len(y) > 1:
-        raise InputError(f"guard '{text}': expected {_FACTORS}, or {AUTO}")
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}")
     return (x, y[0]) if y and y[0] != x else x
 
 
@@ -79,7 +80,7 @@ def rendered_size_field() -> Any:
         "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
         "1.25x1.125, and 1.41 times the pixels.",
         metavar="WxH",
-        parse=parse_size,
+        parse=partial(parse_size, flag="--rendered-size"),
         valid=_check_rendered,
     )
 
@@ -95,5 +96,5 @@ def guard_band(options: HasGuard) -> GuardBand:
     from ..geometry import GuardBand
 
     if isinstance(options.guard, str):
-        raise InputError("guard auto looks at a whole trace first: give a number, or replay a recording")
+        raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
     return GuardBand.of(options.guard) if options.rendered_size is None else GuardBand(size=options.rendered_size)

@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, listed
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -56,7 +56,8 @@ class Number:
             least_met = found > self.least if self.above else found >= self.least
             if not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
-                raise InputError(f"{name} {found:g}{unit}: expected a number {self.words(unit)}")
+                kind = "a number" if math.isfinite(self.most) else "a finite number"
+                raise InputError(f"{name} {found:g}{unit}: expected {kind} {self.words(unit)}")
 
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
@@ -65,14 +66,14 @@ def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
     if not declared:
         return field.name, ""
     unit = f" {declared[0].unit}" if declared[0].unit else ""
-    return declared[0].named(field.name).flag.removeprefix("--"), unit
+    return declared[0].named(field.name).flag, unit
 
 
-def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str], None]:
-    """Return a validator that raises InputError for any text not in the list."""
+def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], None]:
+    """Return a validator that raises InputError for any text not in the list; None is left out."""
 
-    def check(_: object, field: attrs.Attribute[Any], value: str) -> None:
-        if value not in known:
-            raise InputError(f"{field.name} '{value}': expected {' or '.join(known)}")
+    def check(_: object, field: attrs.Attribute[Any], value: str | None) -> None:
+        if value is not None and value not in known:
+            raise InputError(f"{_name_of(field)[0]} '{value}': expected {listed(known, 'or')}")
 
     return check

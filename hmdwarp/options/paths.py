@@ -18,7 +18,7 @@ from .declared import CONDITION, Option, option
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
 
 
-def path_of(value: str | os.PathLike[str], flag: str = "out") -> Path:
+def path_of(value: str | os.PathLike[str], flag: str = "--out") -> Path:
     """Return a path. Errors: InputError for an empty text, which would be the working folder."""
     if isinstance(value, str) and not value.strip():
         raise InputError(f"{flag} '{value}': expected a name; '.' is the working folder")

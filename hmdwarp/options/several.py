@@ -73,7 +73,7 @@ def _value(one: Option, text: str) -> Any:
         return one.kind(text)
     except ValueError as error:
         meaning = one.help[0].lower() + one.help[1:].removesuffix(".")
-        raise InputError(f"{one.name} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
+        raise InputError(f"{one.flag} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
 
 
 def _distinct(each: Callable[[Any], Any], *, may_be_none: bool) -> Any:
@@ -85,7 +85,7 @@ def _distinct(each: Callable[[Any], Any], *, may_be_none: bool) -> Any:
     def convert(values: Iterable[Any], field: attrs.Attribute[Any]) -> tuple[Any, ...]:
         found = tuple(dict.fromkeys(map(each, (values,) if isinstance(values, str) else values)))
         if not found and not may_be_none:
-            raise InputError(f"{field.name}: expected at least one value")
+            raise InputError(f"{option_of(field).flag}: expected at least one value")
         return found
 
     return attrs.Converter(convert, takes_field=True)

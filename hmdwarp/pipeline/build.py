@@ -20,15 +20,18 @@ from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
+from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
 from ..scenes import Scene
 from ..server import Server
+from .changes import Changes
 from .channel import Channel
 from .client_scene import ClientScene
 from .frame_coder import Coder
 from .layers_read import Reads
 from .loop import Loop, PoseRequest
 from .options import PipelineOptions
+from .sized import SizedCompensator
 from .sizes import check_room, eye_sizes
 
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
@@ -52,17 +55,21 @@ def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
     Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
     read.
     """
+    sends_hz = options.network.sends_hz(rate_hz)
     if options.network.is_plain:
-        return refreshes_of(options.latency_ms, rate_hz) + 2 + needs.others.past
-    return options.network.most_under_way(latency_ns(options), rate_hz) + 2 + needs.others.past
+        # Those sent since the refresh before, less the latency.
+        return refreshes_of(options.latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
+    return options.network.most_under_way(latency_ns(options), sends_hz) + 2 + needs.others.past
 
 
-def expected_age_ns(options: PipelineOptions, plain_ns: int) -> int:
-    """Return the expected age of a frame when it is seen.
+def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
+    """Return the mean age of a frame when it is seen.
 
-    plain_ns: the age over a link that only delays.
+    plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
     """
-    return plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+    stays_ns = max(0.0, 1e9 / options.network.sends_hz(rate_hz) - 1e9 / rate_hz)
+    newest_ns = plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+    return newest_ns + round(stays_ns / 2)
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
@@ -104,13 +111,14 @@ class Pipeline:
     # Chooses the warp; None where the options name one.
     auto: AdaptiveCompensator | None
     lens_of: Headset | None
+    _options: PipelineOptions
     _made: list[Compensator | AdaptiveCompensator]
     _cleanup: ExitStack
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
         self.channel.read_beside(Reads.of([plan]))
-        made = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry)
+        made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
         self._made.append(made)
         return made
 
@@ -119,7 +127,8 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made, before = _compensator(self.gpu, plan, self.lens_of, self.sizes, self.geometry), self.loop.compensator
+        made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
+        before = self.loop.compensator
         self._made.append(made)
         self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
@@ -170,7 +179,7 @@ def build_pipeline(
         with ExitStack() as unfinished:
             compensators = []
             for plan in plans:
-                compensators.append(_compensator(gpu, plan, lens_of, sizes, geometry))
+                compensators.append(_compensator(options, gpu, plan, lens_of, sizes, geometry))
                 unfinished.callback(compensators[-1].close)
             unfinished.pop_all()
         auto = None
@@ -178,8 +187,9 @@ def build_pipeline(
             governor = Governor(levels, options.budget_ms)
             auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
-        loop = Loop(requested, server, channel, history, compensator, target.eyes)
-        parts = (gpu, server, geometry, channel, loop, auto, lens_of)
+        changes = Changes(scene) if options.network.send == CHANGES else None
+        loop = Loop(requested, server, channel, history, compensator, target.eyes, changes)
+        parts = (gpu, server, geometry, channel, loop, auto, lens_of, options)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
@@ -187,7 +197,8 @@ def _channel(
     options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
     coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
-    return Channel(options.network, target.link_latency_ns, coder, Reads.of(plans), history.offer, server.recycle)
+    latency, rate_hz, recycle = target.link_latency_ns, target.rate_hz, server.recycle
+    return Channel(options.network, latency, coder, Reads.of(plans), history.offer, recycle, rate_hz)
 
 
 def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
@@ -204,5 +215,8 @@ def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSi
         )
 
 
-def _compensator(gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene) -> Compensator:
-    return Compensator(gpu, plan, headset, sizes.rendered, sizes.shown, geometry)
+def _compensator(
+    options: PipelineOptions, gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene
+) -> Compensator:
+    kind = SizedCompensator if options.network.overload == RESOLUTION else Compensator
+    return kind(gpu, plan, headset, sizes.rendered, sizes.shown, geometry)

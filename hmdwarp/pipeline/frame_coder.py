@@ -127,7 +127,9 @@ class CodedFrame:
 
 
 class Coder:
-    """The streams of a run, one for each texture or array; each is opened by its first frame.
+    """The streams of a run, one for each texture or array and each size of frame.
+
+    Each is opened by its first frame.
 
     How a layer is coded says its declaration in frames.layers. A bit rate is shared by the videos
     of an eye, by their pixels.
@@ -135,7 +137,9 @@ class Coder:
 
     def __init__(self, coding: Coding, rate_hz: float) -> None:
         self._coding, self._rate_hz = coding, rate_hz
-        self._streams: dict[Key, Stream] = {}
+        # By the size of the frame.
+        self._streams: dict[tuple[int, int], dict[Key, Stream]] = {}
+        self._last_size = (0, 0)
         self._encoded = 0
         self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
 
@@ -149,13 +153,17 @@ class Coder:
             key: _Content(into, coding, into if isinstance(into, np.ndarray) else download(into))
             for key, (into, coding) in _parts(frame, reads | beside if beside is not None else reads).items()
         }
-        self._open(contents)
+        size = frame.eyes[0].size
+        streams = self._streams.setdefault(size, {})
+        self._open(streams, contents)
+        # A stream that was left for another size begins anew.
+        wants_key, self._last_size = wants_key or size != self._last_size, size
         packets, took_ms = {}, 0.0
         for key, content in contents.items():
             started = time.perf_counter_ns()
             if wants_key:
-                self._streams[key].request_key()
-            packets[key] = self._streams[key].encode(content.drawn)
+                streams[key].request_key()
+            packets[key] = streams[key].encode(content.drawn)
             took_ms += _milliseconds_since(started) if key in counted else 0
         frame.timings_ms["encode"] = took_ms
         self._encode_ms.append(took_ms)
@@ -167,12 +175,13 @@ class Coder:
     def receive(self, coded: CodedFrame) -> bool:
         """Decode into the frame's own textures; return False if the frame cannot be decoded."""
         arrived: dict[Key, NDArray[Any]] = {}
+        streams = self._streams[coded.frame.eyes[0].size]
         took_ms = 0.0
         for key, packet in coded.packets.items():
             started = time.perf_counter_ns()
             # Each stream gets its packet, whatever has become of the others.
             with suppress(Undecodable):
-                arrived[key] = self._streams[key].decode(packet)
+                arrived[key] = streams[key].decode(packet)
             took_ms += _milliseconds_since(started) if key in coded.counted else 0
         if len(arrived) < len(coded.packets):
             return False
@@ -193,12 +202,12 @@ class Coder:
         told = {name: median(values) if values else None for name, values in figures.items()}
         return {"codec": self._coding.codec, **told}
 
-    def _open(self, contents: Mapping[Key, _Content]) -> None:
+    def _open(self, streams: dict[Key, Stream], contents: Mapping[Key, _Content]) -> None:
         """Open the streams that are not open yet."""
         for key, content in contents.items():
-            if key not in self._streams:
+            if key not in streams:
                 of_eye = sum(one.video_pixels for (eye, *_), one in contents.items() if eye == key[0])
-                self._streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1))
+                streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1))
 
     def _stream(self, content: _Content, share: float) -> Stream:
         size, asked = content.drawn.shape[1::-1], self._coding
@@ -218,10 +227,15 @@ class Coder:
 def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDArray[Any], str]]:
     """Return every texture and array that is read, with its coding."""
     return {
-        (eye, name, number): part
+        (eye, name, number): (into, _coding_in(frame, coding))
         for (eye, name), layer, data in reads.contents(frame)
-        for number, part in enumerate(layer.coded(data))
+        for number, (into, coding) in enumerate(layer.coded(data))
     }
+
+
+def _coding_in(frame: Frame, coding: str) -> str:
+    """Return how a video is coded in this frame: light that an albedo will take from is kept."""
+    return BRIGHT_VIDEO if coding == VIDEO and "light" in frame.eyes[0] else coding
 
 
 def _milliseconds_since(started_ns: int) -> float:

@@ -8,7 +8,9 @@ import attrs
 
 from ..client.inputs import PassInputs
 from ..frames import Frame
-from ..link import ResponseTime
+from ..geometry import GuardBand
+from ..link import ResponseTime, scaled_size
+from .changes import SEEN_PX
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from ..link import TransitStats
     from ..poses import PoseSample, PoseSource
     from ..server import Server
+    from .changes import Changes
     from .channel import Channel
 
 
@@ -89,15 +92,15 @@ class Refresh:
     def response(self) -> ResponseTime:
         """The response time, split into its parts."""
         took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.timings_ms.items()}
-        if self.frame.drawing is not None:
-            took["render_ms"] = _total(self.frame.drawing.read())
+        took["render_ms"] = self.frame.render_ms
         return ResponseTime.of(self.transit, warp_ms=sum(map(_total, self.stage_ms)), **took)
 
 
 class Loop:
-    """The loop over refreshes: `draw` sends a frame, `show` warps the newest that has arrived.
+    """The loop over refreshes: `draw` sends what is due, `show` warps the newest that has arrived.
 
-    eyes: the views that belong to a head pose.
+    eyes: the views that belong to a head pose. changes: leaves out frames in which nothing has
+    moved; None to draw every one.
     """
 
     def __init__(
@@ -108,10 +111,11 @@ class Loop:
         history: History,
         compensator: Compensator | AdaptiveCompensator,
         eyes: Eyes,
+        changes: Changes | None = None,
     ) -> None:
         self._requested, self._server, self._channel, self.history = requested, server, channel, history
         self.compensator: Compensator | AdaptiveCompensator = compensator
-        self._eyes = eyes
+        self._eyes, self._changes = eyes, changes
         self._last: Refresh | None = None
 
     def exchange(self, compensator: Compensator) -> None:
@@ -119,13 +123,40 @@ class Loop:
         self.compensator, self._last = compensator, None
 
     def draw(self, now_ns: int) -> None:
+        """Let the server draw and send what is due by now; call it once a refresh."""
+        for instant_ns in self._channel.due(now_ns):
+            if not self._channel.is_busy(instant_ns):
+                head = self._requested.for_server(instant_ns)
+                if self._has_moved(head, instant_ns):
+                    self._draw(head, instant_ns)
+                else:
+                    self._channel.leave_out(instant_ns)
+
+    def _has_moved(self, head: PoseSample, now_ns: int) -> bool:
+        if self._changes is None or self._channel.has_to_send(now_ns):
+            return True
+        return self._changes.moved_px(self._eyes.views(head.pose), now_ns) > SEEN_PX
+
+    def draw_at(self, now_ns: int) -> None:
         """Draw all eyes on the server for the head pose at `now_ns`, and send the frame."""
+        self._draw(self._requested.for_server(now_ns), now_ns)
+
+    def _draw(self, head: PoseSample, now_ns: int) -> None:
         asked = self._requested
-        head = asked.for_server(now_ns)
         timer = self._server.gpu.timer
         with timer.stage("render"):
-            frame = self._server.draw_frame(self._eyes.views(head.pose), now_ns, asked.size, asked.guard, asked.needs)
+            views, (size, guard) = self._eyes.views(head.pose), self._resolution()
+            frame = self._server.draw_frame(views, now_ns, size, guard, asked.needs, shown_size=asked.size)
+        if self._changes is not None:
+            self._changes.sent(frame)
         self._channel.send(Frame(frame.eyes, frame.drawn_ns, head, timer.lap()), now_ns)
+
+    def _resolution(self) -> tuple[tuple[int, int], Guard]:
+        """Return the size to draw in, without the guard band, and the guard band."""
+        asked, scale = self._requested, self._channel.scale
+        if scale == 1:
+            return asked.size, asked.guard
+        return scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head pose at `shown_ns`.
@@ -180,7 +211,9 @@ class Loop:
         Frames may carry more layers, for plans that run on the same refresh.
         """
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
-        past = (older.eyes[eye] for older in self.history.frames[: needs.others.past])
+        # Passes are made for pictures of one size.
+        size = frame.eyes[eye].size
+        past = (one for older in self.history.frames[: needs.others.past] if (one := older.eyes[eye]).size == size)
         others = tuple(image.only(needs) for image in (*beside, *past))
         return {"rendered": frame.eyes[eye].only(needs), "others": others}
 

@@ -43,7 +43,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     """
     if warp == AUTO and (fill is not None or wide):
         asked = "--wide" if fill is None else f"--fill {fill}"
-        raise InputError(f"{asked}: warp auto chooses the fill too; leave one of the two out")
+        raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
     usual = "none" if fused else "interpolate"
     chosen = usual if fill is None else fill
     if not wide:
@@ -164,12 +164,11 @@ class PipelineOptions(Declared):
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
-                f"budget {self.budget_ms:g} ms: only warp 'auto' keeps to a budget; warp '{self.warp}' takes what it "
-                "takes"
+                f"--budget {self.budget_ms:g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what it takes"
             )
         elif self.bench is not None:
             raise InputError(
-                f"bench {self.bench}: only warp 'auto' chooses from a benchmark; warp '{self.warp}' is chosen already"
+                f"--bench {self.bench}: only --warp auto chooses from a benchmark; '{self.warp}' is chosen already"
             )
 
     @classmethod
@@ -203,6 +202,14 @@ class PipelineOptions(Declared):
         """The guard band. Errors: InputError while it is "auto"."""
         return guard_band(self)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the results must know of the options, one sentence each."""
+        if self.network.response is None:
+            return ()
+        told = f"The latency of {self.latency_ms:g} ms is the network's alone"
+        return (f"{told}: rendering, encoding, queue, size over bandwidth and decoding come on top (response sum).",)
+
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
@@ -210,12 +217,12 @@ class PipelineOptions(Declared):
     def _check_auto(self) -> None:
         if self.budget_ms is None:
             raise InputError(
-                "warp 'auto' chooses what fits into a budget: say how many milliseconds there are for one eye "
+                "--warp auto chooses what fits into a budget: say how many milliseconds there are for one eye "
                 "(--budget MS)"
             )
         if self.fused:
             raise InputError(
-                "fused with warp 'auto': its warps must have the picture between warp and lens, to be measured; "
+                "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; "
                 "leave one out"
             )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..auto.levels import QualityLevel
 from ..client.capability import check_client
 from ..client.effects import effects
@@ -18,22 +20,32 @@ def plans_for(
     headset: Headset | None,
     scene: Scene | None,
     levels: tuple[QualityLevel, ...] = (),
-    **beyond: str,
+    **beyond: Any,
 ) -> list[Plan]:
     """Return the plans of a run: one, or one for each quality level if it chooses its warp.
 
     beyond, errors: as build_plan_for.
     """
-    chosen = [options.with_pair(level.warp, level.fill) for level in levels] if options.chooses_warp else [options]
-    return [build_plan_for(one, headset, scene, **beyond) for one in chosen]
+    if not options.chooses_warp:
+        return [build_plan_for(options, headset, scene, **beyond)]
+    chosen = [options.with_pair(level.warp, level.fill) for level in levels]
+    return [build_plan_for(one, headset, scene, shares_frames=True, **beyond) for one in chosen]
 
 
 def build_plan_for(
-    options: PipelineOptions, headset: Headset | None, scene: Scene | None, *, distorts: str = "", takes_depth: str = ""
+    options: PipelineOptions,
+    headset: Headset | None,
+    scene: Scene | None,
+    *,
+    shares_frames: bool = False,
+    distorts: str = "",
+    takes_depth: str = "",
 ) -> Plan:
     """Return the plan of a run. Without a scene, only the names are checked.
 
-    headset: the one whose lens is corrected, or None. distorts, takes_depth: as in build_plan.
+    headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
+    same frames, which therefore have no whole picture for an imposter: it compensates what they do.
+    distorts, takes_depth: as in build_plan.
     Errors: as build_plan; PlanError for a plan that the client cannot run; InputError for a lens
     correction on a headset without a lens.
     """
@@ -51,6 +63,7 @@ def build_plan_for(
         client_geometry=True,
         fused=options.fused,
         scanout=options.scanout_ms > 0 and options.follow_scanout,
+        named=selected if shares_frames else effects.forced(options.effects),
         forced={*selected} - {*called_for},
         forbidden={*called_for} - {*selected},
         distorts=distorts,

@@ -80,9 +80,9 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: Guard, frames: in
     needed = frames * sum(frame_bytes(needs, sizes).values())
     if gpu.is_software and needed > memory_bytes():
         raise MachineError(
-            f"latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
+            f"--latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
             f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
-            "use a smaller size, a shorter latency or a lower rate"
+            "use a smaller --size, a shorter --latency or a lower --rate"
         )
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import attrs
 
-from ..errors import InputError
-from ..options import Declared, names_in, option
+from ..options import Declared, Number, names_in, one_of, option
 
 # Kinds of `poses.synth`, in words.
 MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 QUAT_ORDERS = ("xyzw", "wxyz")
+
+
+def _check_euler(_: object, __: attrs.Attribute[Any], value: str | None) -> None:
+    if value is not None:
+        from .formats import parse_euler
+
+        parse_euler(value)
 
 
 @attrs.frozen
@@ -26,7 +32,9 @@ class TraceOptions(Declared):
     format: str | None = option(
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
     )
-    quat_order: str | None = option(None, "Order of quaternions, xyzw or wxyz, where the file does not say.")
+    quat_order: str | None = option(
+        None, "Order of quaternions, xyzw or wxyz, where the file does not say.", valid=one_of(*QUAT_ORDERS)
+    )
     # See `reading.axes.parse_axes`.
     up: str | None = option(
         None,
@@ -39,15 +47,25 @@ class TraceOptions(Declared):
     )
     # Metres per unit.
     scale: float | None = option(
-        None, "Metres per unit of the file's positions; by default as its format has it.", kind=float
+        None,
+        "Metres per unit of the file's positions; by default as its format has it.",
+        kind=float,
+        valid=Number(least=1e-6, most=1e6),
     )
     # Samples per second.
     rate: float | None = option(
-        None, "Samples per second, in place of the file's clock.", kind=float, name="trace_rate", unit="Hz"
+        None,
+        "Samples per second, in place of the file's clock.",
+        kind=float,
+        name="trace_rate",
+        unit="Hz",
+        valid=Number(least=1e-3, most=1e6),
     )
     # A key of `reading.times.UNITS_NS`.
     time_unit: str | None = option(
-        None, "Unit of the file's clock: s, ms, us, ns or 100ns; by default as the file says, or guessed."
+        None,
+        "Unit of the file's clock: s, ms, us, ns or 100ns; by default as the file says, or guessed.",
+        valid=one_of(*TIME_UNITS),
     )
     # See `stated.StatedColumns`.
     columns: str | None = option(
@@ -59,25 +77,18 @@ class TraceOptions(Declared):
     device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
     # See `formats._base.parse_euler`.
     euler: str | None = option(
-        None, "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg)."
+        None,
+        "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg).",
+        valid=_check_euler,
     )
     # Share of all rows.
     lost_rows: float = option(
-        0.2, "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.", kind=float
+        0.2,
+        "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.",
+        kind=float,
+        valid=Number(most=0.999),
     )
     # Number of the recording, from 1.
-    segment: int | None = option(None, "Which recording of a file that holds several, from 1.", kind=int)
-
-    def __attrs_post_init__(self) -> None:
-        if self.quat_order is not None and self.quat_order not in QUAT_ORDERS:
-            raise InputError(f"quaternion order '{self.quat_order}': expected {' or '.join(QUAT_ORDERS)}")
-        if self.scale is not None and not (math.isfinite(self.scale) and 1e-6 <= self.scale <= 1e6):
-            raise InputError(f"scale {self.scale}: expected metres per unit, from 1e-6 to 1e6")
-        if self.rate is not None and not (math.isfinite(self.rate) and 1e-3 <= self.rate <= 1e6):
-            raise InputError(f"rate {self.rate}: expected samples per second, from 0.001 to 1e6")
-        if self.time_unit is not None and self.time_unit not in TIME_UNITS:
-            raise InputError(f"time unit '{self.time_unit}': expected {', '.join(TIME_UNITS)}")
-        if not 0 <= self.lost_rows < 1:
-            raise InputError(f"lost rows {self.lost_rows}: expected a share of the rows, from 0 to below 1")
-        if self.segment is not None and self.segment < 1:
-            raise InputError(f"segment {self.segment}: recordings in a file are counted from 1")
+    segment: int | None = option(
+        None, "Which recording of a file that holds several, from 1.", kind=int, valid=Number(least=1)
+    )

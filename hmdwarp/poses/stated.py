@@ -29,7 +29,7 @@ class StatedColumns(TraceFormat):
         stated = {key.strip(): [column_of(head, word) for word in value.split("+")] for key, _, value in parts if value}
         counts = {"t": 1, "p": 3, "q": 4}
         if len(stated) != len(parts) or "q" not in stated or any(len(v) != counts.get(k) for k, v in stated.items()):
-            raise InputError(f"columns '{text}': expected {_SYNTAX}")
+            raise InputError(f"--columns '{text}': expected {_SYNTAX}")
         position = stated.get("p")
         return Layout(
             time=stated["t"][0] if "t" in stated else None,

@@ -100,23 +100,23 @@ def synthesise(
     build = KINDS[kind].build
     seconds = KINDS[kind].seconds if seconds is None else seconds
     if not 0.1 <= seconds <= _LONGEST_S:
-        raise InputError(f"{seconds} seconds: expected a length from 0.1 to {_LONGEST_S:g}")
+        raise InputError(f"--seconds {seconds:g}: expected a length from 0.1 to {_LONGEST_S:g}")
     if not 1 <= rate_hz <= _FASTEST_HZ:
-        raise InputError(f"rate {rate_hz} Hz: expected 1 to {_FASTEST_HZ:g}")
+        raise InputError(f"--rate {rate_hz:g} Hz: expected 1 to {_FASTEST_HZ:g}")
     t = np.arange(math.floor(seconds * rate_hz + 1e-9) + 1) / rate_hz
     if isinstance(build, Glide):
         if seed is not None:
-            raise InputError(f"seed {seed}: motion {kind} has nothing random; leave the seed out")
+            raise InputError(f"--seed {seed}: motion {kind} has nothing random; leave the seed out")
         glide = build.with_(speed, amplitude)
         motion, said = _glided(glide, t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
     else:
         if speed is not None or amplitude is not None:
-            given = f"amplitude {amplitude:g}" if speed is None else f"speed {speed:g}"
+            given = f"--amplitude {amplitude:g}" if speed is None else f"--speed {speed:g}"
             able = ", ".join(sorted(GLIDES))
             raise InputError(f"{given}: motion {kind} has the speeds of people; expected one of {able}")
         seed = KINDS[kind].seed if seed is None else seed
         if seed is None or seed < 0:
-            raise InputError(f"seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
+            raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
         motion, said = build(random.Random(seed), seconds, t), f"--seed {seed}"
     orientation = _orientation(motion)
     position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import csv
 import errno
+import fcntl
 import json
 import os
+import re
 import uuid
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any, BinaryIO
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, MachineError
 
+_STEM = 60  # characters of a name that a partial file's name has
 _NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 _FORBIDDEN = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
 _NO_PLACE = frozenset({errno.ENOTDIR, errno.EISDIR, errno.ENOENT, errno.ENAMETOOLONG, errno.EEXIST, errno.ENOTEMPTY})
@@ -35,27 +39,87 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
     return MachineError(f"{path}: cannot write ({why})")
 
 
+@attrs.define
+class Partial:
+    """A new file beside the one that it will become; what killed runs left of that one is deleted.
+
+    Errors: OSError where it cannot be made.
+    """
+
+    path: Path
+    # Holds a lock while this file is written, so that nobody takes it for one left behind.
+    _handle: int
+
+    @classmethod
+    def of(cls, final: Path) -> Partial:
+        """Make the file."""
+        while True:
+            path = final.with_name(f".{final.name[:_STEM]}.{uuid.uuid4().hex[:8]}.part")
+            handle = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666)
+            lock(handle, wait=True)
+            if os.fstat(handle).st_nlink:
+                break
+            os.close(handle)  # another run found it before it was locked
+        _sweep(final, but=path)
+        return cls(path, handle)
+
+    def close(self) -> None:
+        """Delete it, unless it was renamed. May be called again."""
+        with suppress(OSError):
+            self.path.unlink()
+        if self._handle >= 0:
+            os.close(self._handle)
+            self._handle = -1
+
+
+def _sweep(final: Path, but: Path) -> None:
+    """Delete the partial files of a name that no process writes."""
+    ours = re.compile(rf"\.{re.escape(final.name[:_STEM])}\.[0-9a-f]{{8}}\.part")
+    for left in os.scandir(final.parent):
+        if left.path == str(but) or not ours.fullmatch(left.name) or not left.is_file(follow_symlinks=False):
+            continue
+        with suppress(OSError):  # somebody else's file, or deleted by another run
+            handle = os.open(left.path, os.O_RDONLY)
+            try:
+                if lock(handle):
+                    Path(left.path).unlink()
+            finally:
+                os.close(handle)
+
+
+def lock(handle: int, *, wait: bool = False) -> bool:
+    """Lock an open file or folder until it is closed; return whether it was not locked already.
+
+    A file system without locks locks nothing.
+    """
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
 @contextmanager
 def atomic(path: str | os.PathLike) -> Iterator[Path]:
     """Yield a temporary path beside `path`; it takes the final name when the block ends.
 
-    If the block fails, it is deleted.
+    If the block fails, it is deleted; if the process is killed, by the next that writes `path`.
 
     Errors: as write_error, also for an OSError raised inside.
     """
     path = Path(path)
-    temporary = path.with_name(f".{path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
     try:
-        yield temporary
-        # A full disk may show only here, and a crash must not leave an empty file under the final
-        # name.
-        sync(temporary)
-        temporary.replace(path)
+        partial = Partial.of(path)
+        try:
+            yield partial.path
+            # A full disk may show only here, and a crash must not leave an empty file under the
+            # final name.
+            sync(partial.path)
+            partial.path.replace(path)
+        finally:
+            partial.close()
     except OSError as error:
         raise write_error(error, path) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
 
 
 def sync(path: Path) -> None:

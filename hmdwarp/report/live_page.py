@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
+from .frame_ways import timeline_svg
 from .live_lines import budget_rows, missed_share
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .tables import TIME_FIGURES, Summary
@@ -52,6 +53,7 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         response=response_rows(summary),
         frames=frame_rows(summary),
         coding=coding_rows(summary),
+        timeline=timeline_svg((summary.get("link") or {}).get("timeline") or ()),
         clock=CLOCK_NAMES[summary["clock"]],
         errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
     )

@@ -6,7 +6,6 @@ the command that made it; `force` (`--force`) overrides it.
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import shutil
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
 from ..version import __version__
-from .files import write_bytes, write_csv, write_error, write_json, write_png, write_text
+from .files import lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
 STAGING = ".partial-"
 MARK = "hmdwarp"  # key of the version in the last file of a folder, by which it is known as ours
@@ -207,8 +206,7 @@ def _locked(folder: Path) -> Iterator[None]:
     """Keep other runs from looking for staging folders while the block lasts."""
     handle = os.open(folder, os.O_RDONLY)
     try:
-        with suppress(OSError):  # a file system without locks
-            fcntl.flock(handle, fcntl.LOCK_EX)
+        lock(handle, wait=True)
         yield
     finally:
         os.close(handle)
@@ -220,12 +218,10 @@ def _lock(folder: Path) -> int:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:
         return -1
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(handle)
-        return -1
-    return handle
+    if lock(handle):
+        return handle
+    os.close(handle)
+    return -1
 
 
 def _first_missing(path: Path) -> Path | None:

@@ -10,6 +10,7 @@ import attrs
 
 from ..metrics import PRIMARY, Kept, metrics_in_order
 from .charts import Series, time_series
+from .frame_ways import timeline_svg
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
@@ -81,6 +82,7 @@ def render_report(
         response=response_rows(summary),
         frames=frame_rows(summary),
         coding=coding_rows(summary),
+        timeline=timeline_svg((summary.get("link") or {}).get("timeline") or ()),
         clock=CLOCK_NAMES[summary["clock"]],
         metrics=metrics_in_order(),
         rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),

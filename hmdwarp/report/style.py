@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 # computes it.
 _WARPS: dict[str, tuple[str, str, int]] = {
     "none": ("#6b7280", "#9aa3ad", 0),
+    "shift": ("#7d8700", "#c9d35a", 3),
+    "similarity": ("#565d00", "#e2ea8c", 1),
     "rotation": ("#a87400", "#e3b341", 0),
     "planar": ("#7a5200", "#f5d78a", 1),
     "environment": ("#c08a00", "#b98a1e", 2),

@@ -21,8 +21,11 @@ _RESPONSE = {
     "p95_ms": "response time (95th percentile)",
 }
 _FRAMES = {
+    "skipped": "not drawn (the server was busy)",
+    "unchanged": "not drawn (nothing would have changed)",
     "drawn": "drawn",
     "sent": "sent",
+    "never_shown": "drawn in vain (never shown)",
     "dropped": "dropped before a full queue",
     "lost": "lost on the network",
     "undecodable": "undecodable (depend on a lost frame)",
@@ -36,7 +39,7 @@ _CODING = (
     ("decode_ms", "decoding (median of all frames)", "ms"),
     ("coded_psnr_db", "pictures after coding", "dB PSNR"),
 )
-_TROUBLE = ("dropped", "lost", "late", "superseded", "undecodable")
+_TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
 
 
 def filled_rows(summary: Summary) -> Pairs:
@@ -89,6 +92,13 @@ def coding_rows(summary: Summary) -> Pairs:
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
+    if "resolution" in link:
+        rows += [
+            (f"frames at {float(scale):.0%} of the width and height", str(count))
+            for scale, count in link["resolution"]["frames"].items()
+            if count
+        ]
+        rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
 
 

@@ -9,7 +9,6 @@ from the one that PyAV brings.
 from __future__ import annotations
 
 import os
-import uuid
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, MachineError
-from .files import write_error
+from .files import Partial, write_error
 
 ENCODERS = (
     "libopenh264",
@@ -83,13 +82,16 @@ class VideoWriter:
         if min(size) < 16 or not 0 < rate <= 1000:
             found = f"video of {size[0]}x{size[1]} at {rate:g} pictures per second"
             raise InputError(f"{found}: expected at least 16x16 and a rate above 0, at most 1000")
-        self._temporary = self.path.with_name(f".{self.path.name[:60]}.{uuid.uuid4().hex[:8]}.part")
         self.frames = 0
         self._open = True
         try:
-            self._temporary.touch()  # PyAV itself opens the file only when the first picture is written
-            self._container = av.open(str(self._temporary), "w", format="mp4", options={"movflags": "faststart"})
+            self._partial = Partial.of(self.path)
+        except OSError as error:
+            raise write_error(error, self.path) from error
+        try:
+            self._container = av.open(str(self._partial.path), "w", format="mp4", options={"movflags": "faststart"})
         except (OSError, av.FFmpegError) as error:
+            self._partial.close()
             raise _video_error(error, self.path) from error
         try:
             self._stream = self._first_that_opens(Fraction(rate).limit_denominator(1001))
@@ -160,7 +162,8 @@ class VideoWriter:
             self._mux(None)
             self._open = False
             self._container.close()
-            self._temporary.replace(self.path)
+            self._partial.path.replace(self.path)
+            self._partial.close()
         except BaseException as error:
             self.abort()
             if isinstance(error, OSError):
@@ -177,7 +180,7 @@ class VideoWriter:
         except (OSError, av.FFmpegError):
             pass  # a file that is deleted next need not be finished
         finally:
-            self._temporary.unlink(missing_ok=True)
+            self._partial.close()
 
     def _mux(self, frame: Any) -> None:
         import av

@@ -26,6 +26,7 @@ from .combinations import Case, Combination, frames_used, instants_of
 from .frame_rows import Row, stage_columns
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
+from .whole_pictures import WholePictures
 
 # (case, warp, fill, refresh, eye): identifies a picture.
 Key = tuple[Case, str, str, int, int]
@@ -63,10 +64,11 @@ def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Ite
 
     The results are those of the whole run, but only the frames they use are drawn.
     """
-    used = frames_used(setup.schedule, setup.channel.latency_ns, needs, numbers)
+    rate_hz = setup.options.network.server_rate_hz
+    used = frames_used(setup.schedule, setup.channel.latency_ns, needs, numbers, rate_hz)
     for number, instant_ns in setup.schedule.numbered():
-        if instant_ns in used:
-            setup.loop.draw(instant_ns)
+        for drawn_ns in used[number]:
+            setup.loop.draw_at(drawn_ns)
         if number in numbers and number >= 0:
             refresh = setup.loop.show(instant_ns)
             assert refresh is not None
@@ -88,6 +90,7 @@ class Comparison:
         self.measured = [Measured(combination) for combination in combinations]
         self._needs = needs_of(combination.plan for combination in combinations)
         self._compensators = [setup.compensator(combination.plan) for combination in combinations]
+        self._whole = WholePictures(setup.server)
         self._targets = TargetPool(setup.gpu, setup.size)
         self._target = self._targets.acquire()
         self._last: list[list[EyeResult]] = [[] for _ in combinations]
@@ -107,10 +110,11 @@ class Comparison:
                     step()
                 before = self._neighbour(refresh, turns[number + 1] % len(EYES)) if number + 1 in turns else []
         finally:
+            self._whole.close()
             self._targets.close()
 
     def _inputs(self, compensator: Compensator, refresh: Refresh) -> tuple[PassInputs, ...]:
-        return self._setup.loop.inputs(refresh, compensator.plan.needs)
+        return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 
     def _truth(self, view: View, time_ns: int) -> Truth:
         drawn = self._setup.server.draw(view, self._setup.size, self._target, time_ns)

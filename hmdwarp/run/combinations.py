@@ -10,7 +10,7 @@ import attrs
 from ..client.history import History
 from ..client.plan import Plan
 from ..frames import Needs
-from ..link import Link, LinkOptions
+from ..link import Link, LinkOptions, Pacer
 from .schedule import Schedule
 
 # For the compensators of one batch on a GPU; a software renderer may use part of the machine's
@@ -30,6 +30,8 @@ class Case:
     recording: str
     latency_ms: float
     size: Size
+    # None for the display's.
+    server_rate_hz: float | None = None
 
 
 @attrs.frozen
@@ -91,18 +93,26 @@ class _Drawn:
     drawn_ns: int
 
 
-def frames_used(schedule: Schedule, link_ns: int, needs: Needs, looked_at: Iterable[int]) -> set[int]:
-    """Return the draw times of the frames that the refreshes `looked_at` show or look back to.
+def frames_used(
+    schedule: Schedule, link_ns: int, needs: Needs, looked_at: Iterable[int], server_rate_hz: float | None = None
+) -> dict[int, list[int]]:
+    """Return the instants of the frames that the refreshes `looked_at` show or look back to.
+
+    By the number of the refresh at which the loop draws them.
 
     Other frames need not be drawn. The result comes from running the link and the history
     themselves on frames without pictures.
     """
-    wanted, used = set(looked_at), set()
+    wanted, used = set(looked_at), set[int]()
+    drawn: dict[int, list[int]] = {}
+    pacer = Pacer(server_rate_hz, schedule.rate_hz)
     history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)
     link: Link = LinkOptions().link(link_ns, history.offer)
     for number, instant_ns in schedule.numbered():
-        link.send(_Drawn(instant_ns), instant_ns)
+        drawn[number] = pacer.due(instant_ns)
+        for drawn_ns in drawn[number]:
+            link.send(_Drawn(drawn_ns), drawn_ns)
         newest = link.newest(instant_ns)
         if number in wanted and number >= 0:
             used |= {frame.drawn_ns for frame in (newest, *history.frames) if frame is not None}
-    return used
+    return {number: [one for one in instants if one in used] for number, instants in drawn.items()}

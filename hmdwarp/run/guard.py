@@ -74,7 +74,7 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
     predicted or current pose, as in the run; the display shows the pose of the trace. The latency
     is that of the run, for a link with jitter the typical one.
     """
-    age_ns = expected_age_ns(options, schedule.age_ns)
+    age_ns = expected_age_ns(options, schedule.age_ns, schedule.rate_hz)
     stride = -(-schedule.count // MOST_INSTANTS)
     shown_ns = np.array(
         [schedule.first_ns + round(k * 1e9 / schedule.rate_hz) for k in range(0, schedule.count, stride)],

@@ -143,9 +143,9 @@ class PipelineHost:
         refuse_one_eye(needs, len(shown.eyes.views(Pose())))
         size = options.size or shown.size
         guarded_size(options.guard_band, shown.eyes, size)
-        age_ns = expected_age_ns(options, latency_ns(options))
-        request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs)
         rate_hz = options.rate_hz or shown.rate_hz
+        age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
+        request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs)
         target = Target(shown.gpu, shown.eyes, rate_hz, latency_ns(options), shown.headset)
         return build_pipeline(options, scene, target, plans, request, choice.levels)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..link import ResponseTime, figures_of_parts
 from .frame_rows import STAGE_COLUMNS
 from .garbage import Pauses
+from .timeline import Timeline
 
 if TYPE_CHECKING:
     from ..display import Tick
@@ -162,18 +163,21 @@ class FrameFates:
         self._past: Counter[str] = Counter()
         self._channel: Channel | None = None
         self._responses = Thinned(_RESPONSE)
+        self._timeline = Timeline()
         self._seen = 0
 
     def follow(self, channel: Channel) -> None:
         """Count on this channel from now on; the previous one is closed."""
         if channel is self._channel:
             return
+        self._timeline = Timeline()
         if self._channel is not None:
-            self._past.update(self._channel.link.tally.as_dict())
+            self._past.update(self._channel.fates())
         self._channel = channel
 
     def add(self, refresh: Refresh) -> None:
         """Add the response time of a refresh whose times are known."""
+        self._timeline.add(refresh)
         if self._seen % _RESPONSE_EVERY == 0:
             self._responses.add(tuple(refresh.response.parts().values()))
         self._seen += 1
@@ -188,7 +192,8 @@ class FrameFates:
         last = self._channel.summary(rate_hz)
         frames = dict(Counter(last["frames"]) + self._past) if self._past else last["frames"]
         response = figures_of_parts(np.column_stack([self._responses.column(name) for name in _RESPONSE]))
-        return {**last, "frames": {name: frames.get(name, 0) for name in last["frames"]}, "response_ms": response}
+        frames = {name: frames.get(name, 0) for name in last["frames"]}
+        return {**last, "frames": frames, "response_ms": response, "timeline": self._timeline.as_list()}
 
 
 @attrs.define(eq=False)

@@ -74,7 +74,7 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
     more = {
         **aggregate_columns(of_eyes),
         "link": figures.fates.as_dict((frames - 1) / live["seconds"] if live["seconds"] else facts.shared.rate_hz),
-        "notes": [*facts.scene_notes, *_notes(figures.events, live, pictures)],
+        "notes": [*facts.scene_notes, *options.notes, *_notes(figures.events, live, pictures)],
         "live": live,
     }
     return summary_of(facts.shared, chosen_passes(options, facts.lens), frames, more)

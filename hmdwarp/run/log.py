@@ -10,6 +10,7 @@ from ..pipeline.loop import Refresh
 from ..poses import PoseTrack
 from .frame_rows import Moment, Row, Stages, stage_columns
 from .speeds import speeds_at
+from .timeline import Timeline
 
 _NOT_MEASURED = dict.fromkeys(QUALITY)
 
@@ -27,6 +28,7 @@ class ReplayLog:
         self.rows: list[Row] = []
         # One for each refresh.
         self.responses: list[ResponseTime] = []
+        self.timeline = Timeline()
         self._moments: list[Moment] = []
 
     def add(self, refresh: Refresh) -> None:
@@ -35,6 +37,7 @@ class ReplayLog:
         moment = Moment.of(len(self._moments), refresh, self._track.start_ns, speeds)
         self._moments.append(moment)
         self.responses.append(refresh.response)
+        self.timeline.add(refresh)
         figures = moment.figures()
         for eye, stages in enumerate(refresh.stage_ms):
             self.rows.append({**figures, "eye": eye, **stage_columns(stages)})

@@ -16,6 +16,7 @@ from ..pipeline.planning import build_plan_for, plan_against
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
+from .whole_pictures import WholePictures
 
 # The run's own warp, and the one it is compared with.
 MAIN, AGAINST = 0, 1
@@ -36,6 +37,7 @@ class Probe:
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
         self._against = self._baseline()
+        self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
         self.against_ms: dict[tuple[int, int], tuple[tuple[str, float], ...]] = {}
@@ -92,20 +94,11 @@ class Probe:
 
         Its rendered picture has all effects drawn in.
         """
-        (number, eye), server = where, self._setup.server
-        inputs = self._setup.loop.inputs(refresh, against.plan.needs)[eye]
-        whole = None
-        if self._setup.plan.effects:
-            whole = server.draw(inputs.rendered.view, inputs.rendered.size, time_ns=inputs.rendered.drawn_ns)
-            inputs = attrs.evolve(
-                inputs, rendered=attrs.evolve(inputs.rendered, colour=whole.colour, inverse_depth=whole.inverse_depth)
-            )
-            self._setup.gpu.timer.collect()
+        number, eye = where
+        inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)
         self.against_ms[where] = tuple(self._setup.gpu.timer.collect())
         self._take(number, eye, AGAINST, inputs.rendered, other, truth, depth)
-        if whole is not None:
-            server.pool(whole.size).release(whole.colour)
 
     def _count_filled(self, result: EyeResult) -> None:
         covered = [("warp", coverage(result))]

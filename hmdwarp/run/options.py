@@ -150,21 +150,23 @@ class LiveOptions(PipelineOptions):
         super().__attrs_post_init__()
         if self.guard == AUTO:
             raise InputError(
-                "guard auto looks at the whole trace first, which a live run has not: give a number, or replay a "
+                "--guard auto looks at the whole trace first, which a live run has not: give a number, or replay a "
                 "recording"
             )
         if self.source == OFFSCREEN and not self.trace:
-            raise InputError("source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
+            raise InputError("--source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
         if self.trace and self.source in (AUTO_SOURCE, OPENXR):
-            raise InputError(f"trace {self.trace}: a headset has a head of its own; take --source desktop or offscreen")
+            raise InputError(
+                f"--trace {self.trace}: a headset has a head of its own; take --source desktop or offscreen"
+            )
         if self.warp == AUTO and self.bench is None:
             raise InputError(
-                "warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by "
+                "--warp auto in a live run needs a benchmark to choose from: make one by 'hmdwarp bench', give it by "
                 "--bench"
             )
         if self.images_every and self.out is None:
             raise InputError(
-                f"images-every {self.images_every}: there is no folder to keep pictures in; name one by --out"
+                f"--images-every {self.images_every}: there is no folder to keep pictures in; name one by --out"
             )
 
 

@@ -14,17 +14,23 @@ from ..pipeline.options import PipelineOptions
 from ..poses import PoseSample, PoseSource, PoseTrack
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
+from ..registry import unknown_name
+from ..server.draw import MIRRORS
 
 KEPT_NS = 1_000_000_000
 
 
 def check_names(options: PipelineOptions) -> None:
-    """Check predictor and codec.
+    """Check predictor, codec, mirrors and network.
 
-    Errors: UnknownNameError; MachineError for a codec that cannot run here.
+    Errors: UnknownNameError; InputError for an impossible network; MachineError for a codec that
+    cannot run here.
     """
     predictors.get(options.predict)
     check_codec(options.coding.codec)
+    if options.mirrors not in MIRRORS:
+        raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
+    options.network.check(round(options.latency_ms * 1e6))
 
 
 def pose_request(

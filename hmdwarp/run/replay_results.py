@@ -69,7 +69,11 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     """
     options, rows, auto = setup.options, log.rows, setup.auto
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
-    summary["link"] = {**setup.channel.summary(setup.schedule.rate_hz), "response_ms": response_figures(log.responses)}
+    summary["link"] = {
+        **setup.channel.summary(setup.schedule.rate_hz),
+        "response_ms": response_figures(log.responses),
+        "timeline": log.timeline.as_list(),
+    }
     summary |= more
     if weights := setup.pipeline.geometry.weights():
         summary["client_models"] = weights

@@ -128,11 +128,11 @@ def set_up_replay(
         source = RecordedSource(track)
         source.start()
         stack.callback(source.close)
-        age_ns = expected_age_ns(options, schedule.age_ns)
+        age_ns = expected_age_ns(options, schedule.age_ns, rate_hz)
         request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
         pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels))
-        notes = [*trace.notes(), *scene.notes, *notes]
+        notes = [*trace.notes(), *scene.notes, *notes, *options.notes]
         return ReplaySetup(options, trace, track, scene, headset, size, schedule, gpu, pipeline, notes, stack.pop_all())
 
 

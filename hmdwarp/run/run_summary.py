@@ -75,6 +75,7 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
         "size": list(facts.sizes.shown),
         "frames": frames,
         "rate_hz": facts.rate_hz,
+        "server_rate_hz": options.network.server_rate_hz,
         "guard": options.guard_band.factors(facts.sizes.shown).entry,
         "rendered": rendered_entry(options.guard_band, facts.sizes),
         "predict": options.predict,

@@ -58,13 +58,13 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
         raise InputError(f"the trace '{track.name}' has a single sample: expected head motion over time")
     if options.start_s >= length_s:
         raise InputError(
-            f"start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
+            f"--start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
         )
     options.network.check(latency_ns(options))
     age = refreshes_of(options.network.longest_ns(latency_ns(options)) / 1e6, rate_hz)
     if age / rate_hz > length_s:
         raise InputError(
-            f"latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame "
+            f"--latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame "
             "would arrive; "
             "use a shorter latency or a longer trace"
         )

@@ -14,6 +14,7 @@ from ..client.plan import needs_of
 from ..client.variants import every_warp
 from ..errors import PlanError
 from ..headsets import Headset, load_headset
+from ..link import LinkOptions
 from ..metrics import QualityPool, worker_count
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
@@ -61,7 +62,8 @@ def candidates(options: PipelineOptions) -> list[Combination]:
     build_plan_for(options.with_pair("none", "none"), headset, scene)
     for warp, fill in product(every_warp(), FILLS):
         try:
-            found.append(Combination(warp, fill, build_plan_for(options.with_pair(warp, fill), headset, scene)))
+            pair = options.with_pair(warp, fill)
+            found.append(Combination(warp, fill, build_plan_for(pair, headset, scene, shares_frames=True)))
         except PlanError:
             continue
     return found
@@ -101,8 +103,12 @@ def lens_ms(options: RunOptions) -> float:
 
 
 def _beside(options: RunOptions) -> RunOptions:
-    """Return the run whose frames are used, with the cheapest warp of its own."""
-    return attrs.evolve(options.with_pair("none", "none"), lens="none", against="")
+    """Return the run whose frames are used, with the cheapest warp of its own.
+
+    Its network only delays, so that frames_used knows which frames are shown.
+    """
+    network = LinkOptions(server_rate_hz=options.network.server_rate_hz)
+    return attrs.evolve(options.with_pair("none", "none"), lens="none", against="", network=network)
 
 
 def _first_times(

@@ -6,6 +6,7 @@ from ._load import load_scene as load_scene
 from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture
 from ._mirrors import SceneMirror as SceneMirror
+from ._reduce import only_light as only_light
 from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit
 from ._scene import Background as Background

@@ -46,7 +46,7 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
                 content = GltfContent(path, units, options.animation, notes, is_closed)
                 return _scene(path, options, notes, content.drafts, content.textures, content)
             if options.animation is not None:
-                raise InputError(f"animation '{options.animation}': only glTF files have animations; leave it out")
+                raise InputError(f"--animation '{options.animation}': only glTF files have animations; leave it out")
             textures: list[Texture] = []
             return _scene(path, options, notes, drafts_of(path, units, notes, textures), textures)
     except (HmdwarpError, MemoryError):
@@ -57,6 +57,8 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
 
 def _check_there(path: Path) -> None:
     known = f"expected a {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]} file"
+    if path.is_dir():
+        raise SceneError(f"{path} is a directory; {known}")
     if not path.is_file():
         raise SceneError(f"{path}: no such scene file; {known}, or the name of a scene")
     if path.stat().st_size == 0:
@@ -135,7 +137,7 @@ def _place(
     numbers = options.place
     if numbers is None:
         if content is None:
-            raise InputError(f"viewpoint '{options.viewpoint}': only glTF files have cameras; give X,Y,Z[,YAW]")
+            raise InputError(f"--viewpoint '{options.viewpoint}': only glTF files have cameras; give X,Y,Z[,YAW]")
         numbers = content.camera(options.viewpoint)
     eye, yaw = np.array(numbers[:3]), numbers[3]
     if is_inside(triangles, eye):

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
+_HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk
 _NUMBERS: dict[Any, Any] = {
     5120: np.int8,
     5121: np.uint8,
@@ -60,15 +61,21 @@ class GltfFile:
     @classmethod
     def parse(cls, path: Path, data: bytes) -> GltfFile:
         """Split the bytes of a GLB into its chunks; errors, as those of `read`, name `path`."""
-        try:
-            magic, version, _ = struct.unpack_from("<3I", data)
-            length, kind = struct.unpack_from("<2I", data, 12)
-        except struct.error as error:
-            raise SceneError(f"{path}: not a readable GLB file ({type(error).__name__}); export it again") from error
-        if magic != _MAGIC or version != 2 or kind != _JSON:
-            raise SceneError(f"{path}: not a GLB 2.0 file; export it again")
-        start, binary = 20 + length, b""
-        header = _header_of(path, data[20:start])
+        if data[:4] != struct.pack("<I", _MAGIC):
+            raise _no_glb(path, f"it begins with {data[:4]!r}", "b'glTF'")
+        if len(data) < _HEADERS:
+            raise _no_glb(path, f"it ends after {len(data)} bytes", f"{_HEADERS} of headers at least")
+        _, version, _, length, kind = struct.unpack_from("<5I", data)
+        if version != 2:
+            raise _no_glb(path, f"version {version} at byte 4", "2")
+        if kind != _JSON:
+            raise _no_glb(path, f"a chunk {data[16:20]!r} at byte 16", "b'JSON'")
+        start, binary = _HEADERS + length, b""
+        if start > len(data):
+            raise _no_glb(
+                path, f"its JSON of {length} bytes ends at byte {start}", f"{len(data)}, the file's end, at most"
+            )
+        header = _header_of(path, data[_HEADERS:start])
         if start + 8 <= len(data):
             length, kind = struct.unpack_from("<2I", data, start)
             binary = data[start + 8 : start + 8 + length] if kind == _BINARY else b""
@@ -170,7 +177,7 @@ class GltfFile:
             out[which] = values
         except (KeyError, TypeError, ValueError, IndexError) as error:
             raise self.error(
-                f"{user}: its sparse values do not fit ({type(error).__name__}); export it again"
+                f"{user}: its sparse values do not fit ({type(error).__name__}: {error}); export it again"
             ) from error
         return out
 
@@ -206,16 +213,23 @@ class GltfFile:
             return np.array(Image.open(io.BytesIO(data)).convert("RGBA"))
         except (OSError, ValueError, SyntaxError, TypeError) as error:
             raise self.error(
-                f"{user}: image {index} cannot be decoded ({type(error).__name__}); export it again"
+                f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded; expected "
+                "PNG, JPEG or WebP; export it again"
             ) from error
+
+
+def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
+    return SceneError(f"{path}: no GLB 2.0 file: {found}, expected {wanted}; export it again")
 
 
 def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     """Return the JSON of a glTF 2.0 file."""
     try:
         header = json.loads(text)
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{path}: its JSON is not UTF-8 text: {error}; export it again") from error
     except (ValueError, RecursionError) as error:
-        raise SceneError(f"{path}: not a readable glTF file ({type(error).__name__}); export it again") from error
+        raise SceneError(f"{path}: its JSON cannot be read: {error}; export it again") from error
     asset = header.get("asset") if isinstance(header, dict) else None
     version = asset.get("version", "2.0") if isinstance(asset, dict) else "2.0"
     if not isinstance(header, dict) or not str(version).startswith("2"):

@@ -119,7 +119,7 @@ class Looks:
         metal = float(np.clip(surface.get("metallicFactor", 1.0), 0, 1))
         metal *= 1.0 if image is None else float(image[..., 2].mean()) / 255
         if metal == 1:
-            self._notes.add("what transmits light but is a metal lets none pass", name)
+            self._notes.add("a metal transmits no light: what its alpha leaves free passes, nothing else", name)
         return passes * (1 - metal)
 
     def _reflectivity(self, gltf: dict, name: str, colour: Array) -> float:

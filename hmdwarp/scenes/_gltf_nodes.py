@@ -112,7 +112,7 @@ class Nodes:
         if asked is not None and asked not in names and asked == NONE:
             return []
         if asked is not None:
-            return [numbered(names, asked, "animations", "animation", NONE)]
+            return [numbered(names, asked, "animations", "--animation", NONE)]
         moved: set[tuple[object, object]] = set()
         playing, left = [], []
         for index, animation in enumerate(animations):

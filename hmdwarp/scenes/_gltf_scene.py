@@ -73,7 +73,7 @@ class GltfContent:
 
     def camera(self, asked: str) -> tuple[float, ...]:
         """Return x, y, z and yaw in degrees of a camera. Errors: InputError if unknown."""
-        index = numbered([name for name, _ in self.cameras], asked, "cameras", "viewpoint", "X,Y,Z[,YAW]")
+        index = numbered([name for name, _ in self.cameras], asked, "cameras", "--viewpoint", "X,Y,Z[,YAW]")
         matrix = self._nodes.at(self.cameras[index][1], 0)[0]
         ahead = -matrix[:3, 2]
         return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))

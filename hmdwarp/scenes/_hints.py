@@ -9,8 +9,9 @@ from ._notes import Notes
 from ._rays import Triangles
 
 Array = NDArray[np.float64]
-# Larger than a hall, or smaller than a coin: rarely meant in metres.
-_LARGE_M, _SMALL_M = 50.0, 0.02
+# Larger than a hall, which is rarely meant in metres; and smaller than a head moves, which goes
+# past it or through it.
+_LARGE_M, _SMALL_M = 50.0, 0.2
 _GROUND_SHARE, _THIN, _LEAST_THICK = 0.3, 0.02, 0.05
 
 
@@ -20,17 +21,16 @@ def add_hints(triangles: Triangles, low: Array, high: Array, scale: float, up: s
     low, high: corners of the scene in metres with +y up. scale, up: as the options have them.
     """
     size = float((high - low).max())
-    if scale == 1 and (size > _LARGE_M or size < _SMALL_M):
-        unit, metres = _unit_for(size)
+    if scale == 1 and size > _LARGE_M:
+        unit, metres = ("a millimetre", 0.001) if size > 1000 else ("a centimetre", 0.01)
         notes.add(f"{size:.3g} m across; if its unit is {unit}, use --scene-scale {metres:g}")
+    if scale == 1 and size < _SMALL_M:
+        larger = 10 ** round(-np.log10(size))
+        notes.add(
+            f"{size:.3g} m across, and a head moves farther; --scene-scale {larger:g} makes it {larger * size:.3g} m"
+        )
     if up == "y" and _stands_on_z(triangles, low, high):
         notes.add("its ground lies below the z axis, not the y axis; if z is up, use --scene-up z")
-
-
-def _unit_for(size: float) -> tuple[str, float]:
-    if size < _SMALL_M:
-        return "a kilometre", 1000.0
-    return ("a millimetre", 0.001) if size > 1000 else ("a centimetre", 0.01)
 
 
 def _stands_on_z(triangles: Triangles, low: Array, high: Array) -> bool:

@@ -28,6 +28,9 @@ from ._scene import Scene
 
 VERSION = 2  # of the results of decimated(); counted up with every change of them
 UNKNOWN_ALBEDO = 0.5
+# Black is drawn as this, so that what glows on it has a light: 1.2 % of white in sRGB.
+LEAST_ALBEDO = 2.0**-10
+WHITE = -1  # index of the texture that is 1 everywhere
 LEAST_TRIANGLES = 2000  # cheap to draw for any client, and a fifth of ten triangles would leave things out
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB
 
@@ -87,12 +90,27 @@ def unlit(scene: Scene) -> Scene:
     """Return the scene under light of 1: every surface's texture times its material's colour.
 
     Where a mesh lacks an albedo, its baked colour at a luminance of 0.5 replaces it: hue of
-    material and light together.
+    material and light together. Black is at least LEAST_ALBEDO.
     """
     return attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes])
 
 
+def only_light(scene: Scene) -> Scene:
+    """Return the scene as `unlit` leaves it out: white surfaces and sky under the light there is.
+
+    What glows by itself does so in the light. Per vertex, the light times the albedo of `unlit` is
+    the baked colour: exact over a triangle with one albedo or one light.
+    """
+    meshes = [attrs.evolve(mesh, light=mesh.light / _albedo(mesh), texture=WHITE) for mesh in scene.meshes]
+    sky = attrs.evolve(scene.background, zenith=(1.0, 1.0, 1.0), horizon=(1.0, 1.0, 1.0), ground=(1.0, 1.0, 1.0))
+    return attrs.evolve(scene, meshes=meshes, background=sky)
+
+
 def _albedo(mesh: Mesh) -> NDArray:
+    return np.maximum(_known_albedo(mesh), LEAST_ALBEDO)
+
+
+def _known_albedo(mesh: Mesh) -> NDArray:
     if mesh.albedo is not None:
         return mesh.albedo
     luminance = (mesh.light @ _LUMINANCE)[:, None]

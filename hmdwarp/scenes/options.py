@@ -68,7 +68,7 @@ class SceneOptions(Declared):
             return None  # a camera's number
         if len(numbers) not in (3, 4) or not all(map(math.isfinite, numbers)):
             raise InputError(
-                f"viewpoint '{self.viewpoint}': expected X,Y,Z or X,Y,Z,YAW, such as 0,1.6,2,90, or the name or "
+                f"--viewpoint '{self.viewpoint}': expected X,Y,Z or X,Y,Z,YAW, such as 0,1.6,2,90, or the name or "
                 "number of a camera in the file"
             )
         return (*numbers, 0.0)[:4]

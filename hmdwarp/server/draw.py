@@ -93,18 +93,25 @@ class Server:
         return into
 
     def draw_frame(
-        self, views: Sequence[View], drawn_ns: int, size: Size, guard: Guard = 1.0, needs: Needs | None = None
+        self,
+        views: Sequence[View],
+        drawn_ns: int,
+        size: Size,
+        guard: Guard = 1.0,
+        needs: Needs | None = None,
+        shown_size: Size | None = None,
     ) -> Frame:
         """Draw all eyes, and the needed layers, into pooled targets.
 
         guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
-        enlarged views. Return the frame to the pools with recycle(). Errors: as guarded_eyes;
-        InputError for a cube beyond the GL limit.
+        enlarged views. shown_size: of the display's picture, if the frame has another resolution.
+        Return the frame to the pools with recycle(). Errors: as guarded_eyes; InputError for a cube
+        beyond the GL limit.
         """
         needs = needs if needs is not None else Needs()
         fovs, grown = guarded_eyes(views, guard, size)
         guarded = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True)]
-        drawings = [Drawing(view, size, drawn_ns, needs, self._marched) for view in views]
+        drawings = [Drawing(view, size, drawn_ns, needs, shown_size, self._marched) for view in views]
         shared: dict[str, Any] = {}
         for part in self._parts_for(needs):
             shared |= part.of_frame(guarded, drawings[0])

@@ -1,5 +1,5 @@
-// One pass of SIZE x SIZE: an empty pixel with at least `minimum_count` covered neighbours takes
-// their median, channel by channel.
+// One 3x3 pass: an empty pixel with at least `minimum_count` covered neighbours takes their median,
+// channel by channel.
 // In: shown colour after the warp. Out: shown colour; pixels with too few covered neighbours stay
 // empty (coverage 0).
 // Source: the interpolation step of the 2014 thesis this project starts from.
@@ -9,7 +9,6 @@
 layout(rgba16f) writeonly uniform image2D filled;
 uniform ivec2 shown_size;
 
-#if SIZE == 3
 void main() {
     ivec2 p = first_pixel();
     if (p.x >= shown_size.x) return;
@@ -22,29 +21,3 @@ void main() {
         beside = above;
     }
 }
-#else
-#define MOST (SIZE * SIZE - 1)
-#include "lib/insertion_median.glsl"
-
-vec4 interpolated_around(ivec2 p) {
-    const int reach = SIZE / 2;
-    for (int k = 0; k < SIZE * SIZE; ++k) {
-        vec4 colour = imageLoad(warped, p + ivec2(k % SIZE, k / SIZE) - reach);
-        if (colour.a > 0.0) insert(colour.rgb);
-    }
-    vec4 found = sorted_count >= minimum_count ? vec4(middle_of_sorted(), 1.0) : vec4(0.0);
-    sorted_count = 0;
-    return found;
-}
-
-void main() {
-    ivec2 p = first_pixel();
-    if (p.x >= shown_size.x) return;
-    for (int row = 0; row < ROWS; ++row, ++p.y) {
-        if (p.y >= shown_size.y) break;
-        vec4 own = imageLoad(warped, p);
-        if (own.a == 0.0) own = interpolated_around(p);
-        imageStore(filled, p, own);
-    }
-}
-#endif

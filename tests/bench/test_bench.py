@@ -21,6 +21,7 @@ from hmdwarp.bench.displacement_grid import AXES, displaced
 from hmdwarp.bench.traffic import passes_of
 from hmdwarp.client import build_plan
 from hmdwarp.geometry import Pose
+from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import OutputFolder, validate_summary
 
@@ -337,3 +338,33 @@ def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monke
     assert quality["none", "none"] == quality["none", "interpolate"]
     assert quality["forward", "none"] != quality["forward", "interpolate"]
     assert all(row["frames"] == 2 for row in rows)
+
+
+def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_replays(tmp_path):
+    options = attrs.evolve(
+        SMALL,
+        warps=("none",),
+        fills=("none",),
+        latencies_ms=(100.0,),
+        server_rates_hz=(10.0, 25.0, 60.0),
+        grid=False,
+        fused=False,
+        budget_ms=None,
+        out=tmp_path / "bench",
+    )
+    rows = bench(options).data["rows"]
+    assert [row["server_rate_hz"] for row in rows] == [10.0, 25.0, 60.0]
+    errors = [row["quality"]["flip"]["mean"] for row in rows]
+    assert errors[0] > errors[2], "a frame that stays for 100 ms is older than one that stays for 17"
+    replayed = run(
+        tmp_path / "replay",
+        warp="none",
+        latency_ms=100.0,
+        headset=SMALL.headset,
+        network=LinkOptions(server_rate_hz=25.0),
+        guard=1.2,
+        metrics_every=1,
+    ).rows
+    for number, value in rows[1]["at_instants"]["flip"].items():
+        beside = [row["flip"] for row in replayed if row["frame"] == int(number)]
+        assert any(value == pytest.approx(one, abs=1e-6) for one in beside), "one of the two eyes"

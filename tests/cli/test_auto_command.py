@@ -10,7 +10,7 @@ from bench_files import a_bench
 def test_what_it_wants_and_what_plan_tells(command, tmp_path):
     path = a_bench(tmp_path / "b.json")
     command("replay", "walk", "--warp", "auto").refused("--budget MS")
-    command("replay", "walk", "--budget", "3").refused("only warp 'auto' keeps to a budget")
+    command("replay", "walk", "--budget", "3").refused("only --warp auto keeps to a budget")
     command("replay", "walk", "--warp", "auto", "--budget", "3", "--fill", "none").refused("chooses the fill too")
     command("plan", "--warp", "auto").refused("--budget MS")
     usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--warp", "auto", "--budget")

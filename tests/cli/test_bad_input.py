@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from pathlib import Path
 
 import needs
 import numpy as np
@@ -79,6 +80,25 @@ def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
     command("replay", tmp_path / "traces", *quick).refused(str(tmp_path / "traces"), "directory")
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("plan", "--scene", "FOLDER"),
+        ("plan", "--scene", "FOLDER.glb"),
+        ("plan", "--headset", "FOLDER"),
+        ("plan", "--headset", "FOLDER.toml"),
+        ("study", "plan", "FOLDER"),
+        ("study", "power", "quick", "--model", "FOLDER", "--out", "out"),
+    ],
+)
+def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    typed = [str(tmp_path / one.replace("FOLDER", "folder")) if "FOLDER" in one else one for one in arguments]
+    folder = next(one for one in typed if one.startswith(str(tmp_path)))
+    Path(folder).mkdir()
+    command(*typed).refused(folder, "is a directory")
+
+
 # --- names
 # --------------------------------------------------------------------------------------------------
 
@@ -132,9 +152,9 @@ def test_unknown_commands_and_options(arguments, command):
 @pytest.mark.parametrize(
     ("option", "value", "told"),
     [
-        ("--latency", "-1", "latency -1 ms"),
+        ("--latency", "-1", "--latency -1 ms: expected a finite number of at least 0 ms"),
         ("--latency", "nan", "latency nan"),
-        ("--latency", "inf", "latency inf"),
+        ("--latency", "inf", "--latency inf ms: expected a finite number"),
         ("--latency", "soon", "--latency"),
         ("--latency", "20001", "longer than the trace 'still' (20.000 s)"),
         ("--size", "0x0", "'0x0'"),

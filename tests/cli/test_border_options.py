@@ -59,7 +59,9 @@ def test_what_cannot_be_meant(command):
     ):
         for guard in ("1", "1.25x1.125", "auto"):
             both = ("--guard", guard, "--rendered-size", "1600x900")
-            command(*which, *both).refused("guard and rendered-size both say", "leave one of them out")
+            command(*which, *both).refused("--guard and --rendered-size both say", "leave one of them out")
     command("replay", "still", "--warp", "auto", "--budget", "9", "--wide").refused("--wide", "chooses the fill too")
     command("replay", "still", "--wide", "--fill", "wide+interpolate").refused("the same fill twice")
-    command("replay", "still", "--wide", "--warp", "rotation", "--fused").refused("use fill none, or leave fused out")
+    command("replay", "still", "--wide", "--warp", "rotation", "--fused").refused(
+        "use --fill none, or leave --fused out"
+    )

@@ -6,6 +6,7 @@ What there is, told so that people and programs can read it.
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -15,6 +16,7 @@ import trimesh
 import typer
 
 from hmdwarp.cli._app import app
+from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
@@ -59,6 +61,25 @@ def eighty_columns(monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
 
 
+@pytest.mark.parametrize("name", commands)
+def test_arguments_are_written_in_capitals_in_every_help(name, command):
+    """typer puts them into brackets of its own, by its version."""
+    usage, _, rest = command(*name.split(), "--help").done().out.partition("\n\n")
+    shown = usage.partition("[OPTIONS]")[2]
+    assert shown == shown.upper()
+    arguments = [option.flag for option in commands[name] if option.positional]
+    assert re.findall(r"[A-Z|]+", shown) == arguments
+    assert all(f"\n  {one} " in rest for one in arguments)
+
+
+def test_list_alone_lists_its_kinds(command):
+    out = command("list").done().out
+    assert [line.split()[0] for line in out.splitlines() if line and line[0] != " "] == list(KINDS)
+    assert json.loads(command("list", "--json").done().out) == [
+        {"name": name, "summary": summary} for name, summary in KINDS.items()
+    ]
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_json_is_an_array_of_named_things(kind, command):
     rows = json.loads(command("list", kind, "--json").done().out)
@@ -77,10 +98,12 @@ def test_lists_hold_what_the_registries_hold(command):
 def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):
     rows = {row["name"]: row for row in json.loads(command("list", "layers", "--json").out)}
     assert list(rows) == layers.names()
-    cube = ["rgba16f", "its own", "17.5 MB for each eye of rift-dk1", "cube", "packed"]
+    cube = ["rgba16f", "its own", "17.5 MB for each eye of rift-dk1", "cube", "video"]
     assert [rows["cube"][key] for key in ("format", "size", "bytes", "drawn_by", "coded_as")] == cube
     assert rows["colour"]["carried"] == "once for each eye, always"
     assert rows["overlay"]["size"] == "of the shown picture"
+    assert rows["reflection"]["coded_as"] == "video beyond 1 + inverse depth + vectors"
+    assert rows["ids"]["coded_as"] == "packed" and rows["others"]["coded_as"] == "nothing"
     assert rows["others"]["bytes"] == rows["others"]["size"] == "none"
 
 
@@ -225,7 +248,11 @@ def test_plan_counts_bytes_and_frames(command):
         ("--warp", "fward", "'forward'"),
         ("--scene", "roon", "'room'"),
         ("--guard", "400", "guard 400"),
-        ("--latency", "nan", "latency nan"),
+        ("--latency", "nan", "--latency nan"),
+        ("--codec", "q", "unknown codec 'q'"),
+        ("--predict", "q", "unknown predictor 'q'"),
+        ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
+        ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )
 def test_plan_refuses_what_replay_refuses(option, value, told, command):

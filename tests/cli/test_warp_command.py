@@ -93,6 +93,18 @@ def test_integer_depth_needs_its_unit(warp, tmp_path):
     warp({"depth_scale": [1, 2]}).refused("frame.npz: depth_scale")
 
 
+def test_float_colour_says_its_encoding(warp, tmp_path):
+    """By the option or by a key of the frame; the option is stronger."""
+    colour = arrays()["colour"] / 255
+    warp({"colour": colour * 255}).refused("linear light has 1 for white")
+    for frame, options in (
+        ({"colour": colour, "encoding": "srgb"}, []),
+        ({"colour": colour, "encoding": "linear"}, ["--encoding", "srgb"]),
+    ):
+        warp(frame, None, *options, "--force", out="out.png").done()
+        assert np.array_equal(np.asarray(Image.open(tmp_path / "out.png"))[..., :3], arrays()["colour"])
+
+
 def test_help_names_what_can_work_on_one_frame(command):
     text = " ".join(command("warp", "--help").done().out.split())
     assert f" {', '.join(usable_warps())}. " in text

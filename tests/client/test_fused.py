@@ -21,7 +21,15 @@ from hmdwarp.headsets import Headset, headset_names, load_headset
 
 WITH_LENS = [name for name in headset_names() if load_headset(name).lens]
 FUSING = [name for name in warps.names() if warps.get(name).fuses]
-WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "backward", "environment"]  # their twins answer for any direction
+WITH_TWIN_AT_PLACES = [
+    "none",
+    "shift",
+    "similarity",
+    "rotation",
+    "planar",
+    "backward",
+    "environment",
+]  # their twins answer for any direction
 SIZES = [
     ((67, 53), (61, 83)),
     ((64, 64), (101, 37)),

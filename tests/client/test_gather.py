@@ -41,7 +41,7 @@ def warped(
     return picture, out
 
 
-@pytest.mark.parametrize("name", ["rotation", "planar"])
+@pytest.mark.parametrize("name", ["shift", "similarity", "rotation", "planar"])
 @pytest.mark.parametrize("axis", [(0, 1, 0), (1, 0, 0), (1, 1, 0)])
 def test_an_eye_that_looks_the_other_way_sees_nothing(gpu, name, axis):
     """Behind the rendered eye the homography still has an answer, upside down.
@@ -69,7 +69,7 @@ def test_an_eye_short_of_the_plane_sees_its_middle(gpu):
     assert (out == 1).all()
 
 
-@pytest.mark.parametrize("name", ["rotation", "none"])
+@pytest.mark.parametrize("name", ["rotation", "shift", "none"])
 def test_a_step_without_a_turn_keeps_the_picture_bit_for_bit(gpu, name):
     q = np.array([0.1, -0.2, 0.3, 0.9])
     picture, out = warped(gpu, name, Pose((1.5, -0.3, 2.0), q), 0.5, seed=1, rendered=Pose((0.2, 0.1, 0), q))

@@ -21,7 +21,7 @@ from hmdwarp.frames import EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov
 
-EVERY_EFFECT = effects.ordered(effects.names())
+EVERY_EFFECT = effects.ordered(effect.name for effect in effects if not effect.by_name_only)
 SETS = [chosen for count in range(8) for chosen in itertools.combinations(EVERY_EFFECT, count)]
 SIZES = EyeSizes((40, 30), (20, 10), (Fov.symmetric(1, 1),) * 2)
 
@@ -78,10 +78,10 @@ def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
 
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
 def test_fused_with_the_lens_nothing_is_composited(warp):
-    plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True)
+    plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True, named=EVERY_EFFECT)
     assert all(issubclass(one.made_by, RenderedPass) for one in plan.effect_passes)
     assert not any(SHOWN in step.writes for step in plan.steps)
-    for effect in effects:
+    for effect in map(effects.get, EVERY_EFFECT):
         if not issubclass(effect.made_by, RenderedPass):
             assert "nothing can be composited" in dict(plan.left_out)[effect.name]
 
@@ -89,8 +89,21 @@ def test_fused_with_the_lens_nothing_is_composited(warp):
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if not warp.carries])
 def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
     left_out = dict(plan_of(EVERY_EFFECT, warp).left_out)
-    for effect in effects:
+    for effect in map(effects.get, EVERY_EFFECT):
         assert ("carries nothing" in left_out.get(effect.name, "")) == effect.made_by.carries
+
+
+@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
+def test_an_imposter_compensates_only_what_is_asked_for_by_name(declared):
+    imposters = [warp.name for warp in warps if warp.imposter]
+    assert imposters == ["none"]
+    plan = plan_of(declared, "none", fill="interpolate", lens="radial")
+    assert plan.effects == () and plan.needs == Needs() and plan.layers == ("rendered.colour",)
+    assert not any(step.stage == "effects" for step in plan.steps)
+    reasons = [dict(plan.left_out)[name] for name in declared]
+    assert all("warp 'none' compensates nothing unless" in one or one.startswith("it refines") for one in reasons)
+    by_name = plan_of(declared, "none", named=declared)
+    assert by_name.effects == plan_of(declared).effects and by_name.needs == plan_of(declared).needs
 
 
 def test_what_was_forced_or_forbidden_is_told_as_that():

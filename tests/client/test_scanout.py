@@ -26,7 +26,7 @@ from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import load_headset
 
 FOLLOWING = [name for name in warps.names() if warps.get(name).scans_out]
-WITH_TWIN_AT_PLACES = ["none", "rotation", "planar", "environment"]
+WITH_TWIN_AT_PLACES = ["none", "shift", "rotation", "planar", "environment"]
 SIZES = [(67, 53), (1, 1), (129, 2)]
 
 

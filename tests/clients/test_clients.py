@@ -65,7 +65,9 @@ def test_no_plan_for_a_client_uses_what_it_lacks(name, warp):
         if not client.more_layers:
             assert not read & sent
         if not client.compute_shaders:
-            assert not plan.warp.needs_compute and not any(each.entry.needs_compute for each in plan.fills)
+            assert not plan.warp.needs_compute and not any(
+                each.entry.needs_compute_for(each.settings) for each in plan.fills
+            )
 
 
 def plan_warp(warp: str) -> str:
@@ -106,6 +108,13 @@ class Recorder(ShaderLibrary):
     def compute(self, path, **defines):
         self.texts.append("\n".join(flatten(path, defines).lines))
         return super().compute(path, **defines)
+
+
+@pytest.mark.parametrize("fill", ["interpolate:size=5", "interpolate:size=7"])
+def test_larger_kernels_run_over_a_list_so_they_take_compute_shaders(fill):
+    _plan("class-1", "rotation", "interpolate")
+    with pytest.raises(PlanError, match=f"fill '{fill}' cannot do without compute shaders"):
+        _plan("class-1", "rotation", fill)
 
 
 @pytest.mark.parametrize("entry", [each for each in (*warps, *fills) if not each.needs_compute], ids=lambda e: e.name)

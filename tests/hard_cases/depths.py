@@ -38,7 +38,7 @@ def depth_holes_of_every_kind(gpu, name):
         assert np.isfinite(out.colour).all()
         assert out.colour[..., 0].max() <= 0.25 * (1 + 2 * HALF)
         assert set(np.unique(out.coverage)) <= {0, 1}
-    assert out.hole_share > 0 or name in ("none", "rotation", "planar")
+    assert out.hole_share > 0 or name in ("none", "shift", "similarity", "rotation", "planar")
 
 
 @hard_case(reads_depth)

@@ -87,8 +87,10 @@ def points_at_and_behind_the_eye(gpu, name):
     colour[12:17] = (4.0, 0.25, 0.25)  # at and behind the eye: red
     setting = Setting(gpu, near, Pose((0, 0, -1)), colour=colour)
     for picture in setting.pictures(name):
-        # planar knows one depth for all, backward without its test none of the rendered picture's
-        if name not in ("planar", "backward:test=off") and not brings_more_pictures(name):
+        # planar and similarity know one depth for all, backward without its test none of the
+        # rendered picture's
+        others = ("planar", "similarity", "backward:test=off")
+        if name not in others and not brings_more_pictures(name):
             assert (picture.colour[picture.decided][:, 0] <= 0.25 * (1 + 2 * HALF)).all()
 
 
@@ -220,7 +222,7 @@ def zero_baseline(gpu, name):
     for near, far in zip(
         Setting(gpu, SLANTED, pose).pictures(name), Setting(gpu, SLANTED / 8, pose).pictures(name), strict=True
     ):
-        if name in ("rotation", "planar", "none"):
+        if name in ("none", "shift", "similarity", "rotation", "planar"):
             assert np.abs(near.colour - far.colour)[near.decided & far.decided].max(initial=0) <= HALF + 4e-5
 
 

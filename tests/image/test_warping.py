@@ -285,8 +285,32 @@ def test_whatever_the_depths_the_result_is_finite(data):
 
 
 def test_light_beyond_half_is_clipped_not_lost():
-    out = warp_image(np.full((2, 2, 3), 1e9, np.float32), np.ones((2, 2)), view(), view())
+    out = warp_image(np.full((2, 2, 3), 1e9, np.float32), np.ones((2, 2)), view(), view(), encoding="linear")
     assert (out.colour == np.finfo(np.float16).max).all()
+
+
+def test_eight_bits_as_floats_are_refused_not_taken_as_light():
+    """Whole numbers of a dark picture, and the fractions that resizing makes of a bright one."""
+    rng = np.random.default_rng(23)
+    dark = np.where(rng.random((4, 6, 3)) < 0.9, 0, 200).astype(np.float32)
+    bright = rng.uniform(0, 255, (4, 6, 3))
+    for colour in (dark, bright, bright / 255 * 65535):
+        with pytest.raises(InputError, match="linear light has 1 for white.*encoding="):
+            warp_image(colour, DEPTH, view(), view())
+    # A bright spot in a picture lit as usual, and any light that is said to be light.
+    lit = rng.random((4, 6, 3)).astype(np.float16).astype(np.float32)
+    lit[1, 2] = 5000
+    for colour, said in ((lit, None), (rng.integers(0, 255, (4, 6, 3)).astype(np.float32), "linear")):
+        assert np.array_equal(warp_image(colour, DEPTH, view(), view(), encoding=said).colour, colour)
+
+
+def test_float_colour_may_be_srgb():
+    picture = np.random.default_rng(24).integers(0, 256, (4, 6, 3), dtype=np.uint8)
+    wanted = warp_image(picture, DEPTH, view(), view())
+    found = warp_image((picture / 255).astype(np.float32), DEPTH, view(), view(), encoding="srgb")
+    assert np.array_equal(srgb8_from_linear(found.colour), picture)
+    assert np.array_equal(srgb8_from_linear(wanted.colour), picture)
+    assert np.array_equal(warp_image(picture, DEPTH, view(), view(), encoding="srgb").colour, wanted.colour)
 
 
 @pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64, np.longdouble])
@@ -367,6 +391,9 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
         ({"colour": None}, "colour has shape"),
         ({"colour": np.where(np.indices((4, 6, 3))[1] == 5, np.nan, 0.0)}, "row 0, column 5 is not a finite number"),
         ({"colour": np.full((4, 6, 3), np.inf)}, "not a finite number"),
+        ({"encoding": "sRGB"}, "encoding is 'sRGB': expected srgb or linear"),
+        ({"colour": COLOUR.astype(np.uint8), "encoding": "linear"}, "uint8, which is sRGB, and encoding is linear"),
+        ({"colour": COLOUR + 1.5, "encoding": "srgb"}, "goes up to 1.5: expected sRGB as floats of 0 to 1"),
         ({"depth_m": DEPTH.T}, r"depth_m is float64 \(6, 4\): expected numbers of shape \(4, 6\)"),
         ({"depth_m": DEPTH[..., None]}, "depth_m"),
         ({"depth_m": DEPTH > 0}, "depth_m is bool"),

@@ -21,6 +21,7 @@ from hmdwarp.link.delays.uniform import UniformJitter
 
 STEPS_NS = st.one_of(st.just(0), st.integers(1, 3), st.integers(0, 50_000_000))
 DELAYS_NS = st.one_of(st.sampled_from([0, 1, 2]), st.integers(0, 200_000_000))
+STAGES_NS = st.one_of(st.just(0), st.integers(0, 30_000_000))
 BANDWIDTHS = st.none() | st.builds(Bandwidth, st.sampled_from([0.5, 8, 50]), st.sampled_from([0, 10, 100]))
 
 
@@ -32,12 +33,13 @@ def constant(latency_ns: int, *callbacks) -> Link:
 class Sent:
     """What the test knows of a frame.
 
-    When it can be shown (None: never), and whether anything it builds on is missing.
+    When it arrives (None: never), and whether anything it builds on is missing.
     """
 
     ready_ns: int | None
     usable: bool
     fate: str = "under_way"
+    decode_ns: int = 0
 
 
 class AgainstAModel(RuleBasedStateMachine):
@@ -46,9 +48,10 @@ class AgainstAModel(RuleBasedStateMachine):
     Nothing of the link's own book-keeping is read to judge it.
     """
 
-    @initialize(bandwidth=BANDWIDTHS, decodes=st.booleans())
-    def start(self, bandwidth, decodes):
-        self.bandwidth, self.decodes = bandwidth, decodes
+    @initialize(bandwidth=BANDWIDTHS, decodes=st.booleans(), stages=st.booleans())
+    def start(self, bandwidth, decodes, stages):
+        """stages: whether rendering, encoding and decoding take time."""
+        self.bandwidth, self.decodes, self.stages = bandwidth, decodes, stages
         self.discarded: list[int] = []
         self.wasted: list[int] = []
         self.received: list[int] = []
@@ -56,9 +59,17 @@ class AgainstAModel(RuleBasedStateMachine):
         delays, losses = iter(lambda: self.delay, None), iter(lambda: self.is_lost, None)
         receive = self.receive if decodes else None
         self.link = Link(
-            delays, losses, bandwidth, discard=self.discarded.append, wasted=self.wasted.append, receive=receive
+            delays,
+            losses,
+            bandwidth,
+            discard=self.discarded.append,
+            wasted=self.wasted.append,
+            receive=receive,
+            decoding=lambda number: self.frames[number].decode_ns,
         )
         self.frames: list[Sent] = []
+        self.encoded_ns = self.decoder_ns = 0
+        self.decoded: dict[int, int] = {}
         self.chain_is_whole = True
         self.sent_ns = self.asked_ns = self.free_ns = self.ready_ns = 0
         self.last: int | None = None
@@ -73,18 +84,22 @@ class AgainstAModel(RuleBasedStateMachine):
         size=st.integers(0, 200_000),
         lost=st.sampled_from([False] * 4 + [True]),
         key=st.booleans(),
+        times=st.tuples(STAGES_NS, STAGES_NS, STAGES_NS),
     )
-    def send(self, step, delay, size, lost, key):
+    def send(self, step, delay, size, lost, key, times):
         self.sent_ns += step
         self.delay, self.is_lost = delay, lost
-        self.frames.append(self.predicted(delay, size, lost, key))
-        self.link.send(len(self.frames) - 1, self.sent_ns, size, key)
+        render, encode, decode = times if self.stages else (0, 0, 0)
+        # The encoder takes one after the other.
+        self.encoded_ns = max(self.sent_ns + render, self.encoded_ns) + encode
+        self.frames.append(self.predicted(delay, size, lost, key, decode))
+        self.link.send(len(self.frames) - 1, self.sent_ns, size, key, render, encode)
 
-    def predicted(self, delay, size, lost, key) -> Sent:
-        start, dropped, transfer = self.sent_ns, False, 0
+    def predicted(self, delay, size, lost, key, decode) -> Sent:
+        start, dropped, transfer = self.encoded_ns, False, 0
         if self.bandwidth is not None:
-            start = max(self.sent_ns, self.free_ns)
-            dropped = start - self.sent_ns > self.bandwidth.queue_ms * 1e6
+            start = max(self.encoded_ns, self.free_ns)
+            dropped = start - self.encoded_ns > self.bandwidth.queue_ms * 1e6
             transfer = 0 if dropped else round(size * 8 / (self.bandwidth.mbit * 1e6) * 1e9)
             self.free_ns = self.free_ns if dropped else start + transfer
         ready = start + transfer + delay
@@ -93,7 +108,17 @@ class AgainstAModel(RuleBasedStateMachine):
         missing = dropped or lost
         self.chain_is_whole = not missing and (key or self.chain_is_whole)
         usable = self.chain_is_whole or not self.decodes
-        return Sent(None if missing else ready, usable, "dropped" if dropped else "lost" if lost else "under_way")
+        fate = "dropped" if dropped else "lost" if lost else "under_way"
+        return Sent(None if missing else ready, usable, fate, decode)
+
+    def decode(self) -> None:
+        """Note when each frame that has arrived can be shown: decoded one by one as they arrive."""
+        came = [(frame.ready_ns, n) for n, frame in enumerate(self.frames) if frame.ready_ns is not None]
+        for ready, n in sorted(came):
+            if ready <= self.asked_ns and n not in self.decoded:
+                takes = self.frames[n].decode_ns if self.frames[n].usable else 0
+                self.decoded[n] = max(ready, self.decoder_ns) + takes if takes else ready
+                self.decoder_ns = self.decoded[n] if takes else self.decoder_ns
 
     @rule(step=STEPS_NS)
     def ask(self, step):
@@ -103,15 +128,15 @@ class AgainstAModel(RuleBasedStateMachine):
     @rule(which=st.integers(0, 100), beside=st.sampled_from([-1, 0, 1]))
     def ask_at_an_arrival(self, which, beside):
         """At the very nanosecond of an arrival, one before and one after."""
-        instants = [frame.ready_ns for frame in self.frames if frame.ready_ns is not None]
+        arrivals = [frame.ready_ns for frame in self.frames if frame.ready_ns is not None]
+        instants = [*arrivals, *self.decoded.values()]
         if instants:
             self.asked_ns = max(self.asked_ns, instants[which % len(instants)] + beside)
             self.check(self.link.newest(self.asked_ns))
 
     def check(self, got):
-        came = [
-            n for n, frame in enumerate(self.frames) if frame.ready_ns is not None and frame.ready_ns <= self.asked_ns
-        ]
+        self.decode()
+        came = [n for n, ready in sorted(self.decoded.items()) if ready <= self.asked_ns]
         fresh = [n for n in came if self.frames[n].fate == "under_way"]
         newest = max((n for n in came if self.frames[n].usable), default=None)
         # The newest that has arrived: never early, and no due frame is passed over. Never back.
@@ -127,7 +152,7 @@ class AgainstAModel(RuleBasedStateMachine):
         self.last = got
         assert (self.link.transit.number if self.link.transit else None) == got
         if got is not None:
-            assert self.link.transit.ready_ns == self.frames[got].ready_ns
+            assert self.link.transit.ready_ns == self.decoded[got]
 
     @invariant()
     def the_tally_adds_up(self):

@@ -78,9 +78,10 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
         for name, crf in (("none", None), ("h264", 18))
     }
     layers = {"colour": 2 * 160 * 120 * 8 * 8 * 60 / 1e6, "inverse_depth": 2 * 160 * 120 * 4 * 8 * 60 / 1e6}
-    assert told["none"]["link"] | {"frames": 0, "response_ms": 0} == {
+    assert told["none"]["link"] | {"frames": 0, "response_ms": 0, "timeline": 0} == {
         "frames": 0,
         "response_ms": 0,
+        "timeline": 0,
         "layers_mbit_s": pytest.approx(layers),
         "mbit_s": pytest.approx(sum(layers.values())),
         "frame_bytes": 2 * 160 * 120 * 12,

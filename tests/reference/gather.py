@@ -1,4 +1,4 @@
-"""Twins of the gather warps: none, rotation, planar, backward."""
+"""Twins of the gather warps: none, shift, rotation, similarity, planar, backward."""
 
 from __future__ import annotations
 
@@ -6,13 +6,69 @@ import attrs
 import numpy as np
 
 from hmdwarp.geometry import Pose, View, WarpMap
-from reference._rays import FLOAT32_UNIT, Array, project
+from reference._rays import FLOAT32_UNIT, Array, Places, pixel_centres, pixel_error_bound, project
 from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
 
 
 def none(inputs: TwinInputs) -> ReferencePicture:
     """The rendered picture at the same angles from the view axis."""
     return _through_infinity(inputs, View(inputs.rendered.pose, inputs.shown.fov))
+
+
+def shift(inputs: TwinInputs) -> ReferencePicture:
+    """The same tangents from the middle of the view, which is where its direction was drawn."""
+    return _from_the_middle(inputs, 0.0, lambda ring, seen: 1.0 + 0j)
+
+
+def similarity(inputs: TwinInputs) -> ReferencePicture:
+    """A turn and scale about the middle of the view, fitted to rays close around it that meet the
+    plane at the median depth.
+    """
+    r = median_inverse_depth(inputs.inverse_depth)
+    return _from_the_middle(inputs, r, lambda ring, seen: (ring.conj() @ seen) / (ring.conj() @ ring))
+
+
+RING = 1e-4 * np.exp(2j * np.pi * np.arange(12) / 12)  # tangents; third derivatives enter by its square
+
+
+def _from_the_middle(inputs: TwinInputs, r: float, fitted) -> ReferencePicture:
+    """fitted: the complex factor, from tangents around the middle and what they become."""
+    shown, rendered = inputs.shown, inputs.rendered
+    left, right, down, up = shown.fov.tangents
+    middle = complex(left + right, down + up) / 2
+    moved = (shown.pose.position_m - rendered.pose.position_m) * (r > 0)
+    tangents = middle + np.array([0, *RING])
+    rays = np.stack([tangents.real, tangents.imag, -np.ones(len(tangents))], axis=-1)
+    rays = rays @ shown.pose.rotation.as_matrix().T
+    axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
+    past = 1 - r * (axis @ moved)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse_length = (rays @ axis) * r / past
+        pixels, _, _ = project(rays, moved, inverse_length, rendered, inputs.size)
+        ahead = ((rays @ axis) / past > 0)[0]
+    left, right, down, up = rendered.fov.tangents
+    per_tangent = np.array(inputs.size) / (right - left, up - down)
+    seen = (pixels - pixels[0]) / per_tangent @ (1, 1j)
+    factor = fitted(RING, seen[1:])
+    own = inputs.tangents() - middle
+    places = pixels[0] + np.stack([(factor * own).real, (factor * own).imag], axis=-1) * per_tangent
+    places = np.where(ahead, places, np.nan)
+    bound = _middle_bound(inputs, r, moved, past)
+    return sample_covered(inputs.colour, places, bound, inputs.sampler_pixels)
+
+
+def _middle_bound(inputs: TwinInputs, r: float, moved: Array, past: float) -> Array:
+    """That of the planar map at the middle, with its derivative off by 32 units in each pixel from
+    there.
+    """
+    given = inputs.places or Places(pixel_centres(inputs.shown_size))
+    middle = np.array(inputs.shown_size) / 2
+    from_middle = np.linalg.norm(np.nan_to_num(given.pixels) - middle, axis=-1)
+    error = np.asarray(given.error) + 32 * FLOAT32_UNIT * from_middle
+    at = Places(np.broadcast_to(middle, given.pixels.shape), error, given.rounding)
+    warp = WarpMap.between(inputs.shown, inputs.shown_size, inputs.rendered, inputs.size)
+    bound = pixel_error_bound(warp, inputs.shown_size, np.full(inputs.shape, r), at)
+    return 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
 
 
 def rotation(inputs: TwinInputs) -> ReferencePicture:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from hmdwarp.geometry import View, WarpMap
-from reference._rays import Places, pixel_error_bound, world_directions
+from reference._rays import Places, pixel_centres, pixel_error_bound, rays_through, world_directions
 
 Array = NDArray[np.float64]
 
@@ -84,6 +84,13 @@ class TwinInputs:
     def directions(self, view: View) -> Array:
         """(h, w, 3) directions in the world that `view`, of the shown size, looks in."""
         return world_directions(view, self.shown_size, None if self.places is None else self.places.pixels)
+
+    def tangents(self) -> Array:
+        """(h, w) complex: the tangents that the shown view looks along."""
+        rays = rays_through(
+            self.shown, self.shown_size, pixel_centres(self.shown_size) if self.places is None else self.places.pixels
+        )
+        return rays[..., :2] @ (1, 1j)
 
     def map_error(self, warp: WarpMap, inverse_depth: Array) -> Array:
         """(h, w): how far a shader's rendered pixels may be off, see pixel_error_bound."""

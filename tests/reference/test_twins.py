@@ -144,12 +144,15 @@ def test_the_tolerance_covers_a_moved_look(seed, error):
 
 
 @pytest.mark.parametrize(
-    "twin", [gather.none, gather.rotation, gather.planar, scatter.forward], ids=lambda t: t.__name__
+    "twin",
+    [gather.none, gather.shift, gather.similarity, gather.rotation, gather.planar, scatter.forward],
+    ids=lambda t: t.__name__,
 )
 def test_an_unmoved_eye_sees_the_picture_itself(twin):
     picture, depth = random_picture(1, (9, 7)), np.random.default_rng(2).uniform(0, 2, (7, 9))
     got = twin(TwinInputs(picture, depth, STRAIGHT, STRAIGHT, (9, 7)))
-    assert np.abs(got.colour - picture).max() <= 1e-12
+    # The ring of the twin of similarity is 1e-4 wide: differences of pixels near 10 over that.
+    assert np.abs(got.colour - picture).max() <= 1e-10
 
 
 def test_known_shifts():
@@ -183,6 +186,32 @@ def test_a_quarter_roll_turns_the_picture():
     # Bottom row first: the new column x, row y shows what was at row x, from the right by y.
     wanted = picture.transpose(1, 0, 2)[::-1]
     assert np.abs(got - wanted).max() <= 1e-9
+
+
+def test_shift_keeps_the_picture_upright_and_similarity_rolls_it():
+    picture = random_picture(4, (8, 8))
+    rolled = View(Pose(orientation_xyzw=(0, 0, math.sqrt(0.5), math.sqrt(0.5))), FOV)
+    asked = TwinInputs(picture, np.ones((8, 8)), STRAIGHT, rolled, (8, 8))
+    assert np.abs(gather.shift(asked).colour - picture).max() <= 1e-9
+    assert np.abs(gather.similarity(asked).colour - gather.rotation(asked).colour).max() <= 1e-7
+
+
+def test_similarity_scales_about_the_middle():
+    """Half way to a wall at 2 m everything is twice as large."""
+    picture = random_picture(6, (8, 8))
+    nearer = View(Pose((0, 0, -1)), FOV)
+    asked = TwinInputs(picture, np.full((8, 8), 0.5), STRAIGHT, nearer, (8, 8))
+    got, wanted = (twin(asked).colour for twin in (gather.similarity, gather.planar))
+    assert np.abs(got - wanted).max() <= 1e-7
+    assert np.abs(gather.shift(asked).colour - picture).max() <= 1e-9
+
+
+def test_a_small_turn_shifts_by_the_offset_of_the_middle():
+    """5 pixels per tangent: a turn by atan 0.2 to the right moves the middle by one pixel."""
+    picture, half = random_picture(7, (10, 10)), math.atan(0.2) / 2
+    right = View(Pose(orientation_xyzw=(0, -math.sin(half), 0, math.cos(half))), FOV)
+    got = gather.shift(TwinInputs(picture, np.ones((10, 10)), STRAIGHT, right, (10, 10))).colour
+    assert np.abs(got[:, :9] - picture[:, 1:]).max() <= 1e-9 and (got[:, 9] == 0).all()
 
 
 def test_none_keeps_the_angle_when_the_fields_of_view_differ():

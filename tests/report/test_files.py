@@ -272,6 +272,40 @@ def test_what_a_living_run_has_written_stays(tmp_path):
     assert everything_below(tmp_path) == {"summary.json"}
 
 
+WRITING = """
+import os, sys
+from hmdwarp.report import atomic
+with atomic(sys.argv[1]) as temporary:
+    temporary.write_bytes(b"half")
+    print("there", flush=True)
+    sys.stdin.read()
+    os.kill(os.getpid(), 9)
+"""
+
+
+def test_partial_files_of_killed_runs_go_with_the_next_write_of_that_name(tmp_path):
+    """Those of a living run stay, as do those of other names and what only looks alike."""
+    path, environment = tmp_path / "table.csv", {**os.environ, "PYTHONPATH": str(Path(files.__file__).parents[2])}
+    others = {".other.csv.0123abcd.part", ".table.csv.mine.part", "table.csv.0123abcd.part"}
+    for name in others:
+        (tmp_path / name).write_bytes(b"")
+
+    def partial() -> set[str]:
+        return {p.name for p in tmp_path.glob(".table.csv.*.part")} - others
+
+    run = [sys.executable, "-c", WRITING, str(path)]
+    with subprocess.Popen(run, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"there\n"
+        (theirs,) = partial()
+        write_bytes(path, b"whole")
+        assert partial() == {theirs} and (tmp_path / theirs).read_bytes() == b"half"
+        process.stdin.close()
+        assert process.wait() == -signal.SIGKILL
+    assert partial() == {theirs}
+    write_bytes(path, b"again")
+    assert everything_below(tmp_path) == {"table.csv", *others} and path.read_bytes() == b"again"
+
+
 def test_an_output_folder_that_cannot_be_written_fails_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
     for path in (tmp_path / "file", tmp_path / "file" / "below", tmp_path / ("x" * 300)):

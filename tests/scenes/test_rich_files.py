@@ -74,7 +74,7 @@ def glass_of(colour, transmission: float, metallicFactor: float = 0.0) -> dict: 
 
 def test_what_transmits_but_is_a_metal_or_has_a_texture_for_it_is_told(tmp_path):
     metal = Glb().material(**glass_of((1, 1, 1, 1), 0.9, 1.0)).load(tmp_path)
-    assert not effects.of(metal) and "transmits light but is a metal" in metal.notes[0]
+    assert not effects.of(metal) and "a metal transmits no light: what its alpha leaves free passes" in metal.notes[0]
     material = glass_of((1, 1, 1, 1), 0.9)
     material["extensions"]["KHR_materials_transmission"]["transmissionTexture"] = {"index": 0}
     (note,) = Glb().material(**material).load(tmp_path).notes
@@ -110,6 +110,7 @@ def test_what_is_blended_or_transmits_is_see_through(tmp_path):
         ((0.2, 0.9, 0.4, 0.25), 1.0, 0.0, "BLEND"),
         ((0.2, 0.9, 0.4, 0.6), 0.3, 0.5, "BLEND"),
         ((0.2, 0.9, 0.4, 0.6), 0.9, 1.0, "BLEND"),
+        ((0.0, 0.0, 0.0, 0.25), 1.0, 1.0, "BLEND"),  # a metal by glTF's default: 75 % pass
         ((0.2, 0.9, 0.4, 0.6), 0.0, 0.0, "BLEND"),
         ((0.2, 0.9, 0.4, 1.0), 0.7, 0.0, "OPAQUE"),
     ],

@@ -265,3 +265,37 @@ def test_an_obj_with_a_picture_that_cannot_be_read_says_so(tmp_path):
     (tmp_path / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
     (note,) = load_scene(tmp_path / "a.obj", IN_PLACE).notes
     assert note == "a.obj: a file that it names cannot be read, drawn grey: texture 'picture.png'"
+
+
+def damaged() -> dict[str, tuple[bytes, str]]:
+    """Bytes of a GLB that is none, and what is said of them."""
+    data = Glb().data()
+    json_bytes = int.from_bytes(data[12:16], "little")
+    end = 20 + json_bytes
+    return {
+        "another format": (b"PK\x03\x04" + data[4:], r"begins with b'PK\\x03\\x04', expected b'glTF'"),
+        "cut in its header": (data[:15], "ends after 15 bytes, expected 20 of headers at least"),
+        "version 1": (data[:4] + b"\1" + data[5:], "version 1 at byte 4, expected 2"),
+        "no JSON first": (data[:16] + b"BIN\0" + data[20:], r"a chunk b'BIN\\x00' at byte 16, expected b'JSON'"),
+        "cut in its JSON": (data[:100], f"its JSON of {json_bytes} bytes ends at byte {end}, expected 100, the file's"),
+        "broken JSON": (data[:20] + b"{]" + data[22:], "its JSON cannot be read: Expecting property name.*char 1"),
+        "JSON that is no text": (data[:20] + b"\xff" + data[21:], "not UTF-8 text: .* byte 0xff in position 0"),
+    }
+
+
+@pytest.mark.parametrize("how", damaged())
+def test_a_damaged_glb_is_told_by_what_stands_where(tmp_path, how):
+    data, said = damaged()[how]
+    (tmp_path / "bad.glb").write_bytes(data)
+    with pytest.raises(SceneError, match=f"bad.glb: .*{said}.*; export it again"):
+        load_scene(tmp_path / "bad.glb")
+
+
+def test_a_picture_that_is_none_is_told_by_what_it_begins_with(tmp_path):
+    glb = Glb()
+    glb.header["images"] = [{"bufferView": glb.view(b"GIF87a, and no more"), "mimeType": "image/png"}]
+    glb.header["textures"] = [{"source": 0}]
+    glb.material(pbrMetallicRoughness={"baseColorTexture": {"index": 0}})
+    (note,) = glb.load(tmp_path).notes
+    print(note)
+    assert "image 0, 19 bytes that begin with b'GIF87a, ', cannot be decoded; expected PNG" in note

@@ -227,7 +227,8 @@ def test_a_viewpoint_inside_a_thing_is_taken_and_said(tmp_path):
     [
         (1000.0, "thing.glb: 6e+03 m across; if its unit is a millimetre, use --scene-scale 0.001"),
         (100.0, "thing.glb: 600 m across; if its unit is a centimetre, use --scene-scale 0.01"),
-        (0.001, "thing.glb: 0.006 m across; if its unit is a kilometre, use --scene-scale 1000"),
+        (0.001, "thing.glb: 0.006 m across, and a head moves farther; --scene-scale 100 makes it 0.6 m"),
+        (1 / 60, "thing.glb: 0.1 m across, and a head moves farther; --scene-scale 10 makes it 1 m"),
     ],
 )
 def test_units_other_than_metres_are_noticed_and_left_alone(tmp_path, factor, said):

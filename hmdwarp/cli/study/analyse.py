@@ -62,18 +62,19 @@ def analyse(said: Said) -> None:
     Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
     name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
-    from ...study.analysis import Resampling, SourceOptions, claims_for, ratings_from, write_analysis
+    from ...study.analysis import Resampling, SourceOptions, analysis_folder, claims_for, ratings_from, write_analysis
     from ...study.analysis import analyse as run
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
     columns = SourceOptions(_columns(options.column), options.scale, options.low_is_good, origin)
-    ratings = ratings_from(options.source, options.store, columns)
-    published, note = claims_for(options.claims, ratings, columns)
-    ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
-    resampling = Resampling(options.seed, options.resamples)
-    data = run(ratings, resampling, options.family or (), published)
-    page = write_analysis(options.out, data, command_line(), force=options.force)
+    with analysis_folder(options.out, force=options.force) as out:
+        ratings = ratings_from(options.source, options.store, columns)
+        published, note = claims_for(options.claims, ratings, columns)
+        ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
+        resampling = Resampling(options.seed, options.resamples)
+        data = run(ratings, resampling, options.family or (), published)
+        page = write_analysis(out, data, command_line())
     if not said["quiet"]:
         _print(data)
         typer.echo(f"report: {page}")

@@ -7,7 +7,7 @@ from pathlib import Path
 import attrs
 import typer
 
-from ...options import Declared, option
+from ...options import Declared, force_field, option
 from .._options import Said, takes
 
 
@@ -16,12 +16,14 @@ class InitOptions(Declared):
     """A new plan."""
 
     name: str = option(attrs.NOTHING, "Name of the study; the file is NAME.toml.", positional=True, metavar="NAME")
+    force: bool = force_field()
 
 
 @takes(InitOptions)
 def init(said: Said) -> None:
-    """Write NAME.toml, a commented plan that can be run as it is; nothing is overwritten."""
+    """Write NAME.toml, a commented plan that can be run as it is."""
     from ...study.design import write_new_plan
 
-    path = write_new_plan(InitOptions.of(said).name, Path())
+    options = InitOptions.of(said)
+    path = write_new_plan(options.name, Path(), force=options.force)
     typer.echo(f"written: {path}; change it, then: hmdwarp study plan {path}")

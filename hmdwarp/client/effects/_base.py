@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ...scenes import Mesh, Scene
     from ..carry import Carry
+    from ..client_geometry import ClientGeometry
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
 
@@ -38,6 +39,8 @@ class Effect:
     source: str
     # Name of the effect that this one builds on, "" for none.
     refines: str = ""
+    # Whether it is a way to draw frames that only `--effects` asks for, not content of a scene.
+    by_name_only: bool = False
 
 
 @attrs.frozen(eq=False)
@@ -50,6 +53,8 @@ class Tools:
     pictures: int
     # Most rendered images of one eye that a pass receives: the newest and `others`.
     images: int = 1
+    # What the client draws by itself; None for plans that read none of it.
+    geometry: ClientGeometry | None = None
 
 
 class EffectPass(ABC):

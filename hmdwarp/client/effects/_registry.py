@@ -30,6 +30,15 @@ class EffectRegistry(Registry[Effect]):
         and changes no picture.
         Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
         """
+        forced, forbidden = self._told(text)
+        return self.ordered({*declared, *forced} - forbidden)
+
+    def forced(self, text: str) -> frozenset[str]:
+        """Return the names that `text` forces. text, errors: as `selected`."""
+        return frozenset(self._told(text)[0])
+
+    def _told(self, text: str) -> tuple[set[str], set[str]]:
+        """Return the names that are forced and those that are forbidden."""
         known = self.names()
         forced, forbidden = set[str](), set[str]()
         for word in filter(None, (part.strip() for part in text.split(","))):
@@ -41,8 +50,8 @@ class EffectRegistry(Registry[Effect]):
             elif word != AUTO:
                 raise unknown_name("effect", name, [*known, *(f"{FORBID}{one}" for one in known), AUTO, NONE])
         if both := self.ordered(forced & forbidden):
-            raise InputError(f"effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
-        return self.ordered({*declared, *forced} - forbidden)
+            raise InputError(f"--effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
+        return forced, forbidden
 
     def ordered(self, names: Iterable[str]) -> tuple[str, ...]:
         """Return the names in the order of their effects."""

@@ -72,6 +72,11 @@ class Fill(ABC):
         return Needs()
 
     @classmethod
+    def needs_compute_for(cls, settings: Any) -> bool:
+        """Return whether it needs compute shaders with these settings."""
+        return cls.needs_compute
+
+    @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
         """Return the least bytes that one eye's picture reads and writes.
 

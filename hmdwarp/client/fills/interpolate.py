@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
@@ -12,6 +12,8 @@ from ._base import Fill
 if TYPE_CHECKING:
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
+
+WORKERS = 1 << 14  # invocations that share the list of holes
 
 
 def minimum_count(size: int) -> int:
@@ -42,12 +44,39 @@ class Interpolate(Fill):
     Settings = InterpolateSettings
     variants = ("size=5", "size=7")
 
+    @classmethod
+    def needs_compute_for(cls, settings: Any) -> bool:
+        """Return whether it runs over a list of holes, which larger kernels do."""
+        return bool(settings.size > 3)
+
     def prepare(self) -> None:
-        self._program = self.gpu.shaders.compute("fills/interpolate.comp", SIZE=self.settings.size)
+        size, (wide, high) = self.settings.size, self.shown_size
+        shaders = self.gpu.shaders
+        if size == 3:
+            self._program, self._list, self._holes = shaders.compute("fills/interpolate.comp"), None, None
+            return
+        # Run for every pixel, a large kernel takes llvmpipe three to four times as long after
+        # `forward`, where most holes are cracks.
+        self._program = shaders.compute("fills/interpolate_listed.comp", SIZE=size)
+        self._list = shaders.compute("fills/hole_list.comp", COPY=1)
+        self._holes = self.gpu.gl.buffer(reserve=16 + 4 * wide * high)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         picture.colour.texture.bind_to_image(1, read=True, write=False)
         into.colour.bind_for_writing()
-        least = minimum_count(self.settings.size)
-        self._program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size, minimum_count=least)
-        self._program.run(*self.shown_size)
+        units, least = {"warped": 1, "filled": 0}, minimum_count(self.settings.size)
+        if self._list is None or self._holes is None:
+            self._program.uniforms.set(shown_size=self.shown_size, minimum_count=least, **units)
+            self._program.run(*self.shown_size)
+            return
+        self._holes.write(bytes(16))
+        self._holes.bind_to_storage_buffer(2)
+        self._list.uniforms.set(shown_size=self.shown_size, **units)
+        self._list.run(*self.shown_size)
+        self.gpu.barrier()
+        self._program.uniforms.set(minimum_count=least, **units)
+        self._program.run(WORKERS)
+
+    def close(self) -> None:
+        if self._holes is not None:
+            self._holes.release()

@@ -102,7 +102,8 @@ class Relight(Fill):
         offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
         self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
         self._holes = gl.buffer(reserve=16 + 4 * wide * high)
-        self._find, self._list, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in _PASSES)
+        self._find, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in _PASSES)
+        self._list = self.gpu.shaders.compute("fills/hole_list.comp", COPY=0)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         view = inputs.middle
@@ -151,4 +152,4 @@ class Relight(Fill):
         return (4 * (8 + 4) + 2) * shown_pixels
 
 
-_PASSES = ("relight_blocks", "relight_list", "relight")
+_PASSES = ("relight_blocks", "relight")

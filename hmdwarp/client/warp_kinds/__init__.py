@@ -5,6 +5,7 @@ from .gather import GatherWarp, bind_rendered_colour
 from .guesses import DepthGuesses, no_pieces, piece_list
 from .homography import HomographyWarp
 from .mesh import MeshWarp, steepest
+from .plane import PlaneWarp
 from .scatter import OrderedScatter, ScatterWarp, check_room
 from .seeds import Seeds
 from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
@@ -19,6 +20,7 @@ __all__ = [
     "HomographyWarp",
     "MeshWarp",
     "OrderedScatter",
+    "PlaneWarp",
     "ScatterWarp",
     "Seeds",
     "bind_rendered_colour",

@@ -58,6 +58,9 @@ class Warp(ABC):
     needs_compute: ClassVar[bool] = True
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
+    # Whether it stands for no compensation at all: no effect is compensated beside it unless it is
+    # asked for by name, and frames carry the whole picture.
+    imposter: ClassVar[bool] = False
 
     def __init__(
         self,

@@ -20,6 +20,7 @@ class NoWarp(HomographyWarp):
     exact_when = "the head is still"
     gets_wrong = "everything that moves relative to the head"
     source = "the baseline of every comparison"
+    imposter = True
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         return super().map_between(View(rendered.pose, shown.fov), rendered)

@@ -51,7 +51,7 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     if view == BOTH:
         return WindowView(headset, 2, size or headset.eye_size_px, width / height, headset)
     if view != FLAT:
-        raise InputError(f"view '{view}': expected {BOTH} or {FLAT}")
+        raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
     wide, aspect = float(np.abs(headset.left_fov.tangents[:2]).max()), 2 * width / height
     high = wide / aspect
     eye = OneEye(headset.name, Fov.from_tangents((-wide, wide, -high, high)))

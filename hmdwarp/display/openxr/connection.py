@@ -86,7 +86,7 @@ class Connection:
         """
         if size[0] > self._largest[0] or size[1] > self._largest[1]:
             raise InputError(
-                f"size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}"
+                f"--size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}"
             )
         kind, deep = colour_format(self._formats), depth_format(self._formats)
         colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]

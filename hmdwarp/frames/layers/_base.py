@@ -57,6 +57,8 @@ class Layer:
     per_frame: ClassVar[bool] = False
     # Whether every frame has it, needed or not.
     always: ClassVar[bool] = False
+    # Whether the picture lacks what the layer shows.
+    apart: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
     nothing: ClassVar[Any] = 0
     something: ClassVar[Any] = True

@@ -53,6 +53,7 @@ class Reflections(Layer):
     # What is seen is shown by a share of its light, so light beyond 1 matters.
     codings = (BRIGHT_VIDEO, DEPTH, VECTORS)
     drawn_by = "reflections"
+    apart = True
     something = Mirrored.PLANE | Mirrored.CURVED
 
     @classmethod

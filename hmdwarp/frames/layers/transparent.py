@@ -34,6 +34,7 @@ class Transparency(Layer):
     summary = "glass and the like as a veil with a depth of its own"
     formats = ("rgba16f", "r32f", "rgba16f")
     drawn_by = "transparency"
+    apart = True
 
     @classmethod
     def textures(cls, data: Transparent) -> Iterable[moderngl.Texture]:

@@ -1,4 +1,4 @@
-"""Coding of frames for the network: colour by a video codec, depth by a code of our own.
+"""Coding of frames for the network: light by a video codec, all else by codes of our own.
 
 Names are in __init__.pyi; each loads its module at first use: declaring an option loads no codec.
 """

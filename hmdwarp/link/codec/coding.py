@@ -22,12 +22,12 @@ class Coding(Declared):
     codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
     crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)
     bitrate_mbit: float | None = option(
-        None, "Bit rate of one eye's colour, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
+        None, "Bit rate of one eye's videos together, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
     )
 
     def __attrs_post_init__(self) -> None:
         if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):
-            found = f"crf {self.crf}" if self.crf is not None else f"bitrate {self.bitrate_mbit:g} Mbit/s"
+            found = f"--crf {self.crf}" if self.crf is not None else f"--bitrate {self.bitrate_mbit:g} Mbit/s"
             raise InputError(f"{found} without a codec: nothing is encoded; choose one with --codec, or leave it out")
         check_quality(self.crf, self.bitrate_mbit)
 
@@ -35,8 +35,10 @@ class Coding(Declared):
 def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
     """Check the numbers. Errors: InputError for both together, or one out of bounds."""
     if crf is not None and bitrate_mbit is not None:
-        raise InputError(f"crf {crf} beside {bitrate_mbit:g} Mbit/s: expected a quality or a rate, not both")
+        raise InputError(
+            f"--crf {crf} beside --bitrate {bitrate_mbit:g} Mbit/s: expected a quality or a rate, not both"
+        )
     if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:
-        raise InputError(f"crf {crf}: expected {_CRFS[0]} (best) to {_CRFS[1]}")
+        raise InputError(f"--crf {crf}: expected {_CRFS[0]} (best) to {_CRFS[1]}")
     if bitrate_mbit is not None and not 0.01 <= bitrate_mbit <= 1000:
-        raise InputError(f"bitrate {bitrate_mbit:g} Mbit/s: expected 0.01 to 1000 for one eye")
+        raise InputError(f"--bitrate {bitrate_mbit:g} Mbit/s: expected 0.01 to 1000 for one eye")

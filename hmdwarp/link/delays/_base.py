@@ -34,7 +34,7 @@ class DelayModel(abc.ABC):
     def check(self, latency_ns: int) -> None:
         """Check the latency. Errors: InputError if the model cannot be applied to it."""
         if not 0 <= latency_ns < math.inf:  # NaN too
-            raise InputError(f"latency {latency_ns / 1e6:g} ms: expected 0 or more")
+            raise InputError(f"--latency {latency_ns / 1e6:g} ms: expected 0 or more")
 
     @abc.abstractmethod
     def longest_ns(self, latency_ns: int) -> int:

@@ -26,7 +26,7 @@ class ConstantDelay(DelayModel):
     def parse(cls, argument: str) -> ConstantDelay:
         if argument:
             raise InputError(
-                f"jitter 'constant:{argument}': a constant delay takes no number; its length is the latency"
+                f"--jitter 'constant:{argument}': a constant delay takes no number; its length is the latency"
             )
         return cls()
 

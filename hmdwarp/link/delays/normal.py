@@ -29,7 +29,7 @@ class NormalJitter(DelayModel):
 
     @classmethod
     def parse(cls, argument: str) -> NormalJitter:
-        return cls(milliseconds("jitter normal", argument))
+        return cls(milliseconds("--jitter normal", argument))
 
     @property
     def _deviation_ns(self) -> float:

@@ -33,7 +33,7 @@ class DelayTrace(DelayModel):
     def parse(cls, argument: str) -> DelayTrace:
         """Read the file `argument`, see `read_delays`."""
         if not argument:
-            raise InputError("jitter 'trace': expected a file of delays after it (--delay-trace FILE)")
+            raise InputError("--jitter 'trace': expected a file of delays after it (--delay-trace FILE)")
         return cls(tuple(read_delays(Path(argument))), Path(argument))
 
     def longest_ns(self, latency_ns: int) -> int:

@@ -21,7 +21,7 @@ class UniformJitter(DelayModel):
 
     @classmethod
     def parse(cls, argument: str) -> UniformJitter:
-        return cls(milliseconds("jitter uniform", argument))
+        return cls(milliseconds("--jitter uniform", argument))
 
     @property
     def _spread_ns(self) -> int:
@@ -30,7 +30,7 @@ class UniformJitter(DelayModel):
     def check(self, latency_ns: int) -> None:
         super().check(latency_ns)
         if self._spread_ns > latency_ns:
-            found = f"jitter uniform:{self.spread_ms:g} around a latency of {latency_ns / 1e6:g} ms"
+            found = f"--jitter uniform:{self.spread_ms:g} around a latency of {latency_ns / 1e6:g} ms"
             raise InputError(
                 f"{found} would have frames arrive before they were sent: expected a jitter of at most the latency"
             )

@@ -242,7 +242,7 @@ def parse_euler(text: str) -> Euler:
 
     order, _, unit = text.strip().lower().partition(",")
     if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
-        raise InputError(f"euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
+        raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
     return Euler(order, unit.strip() == "deg")
 
 

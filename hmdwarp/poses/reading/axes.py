@@ -45,7 +45,7 @@ class Axes:
     def __attrs_post_init__(self) -> None:
         if np.linalg.det(self.world) * np.linalg.det(self.head) < 0:
             raise InputError(
-                f"axes {self.words()}: one of the two is left-handed and the other right-handed; "
+                f"--axes {self.words()}: one of the two is left-handed and the other right-handed; "
                 "a rotation keeps the hand, so turn one axis of either around"
             )
 
@@ -126,13 +126,13 @@ def parse_axes(text: str) -> Axes:
     found: dict[str, str] = dict(_PARTS.findall(text))
     if found:
         if _PARTS.sub("", text).strip(" ,;"):
-            raise InputError(f"axes '{text}': expected {_SYNTAX}")
+            raise InputError(f"--axes '{text}': expected {_SYNTAX}")
         world = _basis(found.get("world", found.get("head", "")))
         return Axes(world, _basis(found.get("head", found.get("world", ""))))
     if "," in text:
         return Axes(_basis(text), _basis(text))
     if not re.fullmatch(r"[a-z][a-z0-9 _-]*", text):
-        raise InputError(f"axes '{text}': expected {_SYNTAX}")
+        raise InputError(f"--axes '{text}': expected {_SYNTAX}")
     return load_preset(re.sub(r"[ _]", "-", text)).axes
 
 
@@ -177,7 +177,7 @@ def _basis(words: str) -> NDArray[np.float64]:
         rows.append(np.array(_AXES[letter]) * sign)
     basis = np.array(rows)
     if basis.shape != (3, 3) or abs(abs(np.linalg.det(basis)) - 1) > 1e-9:
-        raise InputError(f"axes '{words}': expected three different ones, right,up,forward, for instance x,z,y")
+        raise InputError(f"--axes '{words}': expected three different ones, right,up,forward, for instance x,z,y")
     basis[2] *= -1  # OpenXR's z points back
     return basis
 
@@ -194,7 +194,7 @@ def axis_word(direction: NDArray[np.float64]) -> str:
 
 def _no_up(text: str) -> InputError:
     return InputError(
-        f"up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
+        f"--up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
         "(0.04,0.95,0.3)"
     )
 
@@ -202,7 +202,7 @@ def _no_up(text: str) -> InputError:
 def _upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
     length = float(np.linalg.norm(up))
     if not (math.isfinite(length) and length > 1e-6):
-        raise InputError(f"up {up.tolist()}: expected a direction that is not zero")
+        raise InputError(f"--up {up.tolist()}: expected a direction that is not zero")
     up = up / length
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])

@@ -23,6 +23,7 @@ _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("guard", lambda v: f"guard {v}" if isinstance(v, str) else f"guard {v:g}"),
     ("predict", lambda v: f"predict {v}"),
     ("rate_hz", lambda v: f"{v:g} Hz"),
+    ("server_rate_hz", lambda v: f"server {v:g} Hz"),
 )
 _IN_EVERY_LABEL = ("trace", "latency_ms")
 
@@ -140,6 +141,7 @@ def _columns() -> dict[str, Column]:
         _text_column("trace", "recording"),
         _text_column("scene", "scene"),
         Column(Figure("latency_ms", "latency", "ms", 0), lambda row: row.get("latency_ms")),
+        Column(Figure("server_rate_hz", "server", "Hz", 0), lambda row: row.get("server_rate_hz")),
         _text_column("size", "size", lambda row: "x".join(map(str, row["size"])) if row.get("size") else None),
         _text_column("lens", "lens"),
         _text_column("headset", "headset"),

@@ -33,6 +33,8 @@ class Drawing:
     time_ns: int = 0
     # The layers to draw.
     needs: Needs = Needs()
+    # (w, h) of the display's picture, where this one has another resolution.
+    shown_size: tuple[int, int] | None = None
     # Whether plane mirrors show only what the picture itself shows, see Server.
     marched: bool = False
 

@@ -37,7 +37,7 @@ class Overlay(Part):
         if "overlay" not in drawing.needs:
             self._draw(eye.view, drawing.time_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE)
             return eye
-        into = self.context.acquire(drawing.size, depth=False).colour
+        into = self.context.acquire(drawing.shown_size or drawing.size, depth=False).colour
         framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
             framebuffer.clear()

@@ -6,6 +6,7 @@ from .comparisons import Resampling as Resampling
 from .comparisons import compared as compared
 from .comparisons import families_for as families_for
 from .full_analysis import analyse as analyse
+from .full_analysis import analysis_folder as analysis_folder
 from .full_analysis import write_analysis as write_analysis
 from .order_models import order_effects as order_effects
 from .ratings import Rating as Rating

@@ -38,18 +38,24 @@ SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
 
 
-def write_analysis(folder: str | os.PathLike, data: Mapping[str, Any], command: str, *, force: bool = False) -> Path:
-    """Write the folder, whole or not at all, and return the path of the page.
+def analysis_folder(folder: str | os.PathLike, *, force: bool = False) -> OutputFolder:
+    """Return the folder to write an analysis to; made before the work, it checks the place.
 
     Errors: InputError or MachineError for a place that cannot be written.
     """
-    page = render_study_report(data, command)
-    with OutputFolder(folder, owned=("tables/*.csv", REPORT), last=DATA, force=force) as out:
-        for name, (columns, rows) in csv_tables(data).items():
-            out.write_csv(f"tables/{name}", rows, columns)
-        out.write_text(REPORT, page)
-        out.write_json(DATA, data)
-    return Path(folder) / REPORT
+    return OutputFolder(folder, owned=("tables/*.csv", REPORT), last=DATA, force=force)
+
+
+def write_analysis(out: OutputFolder, data: Mapping[str, Any], command: str) -> Path:
+    """Write an analysis and return the path that its page will have.
+
+    Errors: InputError or MachineError for a place that cannot be written.
+    """
+    for name, (columns, rows) in csv_tables(data).items():
+        out.write_csv(f"tables/{name}", rows, columns)
+    out.write_text(REPORT, render_study_report(data, command))
+    out.write_json(DATA, data)
+    return out.folder / REPORT
 
 
 def analyse(

@@ -8,6 +8,7 @@ import attrs
 
 from ...errors import InputError
 from ..design import SHIPPED, load_design
+from ..scales import RATING
 from ..store import DATABASE, PERSON, PILOT, Store, folder_to_read, store_folder
 from .claims import Claims, load_claims
 from .ratings import Ratings
@@ -35,7 +36,9 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
     origin = options.origin or PERSON
     published = SHIPPED / f"{name}_ratings.csv"
     if store is None and published.is_file() and not (store_folder(design, None, origin) / DATABASE).exists():
-        known = attrs.evolve(options, scale=options.scale or design.scales[0].name)
+        known = attrs.evolve(
+            options, scale=options.scale or next(one.name for one in design.scales if one.kind == RATING)
+        )
         return attrs.evolve(from_csv(published, known), title=design.title)
     with Store(folder_to_read(design, store, origin), study=design.name) as data:
         contents = data.contents(pilot=origin == PILOT)

@@ -10,10 +10,11 @@ from functools import partial
 from pathlib import Path, PurePath
 
 from ...errors import InputError
+from ...options import as_keys
 from ...registry import unknown_name
 from ...scenes import Scene, SceneKey, with_targets
 from ...tables import KeyFault, Table, quoted
-from .condition_settings import DISPLAY, SettingFault, check_settings, live_options, resolve_paths
+from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part, Task
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
@@ -73,7 +74,7 @@ class Checker:
         try:
             check_settings(settings, self._scenes) if self._checked else live_options(settings)
         except InputError as error:
-            raise self._blamed(table, own, who, str(error), getattr(error, "key", "")) from error
+            raise self._blamed(table, own, who, as_keys(str(error), KINDS), getattr(error, "key", "")) from error
         return settings
 
     def _placed(self, table: Table, settings: Mapping[str, object], who: str) -> dict[str, object]:

@@ -18,6 +18,7 @@ from .page_pictures import ENDINGS, open_picture
 PRACTICE = "practice"
 TASKS = ("targets",)
 UNTIL_DONE, LONGEST_S = "until done", 600.0
+_MOST_ASKED = 3  # questions of a questionnaire after each trial
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 
 
@@ -32,16 +33,18 @@ def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> S
 def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
     """Load the scales of a list.
 
-    questionnaires: whether they belong before or after the session; else they follow each trial.
+    questionnaires: whether they belong before or after the session; else they follow each trial,
+    where a questionnaire is short.
     """
     names = table.texts(key) if not questionnaires else table.texts(key, ())
     made: list[Scale] = []
     for number, name in enumerate(names):
         scale = scale_at(table, key, name, folder, number)
-        if not questionnaires and scale.kind == QUESTIONNAIRE:
+        if not questionnaires and scale.kind == QUESTIONNAIRE and (scale.scores or len(scale.items) > _MOST_ASKED):
             raise table.fault(
                 key,
-                f"has '{name}', a questionnaire of {len(scale.items)} items: expected a scale that takes a moment",
+                f"has '{name}', a questionnaire of {len(scale.items)} items{' with scores' if scale.scores else ''}: "
+                f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores",
                 number,
             )
         if scale.name in [one.name for one in made]:

@@ -21,7 +21,6 @@ from ...pipeline.sizes import guarded_size
 from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
 from ...run.options import FLAT
 from ...scenes import Scene, SceneKey
-from ...server.draw import MIRRORS
 from ...tables import quoted
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
@@ -68,9 +67,6 @@ def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]
     Errors: InputError and its kin, now and not in the middle of a session.
     """
     options = live_options(settings)
-    if options.mirrors not in MIRRORS:
-        raise InputError(f"mirrors '{options.mirrors}': expected {' or '.join(MIRRORS)}")
-    options.network.check(round(options.latency_ms * 1e6))
     headset = load_headset(options.headset)
     _check_guard(options, headset)
     scene = scenes[options.scene_key] = checked_scene(options, scenes.get(options.scene_key))

@@ -231,8 +231,9 @@ def _of_people(design: Design) -> list[str]:
         out.append("sickness has no stop rule: stop_at ends the session at an answer that bad")
     if design.practice is None:
         out.append("there is no [practice]: the first trial is also the first look, and is rated as such")
-    if len({scale.low_is_good for scale in design.scales}) > 1:
-        good = ", ".join(f"{scale.name}: {'low' if scale.low_is_good else 'high'}" for scale in design.scales)
+    rated = [scale for scale in design.scales if scale.has_answers]
+    if len({scale.low_is_good for scale in rated}) > 1:
+        good = ", ".join(f"{scale.name}: {'low' if scale.low_is_good else 'high'}" for scale in rated)
         out.append(f"the scales go different ways ({good} is good): participants may confuse them unnoticed")
     if design.consent is None:
         out.append("there is no [consent] text to agree to")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..design import Design, Order, Part, allot, rows_for
-from ..scales import Scale
+from ..scales import QUESTIONNAIRE, Scale
 from ..store import COMPLETE, SICK, STOPPED
 from .random_draws import table_of
 from .response_model import Floats, Model, of_share, on_scale
@@ -60,7 +60,7 @@ class Population:
         self._means = {
             scale.name: model.rating(scale).means_of(self.part, f"{model.path}: [rating.{scale.name}.means]")
             for scale in design.scales
-            if scales is None or scale.name in scales
+            if scale.kind != QUESTIONNAIRE and (scales is None or scale.name in scales)
         }
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...display import Command
 from ..design import Ask, Design, Order, Pause, Read, Show, Step
-from ..scales import WORDS
+from ..scales import QUESTIONNAIRE, WORDS
 from ..store import STOPPED
 from .cohort import Population
 from .random_draws import draw_for
@@ -73,9 +73,10 @@ class Simulated:
         """
         if step.phase == "trial" and step.scale.name in self._cohort.answers:
             return _known(self._cohort.answers[step.scale.name][0, step.trial - 1])
-        if step.phase in ("practice", "trial"):
+        about_trial = step.phase in ("practice", "trial")
+        if about_trial and step.scale.kind != QUESTIONNAIRE:
             return _known(self._cohort.sickness[0, step.trial])
-        if step.item.answer:
+        if step.item.answer or about_trial:
             values = step.scale.of(step.item).values()
             return values[int(self._draw("answer", step.key) * len(values))]
         shown = 0 if step.phase == "before" else trial

@@ -29,7 +29,7 @@ def load_scale(name: str) -> Scale:
     """
     path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and name not in scale_names():
-        raise unknown_name("scale", name, scale_names())
+        raise unknown_name("scale", name, [*scale_names(), "FILE.toml"])
     text = text_of(path, f"a .toml file, or one of {', '.join(scale_names())}")
     return parsed(text, path, lambda data: _scale(data, path.stem), _EXAMPLE)
 

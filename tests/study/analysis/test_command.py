@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
 
 import attrs
 import pytest
@@ -19,7 +20,7 @@ from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
 from hmdwarp.extra import import_extra
-from hmdwarp.study.analysis import analyse, from_csv, write_analysis
+from hmdwarp.study.analysis import analyse, analysis_folder, from_csv, write_analysis
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 
@@ -35,6 +36,12 @@ def command(*arguments: object, folder) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         program, check=False, capture_output=True, text=True, timeout=120, cwd=folder, env=environment
     )
+
+
+def page_of(folder: Path, data: dict, typed: str = "") -> str:
+    with analysis_folder(folder) as out:
+        page = write_analysis(out, data, typed)
+    return page.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -105,9 +112,21 @@ def test_the_page_holds_everything_and_asks_the_network_for_nothing(done):
         assert text in " ".join(page.text.split())
 
 
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(tmp_path):
+    """Nothing is read: the table that is named is not there."""
+    (tmp_path / "file").write_bytes(b"")
+    (tmp_path / "theirs").mkdir()
+    (tmp_path / "theirs" / "report.html").write_text("theirs")
+    for out, told in (("file", "file: cannot write"), ("theirs", "report.html exists")):
+        run = command("absent.csv", "--out", out, folder=tmp_path)
+        assert run.returncode == 2 and told in run.stderr, run.stderr
+    run = command("absent.csv", "--out", "new", folder=tmp_path)
+    assert run.returncode == 2 and "absent.csv" in run.stderr and not (tmp_path / "new").exists()
+
+
 def test_the_same_input_gives_the_same_bytes(tmp_path):
     for name in ("a", "b"):
-        write_analysis(tmp_path / name, analyse(from_csv(PUBLISHED)), "hmdwarp study analyse")
+        page_of(tmp_path / name, analyse(from_csv(PUBLISHED)), "hmdwarp study analyse")
     files = {path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*") if path.is_file()}
     assert len(files) == 7
     assert all((tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes() for name in files)
@@ -117,19 +136,19 @@ def test_names_are_text_and_nothing_else(tmp_path):
     ratings = ratings_of({f"late {NASTY}": [5, 4, 3.5], f"warped {NASTY}": [3, None, 3]}, part=NASTY)
     rows = tuple(attrs.evolve(row, participant=f"{row.participant}{NASTY}") for row in ratings.rows)
     ratings = attrs.evolve(ratings, title=NASTY, notes=(NASTY,), rows=rows)
-    html = write_analysis(tmp_path / "out", analyse(ratings), NASTY).read_text()
+    html = page_of(tmp_path / "out", analyse(ratings), NASTY)
     assert "<script" not in html and NASTY in " ".join(Page(html).text.split())
 
 
 def test_a_page_of_hardly_anything_can_be_made(tmp_path):
     for number, values in enumerate(({"late": [None]}, {"late": [3.0]}, {"late": [3, 4], "warped": [3, 4]})):
-        html = write_analysis(tmp_path / str(number), analyse(ratings_of(values)), "").read_text()
+        html = page_of(tmp_path / str(number), analyse(ratings_of(values)))
         assert not re.search(r"\bnan\b", Page(html).text, re.IGNORECASE)
 
 
 def test_the_order_has_its_chart_where_it_is_known(tmp_path):
     ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), scale_info={"grade": GRADE})
-    text = Page(write_analysis(tmp_path / "out", analyse(ratings), "").read_text()).text
+    text = Page(page_of(tmp_path / "out", analyse(ratings))).text
     assert "The place of a trial: F(1, " in text and "Ratings less the person" in text
 
 

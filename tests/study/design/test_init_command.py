@@ -10,8 +10,8 @@ from hmdwarp.errors import InputError
 from hmdwarp.study.design import load_design, notes
 
 
-def init(name: str) -> str:
-    result = CliRunner().invoke(app, ["init", name])
+def init(*arguments: str) -> str:
+    result = CliRunner().invoke(app, ["init", *arguments])
     if result.exception is not None:
         raise result.exception
     return result.stdout
@@ -32,12 +32,14 @@ def test_the_plan_is_accepted_as_it_is(tmp_path, monkeypatch):
     assert all("odd number" in note for note in notes(design)), notes(design)
 
 
-def test_nothing_is_overwritten(tmp_path, monkeypatch):
+def test_nothing_is_overwritten_unless_forced(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.toml").write_text("mine", encoding="utf-8")
-    with pytest.raises(InputError, match="is there already"):
+    with pytest.raises(InputError, match="mine.toml exists already: .*--force"):
         init("mine")
     assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "mine"
+    init("mine", "--force")
+    assert load_design("mine.toml").name == "mine"
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "..", "mine.toml", "a b"])

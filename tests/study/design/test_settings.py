@@ -119,7 +119,7 @@ def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
         ({"headset": "absent.toml"}, "headset file absent.toml does not exist"),
         ({"warp": "multi", "view": "flat"}, "the flat view has one eye"),
         ({"predict": "guess"}, "unknown predictor 'guess'"),
-        ({"mirrors": "glass"}, "mirrors 'glass': expected geometry or screen"),
+        ({"mirrors": "glass"}, "unknown kind of mirrors 'glass': known are geometry, screen"),
     ],
     ids=str,
 )

@@ -1,0 +1,154 @@
+"""Light-only frames: light and albedo apart and together again.
+
+Known lights, the product's float64 twin, exactness, and what is sent.
+"""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from client_scene import ClientScene
+from replays import small
+from worlds import read
+
+from hmdwarp.client import PassInputs, ShownPicture, build_plan
+from hmdwarp.client.effects import Tools, effects
+from hmdwarp.errors import PlanError
+from hmdwarp.frames import EyeImage, Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.link.codec import Coding
+from hmdwarp.run import set_up_replay
+from hmdwarp.scenes import load_scene, only_light, unlit
+from hmdwarp.server import Server
+
+NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
+VIEW = View(Pose((0.1, 1.5, 0.2), (0.1, 0.2, 0, 1)), Fov.from_tangents([-0.8, 0.8, -0.6, 0.6]))
+
+
+def baked(light, albedo):
+    """The scene `planes` with one light and albedo in every vertex of its surfaces."""
+    scene = load_scene("planes")
+    meshes = [
+        attrs.evolve(
+            mesh,
+            light=np.broadcast_to(np.float32(light), mesh.light.shape),
+            albedo=None if albedo is None else np.broadcast_to(np.float32(albedo), mesh.light.shape),
+        )
+        for mesh in scene.meshes
+    ]
+    return attrs.evolve(scene, meshes=meshes)
+
+
+@pytest.mark.parametrize(
+    ("light", "albedo"),
+    [
+        ((0.3, 0.2, 0.1), (0.5, 0.5, 0.5)),
+        ((0, 0, 0), (0.5, 0.2, 0.9)),  # no light
+        ((0, 0, 0), (0, 0, 0)),  # black
+        ((4, 2, 0.5), (0, 0, 0)),  # glows, with a black albedo
+        ((0.5, 0, 0), None),  # only the baked colour is known, and two channels have no hue
+        ((0, 0, 0), None),
+    ],
+)
+def test_light_times_albedo_is_what_was_baked(light, albedo):
+    scene = baked(light, albedo)
+    for falling, bare, mesh in zip(only_light(scene).meshes, unlit(scene).meshes, scene.meshes, strict=True):
+        assert np.isfinite(falling.light).all() and (falling.light >= 0).all()
+        # A float32 quotient and product of it: half a unit each.
+        assert np.abs(falling.light * bare.light - mesh.light).max() <= 2 * 2.0**-23 * max(light)
+        # As a half float it must not overflow.
+        assert falling.light.max() < 65504
+
+
+def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
+    """Against the float64 product of the random light and the unlit scene's own picture."""
+    light = np.random.default_rng(1).uniform(0, 3, (*SIZE[::-1], 4)).astype(np.float16).astype(np.float64)
+    light[..., 3] = np.random.default_rng(2).uniform(size=SIZE[::-1]) < 0.8
+    light *= light[..., 3:]
+    shown, into, server = Canvas(gpu.gl, SIZE), Canvas(gpu.gl, SIZE), Server(gpu, unlit(load_scene("planes")))
+    shown.texture.write(light.astype(np.float16).tobytes(), alignment=1)
+    rendered = EyeImage(View(Pose(), VIEW.fov), allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
+    entry = effects.get(NAME).made_by
+    one = entry(gpu, frozenset([NAME]), SIZE, SIZE, Tools(None, 1, geometry=ClientScene(gpu)))
+    one.run(PassInputs(rendered, VIEW), ShownPicture(shown, None), into)
+    gpu.gl.memory_barrier()
+    got, albedo = read(into.texture), read(server.draw(VIEW, SIZE).colour)
+    wanted = light[..., :3] * albedo[..., :3]
+    assert np.abs(got[..., :3] - wanted).max() <= HALF * wanted.max()
+    assert np.array_equal(got[..., 3], light[..., 3])
+    assert (got[light[..., 3] == 0] == 0).all()
+    one.close()
+    server.close()
+
+
+@pytest.mark.parametrize("scene", ["planes", "room"])
+def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
+    """At no latency nothing is lost.
+
+    Light, albedo and product are half floats; light that varies over a triangle beside an albedo
+    that does too is not, but no scene here has such a triangle.
+    """
+    server = Server(gpu, load_scene(scene))
+    view = View(server.scene.viewpoint, VIEW.fov)
+    truth, bare = server.draw(view, SIZE), Server(gpu, unlit(load_scene(scene)))
+    frame = server.draw_frame([view], 0, SIZE, needs=Needs(light=True))
+    (eye,) = frame.eyes
+    product = read(eye.colour)[..., :3] * read(bare.draw(view, SIZE).colour)[..., :3]
+    wanted = read(truth.colour)[..., :3]
+    assert np.abs(product - wanted).max() <= 3 * HALF * wanted.max()
+    assert np.array_equal(read(eye.inverse_depth), read(truth.inverse_depth)), "the depth is the picture's own"
+    assert not np.allclose(read(eye.colour)[..., :3], wanted, atol=0.1), "the picture sent is not the colour"
+    server.recycle(frame)
+    for one in (server, bare):
+        one.close()
+
+
+def shown_by(**options):
+    """The third refresh's left eye and what a frame weighed."""
+    with set_up_replay(small(**{"fill": "pyramid", "warp": "backward", "scene": "room", **options})) as setup:
+        shown = 0
+        for _, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            refresh = setup.loop.show(instant_ns)
+            shown += refresh is not None
+            if shown == 3:
+                view = refresh.inputs[0].shown
+                truth = read(setup.server.draw(view, setup.size).colour)[..., :3]
+                got = read(refresh.eyes[0].panel.texture)[..., :3]
+                return np.abs(got - truth).mean(), setup.channel.transit.size_bytes
+    raise AssertionError("the recording is too short")
+
+
+def test_it_is_sent_instead_of_the_colour_and_keeps_textures_sharp():
+    late = {"trace": "walk", "latency_ms": 200.0}
+    (error, sent), (plain_error, plain_sent) = shown_by(effects=NAME, **late), shown_by(**late)
+    assert sent == plain_sent
+    assert error < 0.75 * plain_error
+
+
+def test_without_latency_the_replay_is_the_truth():
+    error, _ = shown_by(effects=NAME, latency_ms=0.0, size=SIZE)
+    assert error <= 3 * HALF
+
+
+def test_a_client_without_the_scene_is_refused():
+    with pytest.raises(PlanError, match="geometry on the client"):
+        build_plan((NAME,), "forward", "none", "none", client_geometry=False, named=(NAME,))
+
+
+def test_no_scene_asks_for_it_and_its_reason_is_the_name():
+    assert effects.get(NAME).by_name_only
+    plan = build_plan((NAME,), "backward", "pyramid", "none", client_geometry=True, named=(NAME,), forced=(NAME,))
+    (step,) = [step for step in plan.steps if step.stage == "effects"]
+    assert step.reason.startswith("asked for by name")
+    assert plan.needs == Needs(light=True)
+
+
+def test_a_codec_keeps_light_beyond_1():
+    """The albedo takes from it again: what a display would clip is half of what is seen."""
+    late = {"trace": "walk", "latency_ms": 50.0, "effects": NAME}
+    coded, _ = shown_by(coding=Coding(codec="h264", crf=10), **late)
+    plain, _ = shown_by(**late)
+    assert coded <= plain + 0.01

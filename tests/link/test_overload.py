@@ -1,0 +1,93 @@
+"""The resolution under overload: down before anything is dropped, up again, and at rest."""
+
+from __future__ import annotations
+
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError
+from hmdwarp.link import SCALES, Bandwidth, Link, LinkOptions, Overload, scaled_size
+
+PERIOD_NS = 10_000_000
+S = 100  # periods in a second
+
+
+@attrs.define
+class Run:
+    """A server of 100 Hz over a link: what it drew, and what became of it."""
+
+    scales: list[float] = attrs.field(factory=list)
+    dropped: int = 0
+    changes: int = 0
+
+
+def run(mbit: list[float], full_bytes: int, queue_ms: float = 250.0) -> Run:
+    """mbit: of each period. A frame's bytes are in proportion to its pixels."""
+    overload, found = Overload(PERIOD_NS, round(queue_ms * 1e6)), Run()
+    link: Link[int] = Link(iter(lambda: 0, None), None, Bandwidth(mbit[0], queue_ms))
+    bottleneck = link._bottleneck  # its rate changes while the link runs
+    assert bottleneck is not None
+    for number, rate in enumerate(mbit):
+        bottleneck.bandwidth = Bandwidth(rate, queue_ms)
+        size = round(full_bytes * overload.scale**2)
+        transit = link.send(number, number * PERIOD_NS, size)
+        found.scales.append(overload.scale)
+        overload.sent(number * PERIOD_NS, transit.queue_ns, transit.transfer_ns)
+        link.newest(number * PERIOD_NS)
+    found.dropped, found.changes = link.tally.dropped, overload.changes
+    return found
+
+
+@given(load=st.floats(0.05, 0.99))
+def test_what_fits_is_never_lowered(load):
+    """load: of the link by full frames. 8 Mbit/s are 10,000 bytes in a period."""
+    found = run([8.0] * 3 * S, round(load * 10_000))
+    assert set(found.scales) == {1.0} and not found.changes
+
+
+@given(load=st.floats(1.05, 3.5))
+def test_what_does_not_fit_is_lowered_before_a_frame_is_dropped_and_then_rests(load):
+    """At a quarter of the pixels everything up to a load of 3.5 fits."""
+    found = run([8.0] * 20 * S, round(load * 10_000))
+    assert found.dropped == 0
+    assert load * found.scales[-1] ** 2 < 1, "it ends where frames fit"
+    # Between two scales of which one is too much and the other leaves room, attempts grow rarer: a
+    # step up and its step down after 1, 2, 4 and 8 s.
+    assert found.changes <= len(SCALES) - 1 + 2 * 4
+
+
+def test_it_goes_down_one_step_at_a_time_and_back_up_when_there_is_room():
+    found = run([8.0] * S + [2.0] * 2 * S + [8.0] * 8 * S, 7_000)
+    steps = [later for earlier, later in zip([1.0, *found.scales], found.scales, strict=False) if earlier != later]
+    assert steps[: len(SCALES) - 1] == list(SCALES[1:]), "7,000 bytes where 2,500 fit: down to a quarter"
+    assert steps[-1] == 1.0 and found.scales[-1] == 1.0, "and all the way back"
+    assert found.changes == len(steps) == 2 * (len(SCALES) - 1)
+    ups = [n for n, (a, b) in enumerate(zip(found.scales, found.scales[1:], strict=False)) if b > a]
+    assert all(later - earlier >= S for earlier, later in zip(ups, ups[1:], strict=False)), "a second between"
+
+
+def test_beyond_the_lowest_resolution_frames_are_dropped_as_ever():
+    found = run([8.0] * 5 * S, 80_000, queue_ms=50.0)
+    assert found.scales[-1] == SCALES[-1] and found.dropped > 0
+
+
+def test_a_busy_server_gets_the_time_to_finish_before_the_next_step():
+    overload = Overload(PERIOD_NS, 250_000_000)
+    overload.sent(0, 0, 3 * PERIOD_NS)
+    overload.busy(1 * PERIOD_NS, 3 * PERIOD_NS)
+    overload.busy(2 * PERIOD_NS, 3 * PERIOD_NS)  # the same frame
+    assert (overload.scale, overload.changes) == (SCALES[1], 1)
+    overload.sent(3 * PERIOD_NS, 0, 2 * PERIOD_NS)
+    overload.busy(4 * PERIOD_NS, 5 * PERIOD_NS)
+    assert overload.scale == SCALES[2]
+
+
+def test_sizes_and_texts():
+    assert scaled_size((640, 800), 0.65) == (416, 520) and scaled_size((1, 1), 0.5) == (1, 1)
+    assert LinkOptions().overload_at(60.0) is None
+    made = LinkOptions.of({"overload": "resolution", "bandwidth": "8,queue=40", "server_rate": 20.0}).overload_at(60.0)
+    assert (made.period_ns, made.queue_ns, made.scale) == (50_000_000, 40_000_000, 1.0)
+    with pytest.raises(InputError, match="overload 'less': expected drop or resolution"):
+        LinkOptions.of({"overload": "less"})

@@ -1,0 +1,152 @@
+"""Frames are sent only where something moves: the head, a body, a deforming mesh."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from replays import rows_of, run
+
+from hmdwarp.frames import Frame
+from hmdwarp.geometry import Fov, Pose, View, WarpMap
+from hmdwarp.gpu import Gpu, download
+from hmdwarp.link import LinkOptions
+from hmdwarp.pipeline import Changes
+from hmdwarp.run import LiveOptions, live
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
+
+SIZE = (96, 80)
+FOV = Fov.symmetric(1.5, 1.3)
+CHANGES = LinkOptions(send="changes")
+
+
+def trace_of(path: Path, yaw_rad_s: float = 0.0, seconds: float = 2.0) -> str:
+    """A head that stands, or turns evenly."""
+    times = np.arange(round(seconds * 100) + 1) / 100
+    lines = (f"{t} 0 1.6 0 0 {math.sin(yaw_rad_s * t / 2)} 0 {math.cos(yaw_rad_s * t / 2)}\n" for t in times)
+    path.write_text("# timestamp tx ty tz qx qy qz qw\n" + "".join(lines), encoding="utf-8")
+    return str(path)
+
+
+def turned(position, rotvec) -> Pose:
+    from scipy.spatial.transform import Rotation
+
+    return Pose(position, Rotation.from_rotvec(rotvec).as_quat())
+
+
+def frame_of(server: Server, views, now_ns: int = 0) -> Frame:
+    return Frame(tuple(server.draw(view, SIZE, time_ns=now_ns) for view in views), now_ns)
+
+
+@pytest.fixture(scope="module")
+def gpu():
+    with Gpu() as made:
+        yield made
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_point_moves_farther_than_the_bound_says_and_the_bound_is_tight(gpu, seed):
+    """Every pixel of the frame by its own depth, against the bound from the nearest one."""
+    rng = np.random.default_rng(seed)
+    scene = load_scene("spheres")
+    place = scene.viewpoint.position_m
+    before = View(turned(place, rng.normal(0, 0.3, 3)), FOV)
+    turn, step = rng.normal(0, 0.01, 3) * (seed % 3 != 0), rng.normal(0, 0.01, 3) * (seed % 3 != 1)
+    after = View(Pose(place + step, (before.pose @ turned((0, 0, 0), turn)).orientation_xyzw), FOV)
+    server, changes = Server(gpu, scene), Changes(scene)
+    try:
+        frame = frame_of(server, [before])
+        changes.sent(frame)
+        bound = changes.moved_px([after], 0)
+        depth = download(frame.eyes[0].inverse_depth)[::-1].astype(np.float64)
+    finally:
+        server.close()
+    x, y = np.meshgrid(np.arange(SIZE[0]) + 0.5, np.arange(SIZE[1]) + 0.5)
+    pixels = np.stack([x, y], axis=-1)
+    moved = WarpMap.between(before, SIZE, after, SIZE).apply(pixels, np.maximum(depth, 0))[0] - pixels
+    farthest = float(np.linalg.norm(moved, axis=-1).max())
+    # Pixel centres end half a pixel within the sides of the picture, where the bound is taken.
+    assert farthest <= bound
+    if not step.any():
+        assert bound <= 1.1 * farthest, "without parallax it is the motion of a corner"
+
+
+def test_nothing_moves_for_a_head_at_rest_and_everything_before_the_first_frame(gpu):
+    scene = load_scene("room")
+    server, changes = Server(gpu, scene), Changes(scene)
+    view = View(scene.viewpoint, FOV)
+    try:
+        assert changes.moved_px([view], 0) == math.inf
+        changes.sent(frame_of(server, [view]))
+        # Rounding of the map, far below what is seen.
+        assert changes.moved_px([view], 10**9) < 1e-9
+        behind = View(scene.viewpoint @ turned((0, 0, 0), (0, math.pi, 0)), FOV)
+        assert changes.moved_px([behind], 0) == math.inf
+    finally:
+        server.close()
+
+
+@pytest.mark.parametrize("scene_name", ["workshop", "parade"])
+def test_what_moves_by_itself_counts(gpu, scene_name):
+    scene = load_scene(scene_name)
+    server, changes = Server(gpu, scene), Changes(scene)
+    view = View(scene.viewpoint, FOV)
+    try:
+        changes.sent(frame_of(server, [view]))
+        bounds = [changes.moved_px([view], after) for after in (0, 10_000_000, 100_000_000)]
+    finally:
+        server.close()
+    assert bounds[0] < 1e-9 < bounds[1] < bounds[2]
+
+
+def test_a_still_head_sends_once_and_sees_the_same(tmp_path):
+    options = {"trace": trace_of(tmp_path / "still.txt"), "latency_ms": 50.0, "seconds": 1.0}
+    all_, changes = (
+        run(tmp_path / name, network=LinkOptions(send=name), **options).summary for name in ("all", "changes")
+    )
+    frames = changes["link"]["frames"]
+    assert (frames["drawn"], frames["shown"], frames["unchanged"]) == (1, 1, 62)
+    assert changes["quality"] == all_["quality"]
+    assert changes["link"]["mbit_s"] == pytest.approx(all_["link"]["mbit_s"] / 63)
+    assert float(rows_of(tmp_path / "changes")[-1]["age_ms"]) == pytest.approx(50 + 59 * 1000 / 60, abs=0.01)
+
+
+def test_a_slowly_turning_head_sends_when_half_a_pixel_has_passed(tmp_path):
+    """flat-90 at 96x80: half a pixel is 0.5 / 96 rad in a corner along x, 3 refreshes of this."""
+    trace = trace_of(tmp_path / "slow.txt", yaw_rad_s=0.1)
+    found = run(tmp_path / "out", trace=trace, network=CHANGES, latency_ms=50.0, seconds=1.0).summary
+    frames = found["link"]["frames"]
+    assert 10 < frames["drawn"] < 40 and frames["drawn"] + frames["unchanged"] == 63
+    fast = trace_of(tmp_path / "fast.txt", yaw_rad_s=1.0)
+    frames = run(tmp_path / "out", trace=fast, network=CHANGES, latency_ms=50.0, seconds=1.0).summary["link"]["frames"]
+    assert (frames["drawn"], frames["unchanged"]) == (63, 0)
+
+
+def test_a_still_head_before_moving_bodies_sends_on(tmp_path):
+    frames = run(
+        tmp_path / "out", trace=trace_of(tmp_path / "still.txt"), scene="workshop", network=CHANGES, latency_ms=50.0
+    ).summary["link"]["frames"]
+    assert frames["drawn"] > 10
+
+
+def test_a_lost_frame_is_sent_again_when_the_server_hears_of_it(tmp_path):
+    network = LinkOptions.of({"send": "changes", "loss": "p=1,r=0.5,good=1,bad=0.9", "link_seed": 1})
+    options = {"trace": trace_of(tmp_path / "still.txt", seconds=8.0), "latency_ms": 50.0, "seconds": 4.0}
+    frames = run(tmp_path / "out", network=network, **options).summary["link"]["frames"]
+    assert frames["lost"] >= 1 and frames["shown"] == 1
+    assert frames["drawn"] == frames["lost"] + 1, "each loss is answered once, and what has arrived by none"
+
+
+def test_a_live_run_sends_as_little(tmp_path):
+    live(
+        LiveOptions(
+            scene="planes", source="offscreen", trace=trace_of(tmp_path / "still.txt"), headset="flat-90", size=SIZE,
+            frames=30, latency_ms=50.0, network=CHANGES, fill="none", lens="none", rate_hz=60.0, out=tmp_path / "live",
+        )
+    )  # fmt: skip
+    told = json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["link"]
+    assert told["frames"]["drawn"] == 1 and told["frames"]["unchanged"] >= 29

@@ -1,0 +1,45 @@
+"""An imposter beside other warps: it shows what it would show in a run of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from replays import small
+
+from hmdwarp.client import build_plan
+from hmdwarp.gpu import download
+from hmdwarp.run import set_up_replay
+from hmdwarp.run.whole_pictures import WholePictures
+from hmdwarp.scenes import scenes
+
+CALLING = [name for name in scenes.names() if scenes.get(name).effects]
+PLAN = build_plan((), "none", "none", "none", client_geometry=True)
+
+
+def refreshed(setup):
+    """The third refresh shown."""
+    shown = 0
+    for _, instant_ns in setup.schedule.numbered():
+        setup.loop.draw(instant_ns)
+        refresh = setup.loop.show(instant_ns)
+        shown += refresh is not None
+        if shown == 3:
+            return refresh
+    raise AssertionError("the recording is too short")
+
+
+@pytest.mark.parametrize("scene", CALLING)
+def test_none_beside_another_warp_is_none_alone(scene):
+    asked = {"scene": scene, "latency_ms": 50.0}
+    with set_up_replay(small(warp="none", **asked)) as setup:
+        alone = [download(eye.panel.texture) for eye in refreshed(setup).eyes]
+    with set_up_replay(small(warp="forward", **asked)) as setup:
+        refresh, whole, beside = refreshed(setup), WholePictures(setup.server), setup.compensator(PLAN)
+        for _ in range(2):  # again, from what is held
+            inputs = whole.inputs(setup.loop, refresh, PLAN)
+            pictures = [download(beside.run(one).panel.texture) for one in inputs]
+            assert all(np.array_equal(*pair) for pair in zip(pictures, alone, strict=True))
+        # The run's own plan gets what was sent.
+        own = whole.inputs(setup.loop, refresh, setup.plan)
+        assert all(one.rendered is sent.rendered for one, sent in zip(own, refresh.inputs, strict=True))
+        whole.close()
