@@ -11,8 +11,8 @@ Row = dict[str, Any]
 STEPS = (("xyz", 0.1), ("xyz", 0.2), ("xyz", 0.3), ("turn", 10), ("turn", 20), ("turn", 30))
 
 
-def machine_line(data: Row) -> str:
-    """Return what was measured with, on which machine."""
+def machine_line(data: Row, *, defaults: bool = True) -> str:
+    """Return what was measured with, on which machine; defaults: how long those take, if used."""
     clock = "GPU timers" if data["clock"] == "gpu" else "wall clock after every pass"
     parts = (
         f"hmdwarp {data['hmdwarp']}",
@@ -20,7 +20,7 @@ def machine_line(data: Row) -> str:
         data["machine"]["gl_version"],
         clock,
         f"{data['copy_gb_s']:.1f} GB/s copied",
-        f"the bench with its defaults took {data['seconds'] / 60:.1f} minutes",
+        *([f"the bench with its defaults took {data['seconds'] / 60:.1f} minutes"] if defaults else []),
     )
     return textwrap.fill("; ".join(parts) + ".", 100, break_on_hyphens=False)
 

@@ -3,7 +3,8 @@
 All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `gpu:FILE,FILE` the bench.json of runs on a machine with a GPU.
+defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the bench.json of
+runs on a machine with a GPU.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
 from hmdwarp.metrics import QUALITY
+from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 
 FIGURES = (*QUALITY, "mismatch")
@@ -239,7 +241,7 @@ def on_a_gpu(_: Path, *ready: str) -> None:
     if not ready:
         raise SystemExit("gpu: expected bench.json of runs on a GPU, as in OPTIONS=gpu:FILE,FILE")
     data = [json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]
-    replace("gpu machine", bench_tables.machine_line(data[0]))
+    replace("gpu machine", bench_tables.machine_line(data[0], defaults=False))
     replace("gpu", gpu_tables.times_table([row for each in data for row in each["rows"]]))
 
 
@@ -299,6 +301,17 @@ def study_simulated(folder: Path) -> None:
     replace("power", studies.power_text(folder))
 
 
+def thesis(folder: Path, *ready: str) -> None:
+    """Run the experiments of the thesis.
+
+    ready: results.json of earlier runs, to use instead; what several have is taken from the last.
+    """
+    if not ready:
+        ready = (str(folder / "thesis-again" / "results.json"),)
+        program("thesis", "--quiet", "--out", str(Path(ready[0]).parent))
+    replace("thesis again", summary_markdown([json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]))
+
+
 def trace_layouts(_: Path) -> None:
     """Read files of twenty layouts with known truth."""
     replace("layouts", layouts.layouts_table())
@@ -327,6 +340,7 @@ PARTS = {
     "guard": guard_bands,
     "thesis-guard": thesis_guard_bands,
     "link": link,
+    "thesis": thesis,
     "layers": layers,
     "server-rates": server_rates,
     "readme": readme,

@@ -45,6 +45,7 @@ FLOORS = [
     {"run"},
     {"bench"},
     {"study"},
+    {"thesis"},
     {"cli"},
     {"__main__"},
 ]
@@ -69,7 +70,7 @@ CLOCK_READERS = {
     "study/store/clock.py",
 }
 # Display: its clock is the one all live times are on.
-CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/")
+CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/", "thesis/")
 HEAVY = (
     "scipy",
     "moderngl",

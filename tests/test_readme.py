@@ -52,6 +52,7 @@ LEFT = {
     "response-models.md": ("out/power/power.json",),
     "rgbd.md": ("frame.npz", "warped.png"),
     "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
+    "thesis.md": ("out/thesis-again/thesis.html", "out/thesis-again/results.csv"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
     "study-analysis.md": ("out/thesis/report.html", "out/power/power.json"),
 }

@@ -28,7 +28,8 @@ def load_client(name: str) -> Client:
     if not name.endswith(".toml") and not path.is_file():
         raise unknown_name("client", name, client_names())
     if not path.is_file():
-        raise InputError(f"client file {name} does not exist")
+        found = "is a directory: expected a .toml file" if path.is_dir() else "does not exist"
+        raise InputError(f"client file {name} {found}")
     example = "hmdwarp/clients/class-2.toml"
     return parsed(
         text_of(path, "a client class, as a .toml file"), path, lambda data: _client(path.stem, data), example

@@ -53,7 +53,7 @@ def parse_response(text: str) -> StageTimes | None:
     if name in ("", "fixed") and not colon:
         return None
     if name != "sum":
-        raise InputError(f"response '{text}': {_WANTED}")
+        raise InputError(f"--response '{text}': {_WANTED}")
     if not colon:
         return StageTimes()
     times: dict[str, float | None] = dict.fromkeys(attrs.fields_dict(StageTimes), 0.0)
@@ -61,10 +61,10 @@ def parse_response(text: str) -> StageTimes | None:
     for part in rest.split(","):
         stage, _, value = (bit.strip() for bit in part.partition("="))
         if stage not in times or stage in said:
-            raise InputError(f"response '{text}': {_WANTED}")
+            raise InputError(f"--response '{text}': {_WANTED}")
         said.add(stage)
         try:
             times[stage] = None if value == MEASURED else float(value)
         except ValueError:
-            raise InputError(f"response '{text}': {_WANTED}") from None
+            raise InputError(f"--response '{text}': {_WANTED}") from None
     return StageTimes(**times)

@@ -11,6 +11,7 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
+from .frame_ways import timeline_svg as timeline_svg
 from .live_lines import budget_rows as budget_rows
 from .live_lines import live_lines as live_lines
 from .live_page import render_live_report as render_live_report
@@ -39,6 +40,8 @@ from .style import warp_of as warp_of
 from .tables import axes_of_traces as axes_of_traces
 from .tables import comparison_rows as comparison_rows
 from .tables import summary_table as summary_table
+from .thesis_page import render_thesis_page as render_thesis_page
+from .thesis_page import summary_markdown as summary_markdown
 from .trace_plot import trace_plot_png as trace_plot_png
 from .transit import coding_rows as coding_rows
 from .transit import filled_rows as filled_rows

@@ -46,8 +46,11 @@ def interval(low: float | None, high: float | None, digits: int = 2) -> str:
 
 
 def plain(value: float | None, digits: int = 2) -> str:
-    """Return "2.62"; a dash for None."""
-    return "–" if value is None or math.isnan(value) else f"{value:.{digits}f}"
+    """Return "2.62", and "0.00" for what rounds to it from below; a dash for None."""
+    if value is None or math.isnan(value):
+        return "–"
+    text = f"{value:.{digits}f}"
+    return text.removeprefix("-") if float(text) == 0 else text
 
 
 def pair_text(baseline: str, condition: str) -> str:

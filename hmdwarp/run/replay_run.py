@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from contextlib import nullcontext
+from typing import Any
 
 import numpy as np
 
 from ..colour import picture_from_linear
 from ..errors import InputError
 from ..gpu.textures import download
-from ..metrics import QualityPool, aggregate, pooled, worker_count
+from ..metrics import QualityPool, pooled, worker_count
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, VideoWriter
 from .frame_rows import Row
@@ -62,8 +63,8 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     return result
 
 
-def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, dict]:
-    """Return the figures of a replay, as from metrics.summary.aggregate, without writing anything.
+def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, Any]:
+    """Return what summary.json of a replay would have, without writing anything.
 
     Errors: as replay; InputError for warp "auto" and for a video.
     """
@@ -73,7 +74,7 @@ def figures(options: RunOptions, progress: Progress = lambda done, total: None) 
         log = _run(setup, Probe(setup, pool, None), None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
-    return aggregate(log.rows)
+        return result_of(setup, log, None, {}).summary
 
 
 def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:

@@ -63,7 +63,7 @@ def test_all_registered_warps_by_default():
     ("changes", "told"),
     [
         ({"fills": ()}, "fill"),
-        ({"recordings": ()}, "recording"),
+        ({"recordings": ()}, "TRACE: expected at least one"),
         ({"latencies_ms": (200, -1)}, "latency -1 ms"),
         ({"latencies_ms": (float("nan"),)}, "latency nan ms"),
         ({"guard": 0.9}, "guard 0.9"),

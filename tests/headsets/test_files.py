@@ -149,7 +149,7 @@ def test_unknown_names_and_absent_files(tmp_path):
     with pytest.raises(InputError, match="does not exist"):
         load_headset(str(tmp_path / "none.toml"))
     (tmp_path / "folder.toml").mkdir()
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="is a directory"):
         load_headset(str(tmp_path / "folder.toml"))
 
 

@@ -38,7 +38,9 @@ def test_none_beside_another_warp_is_none_alone(scene):
         for _ in range(2):  # again, from what is held
             inputs = whole.inputs(setup.loop, refresh, PLAN)
             pictures = [download(beside.run(one).panel.texture) for one in inputs]
-            assert all(np.array_equal(*pair) for pair in zip(pictures, alone, strict=True))
+            # Drawn twice, a GPU may blend with another last bit: 2^-10 of a stored half float.
+            off = max(np.abs(a.astype(float) - b).max() for a, b in zip(pictures, alone, strict=True))
+            assert off <= (0 if setup.gpu.is_software else 2.0**-10)
         # The run's own plan gets what was sent.
         own = whole.inputs(setup.loop, refresh, setup.plan)
         assert all(one.rendered is sent.rendered for one, sent in zip(own, refresh.inputs, strict=True))

@@ -1,0 +1,17 @@
+from .experiment import Cell as Cell
+from .experiment import Experiment as Experiment
+from .library import EXPERIMENTS as EXPERIMENTS
+from .library import experiments_named as experiments_named
+from .options import ThesisOptions as ThesisOptions
+from .run_kinds import Motion as Motion
+from .run_kinds import PictureRun as PictureRun
+from .run_kinds import StreamRun as StreamRun
+from .thesis_run import ThesisResult as ThesisResult
+from .thesis_run import run_thesis as run_thesis
+from .verdicts import AtLeast as AtLeast
+from .verdicts import AtMost as AtMost
+from .verdicts import Between as Between
+from .verdicts import Finding as Finding
+from .verdicts import Verdict as Verdict
+from .verdicts import settings_text as settings_text
+from .verdicts import verdict_of as verdict_of

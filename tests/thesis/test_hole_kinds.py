@@ -1,0 +1,62 @@
+"""Holes are told apart by where their true surface was in the late frame."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.metrics import border_share
+from hmdwarp.thesis.hole_kinds import holes_of, seam
+
+FOV = Fov.symmetric(np.deg2rad(90), np.deg2rad(70))
+SIZE = (24, 16)
+
+
+def view(x: float = 0.0, y: float = 0.0, turned_deg: float = 0.0) -> View:
+    half = np.deg2rad(turned_deg) / 2
+    return View(Pose(position_m=(x, y, 0), orientation_xyzw=(0, np.sin(half), 0, np.cos(half))), FOV)
+
+
+def shape(size: tuple[int, int] = SIZE) -> tuple[int, int]:
+    return size[1], size[0]
+
+
+def test_an_unmoved_head_has_cracks_where_the_frame_has_the_surface():
+    depth = np.full(shape(), 0.5)
+    nearer = depth.copy()
+    nearer[:4] = 2.0  # in the late frame something stood before the top rows
+    coverage = np.ones(shape())
+    coverage[2:6, 3] = 0
+    kinds = holes_of(coverage, depth, view(), view(), nearer)
+    assert np.argwhere(kinds.disoccluded).tolist() == [[2, 3], [3, 3]]
+    assert np.argwhere(kinds.cracks).tolist() == [[4, 3], [5, 3]]
+    assert not kinds.border.any()
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-0.6, 0.6), st.floats(-0.4, 0.4), st.floats(-40, 40), st.integers(8, 40))
+def test_the_kinds_share_all_holes_and_the_border_is_that_of_the_metric(seed, x, y, turned, width):
+    rng = np.random.default_rng(seed)
+    coverage = rng.integers(0, 2, shape())
+    depth, frame = rng.uniform(0, 3, shape()), rng.uniform(0, 3, (16, width))
+    shown, rendered = view(x, y, turned), view()
+    kinds = holes_of(coverage, depth, shown, rendered, frame)
+    masks = np.stack([kinds.border, kinds.disoccluded, kinds.cracks]).astype(int)
+    assert (masks.sum(axis=0) == (coverage == 0)).all()
+    # Alike but for a ray that meets the very edge, which belongs to the one and not to the other.
+    share = border_share(coverage, depth, shown, rendered, (width, 16))
+    assert kinds.border.mean() == pytest.approx(share, abs=1 / coverage.size)
+
+
+def test_a_seam_is_the_false_step_between_filled_and_warped():
+    truth = np.zeros((4, 6, 3), np.uint8)
+    truth[:, 3:] = 100  # a true step, which is no seam
+    filled = np.zeros((4, 6), bool)
+    filled[:, 3:] = True
+    assert seam(truth, truth, filled, ~filled) == 0.0
+    shown = truth.copy()
+    shown[:, 3:] += 51
+    assert seam(shown, truth, filled, ~filled) == pytest.approx(51 / 255)
+    assert seam(shown, truth, filled, np.zeros_like(filled)) is None

@@ -1,0 +1,103 @@
+"""Every figure, time and claim of the thesis has an experiment, and every experiment can be run."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from hmdwarp.client import parse_fills, parse_warp
+from hmdwarp.errors import UnknownNameError
+from hmdwarp.poses import GLIDES
+from hmdwarp.scenes import scenes
+from hmdwarp.thesis import EXPERIMENTS, PictureRun, experiments_named
+from hmdwarp.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S
+
+# Figures of its experiments; those not listed are drawings.
+FIGURES = {10, 27, *range(28, 34), *range(35, 46), *range(47, 51), *range(52, 56)}
+PASSES = ["copy", "client depth", "interpolation", "composite", "reflections"]  # each beside the warp
+CLAIMS = (
+    "cracks are one pixel wide",
+    "holes grow with the latency",
+    "larger kernel",
+    "leaves no cracks",
+    "1.41 times the pixels (1600x900) suffices at 200 ms",
+    "2.03 times the pixels (1920x1080) suffices at 400 ms",
+    "fills every hole",
+    "reduces the discontinuities",
+    "flickers",
+    "stay black",
+    "reflections cost less than a warp",
+    "linear in the pixels",
+    "depth adds little to the bandwidth",
+    "environment map costs several times",
+    "14 Mbit/s",
+)
+PICTURE_RUNS = sorted({run for one in EXPERIMENTS for run in one.runs() if isinstance(run, PictureRun)}, key=repr)
+
+
+def figures_in(source: str) -> set[int]:
+    """The numbers in "Figures 50 and 52 to 54"."""
+    if not source.startswith("Figure"):
+        return set()
+    text = re.sub(r"(\d+) to (\d+)", lambda m: " ".join(map(str, range(int(m[1]), int(m[2]) + 1))), source)
+    return {int(number) for number in re.findall(r"\b\d+\b", text.split(",")[0])}
+
+
+def test_every_figure_has_an_experiment():
+    assert set().union(*(figures_in(one.source) for one in EXPERIMENTS)) == FIGURES
+
+
+def test_every_figure_with_pictures_shows_ours():
+    drawn = set().union(*(figures_in(one.source) for one in EXPERIMENTS if one.pictures))
+    assert drawn == FIGURES
+
+
+@pytest.mark.parametrize("claim", CLAIMS)
+def test_every_claim_has_an_experiment(claim):
+    assert [one.name for one in EXPERIMENTS if claim.lower() in f"{one.claim} {one.thesis}".lower()]
+
+
+def test_every_time_has_its_ratio():
+    (times,) = experiments_named(["times"])
+    assert [cell.row for cell in times.cells] == PASSES
+
+
+def test_every_rating_is_judged():
+    rated = [cell.column for one in experiments_named(["ratings-run1", "ratings-run2"]) for cell in one.cells]
+    assert rated == ["200 ms", "400 ms", "800 ms"] * 2
+
+
+def test_names_are_unique_and_in_the_order_of_the_page():
+    names = [one.name for one in EXPERIMENTS]
+    assert len(set(names)) == len(names)
+    assert [one.name for one in experiments_named(names[::-1])] == names
+    assert experiments_named([]) == EXPERIMENTS
+
+
+def test_an_unknown_name_is_refused_with_the_nearest():
+    with pytest.raises(UnknownNameError, match="unknown experiment of the thesis 'figg27': did you mean 'fig27'"):
+        experiments_named(["figg27"])
+
+
+@pytest.mark.parametrize("one", EXPERIMENTS, ids=lambda one: one.name)
+def test_each_setting_stands_once_in_its_table(one):
+    places = [(cell.row, cell.column) for cell in one.cells]
+    assert places and len(set(places)) == len(places)
+
+
+@pytest.mark.parametrize("one", EXPERIMENTS, ids=lambda one: one.name)
+def test_a_motion_is_swept_over_all_speeds(one):
+    """The thesis gives none. Timed runs and streams have no use for it."""
+    runs = [run for cell in one.cells for run in cell.runs if isinstance(run, PictureRun) and not run.timed]
+    for kind in {run.motion.kind for run in runs}:
+        expected = SPEEDS_DEG_S if kind == "rotate" else SPEEDS_M_S
+        assert {run.motion.speed for run in runs if run.motion.kind == kind} == set(expected)
+
+
+def test_runs_name_what_there_is():
+    for run in PICTURE_RUNS:
+        parse_warp(run.warp)
+        parse_fills(run.fill)
+        assert run.scene in scenes.names()
+        GLIDES[run.motion.kind].with_(run.motion.speed, run.motion.amplitude)

@@ -1,0 +1,101 @@
+"""`hmdwarp thesis`: files, resuming after a kill, and refusals."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from commands import hmdwarp
+
+from hmdwarp.report import summary_markdown
+from hmdwarp.thesis import EXPERIMENTS, Verdict
+
+FEW = "scene,fig28-30,ratings-figures"
+
+
+def kept(out: Path) -> dict[str, tuple[int, bytes]]:
+    return {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in (out / "kept").glob("*.json")}
+
+
+@pytest.mark.slow(60)
+def test_quick_gives_every_experiment_its_verdict(tmp_path):
+    out = tmp_path / "out"
+    done = hmdwarp("thesis", "--quick", "--out", out)
+    assert done.returncode == 0, done.stderr
+    data = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    assert [one["name"] for one in data["experiments"]] == [one.name for one in EXPERIMENTS]
+    assert sum(data["verdicts"].values()) == len(EXPERIMENTS)
+    assert set(data["verdicts"]) == {verdict.value for verdict in Verdict}
+    page = (out / "thesis.html").read_text(encoding="utf-8")
+    for one in EXPERIMENTS:
+        assert f'id="{one.name}"' in page
+    assert page.count("data:image/jpeg") >= sum(len(one.pictures) for one in EXPERIMENTS)
+    assert "http://" not in page.replace("http://www.w3.org/", "") and "https://" not in page
+    with (out / "results.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(one["cells"]) for one in data["experiments"])
+    table = summary_markdown([data, {**data, "experiments": data["experiments"][:1]}]).splitlines()
+    assert len(table) == 4 + len(EXPERIMENTS)
+
+
+def test_a_killed_command_goes_on_where_it_was(tmp_path):
+    out = tmp_path / "out"
+    words = [sys.executable, "-m", "hmdwarp", "thesis", "--quick", "--only", FEW, "--quiet", "--out", str(out)]
+    with subprocess.Popen(words) as first:
+        while first.poll() is None and len(list((out / "kept").glob("*.json"))) < 2:
+            time.sleep(0.01)
+        first.send_signal(signal.SIGKILL)
+    before = kept(out)
+    assert before and not (out / "results.json").exists()
+
+    done = hmdwarp("thesis", "--quick", "--only", FEW, "--out", out)
+    assert done.returncode == 0, done.stderr
+    after = kept(out)
+    assert f"{len(before)} of {len(after)} runs are kept" in done.stderr
+    assert before.items() <= after.items()  # not written again
+    assert (out / "results.json").exists() and not list(out.glob(".partial-*"))
+
+
+def test_a_run_made_with_other_things_is_run_again(tmp_path):
+    words = ("thesis", "--quick", "--only", FEW, "--out", tmp_path)
+    first = hmdwarp(*words)
+    path = sorted((tmp_path / "kept").glob("PictureRun-*.json"))[0]
+    before = kept(tmp_path)
+    for damage in (lambda data: data["made_with"].update(size=[1, 1]), lambda data: data.clear()):
+        data = json.loads(path.read_text(encoding="utf-8"))
+        damage(data)
+        path.write_text(json.dumps(data), encoding="utf-8")
+        again = hmdwarp(*words)
+        assert f"{len(before) - 1} of {len(before)} runs are kept" in again.stderr
+        assert again.stdout == first.stdout
+        assert {name: text for name, (_, text) in kept(tmp_path).items()} == {
+            name: text for name, (_, text) in before.items()
+        }
+
+
+def test_an_unknown_experiment_is_refused_before_anything_is_written(tmp_path):
+    done = hmdwarp("thesis", "--quick", "--only", "fig28-30,figg27", "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert "unknown experiment of the thesis 'figg27': did you mean 'fig27'" in " ".join(done.stderr.split())
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_size_beside_quick_is_refused(tmp_path):
+    done = hmdwarp("thesis", "--quick", "--size", "64x40", "--out", tmp_path / "out")
+    assert done.returncode == 2 and "leave one out" in done.stderr
+
+
+def test_files_of_others_stay_unless_forced(tmp_path):
+    (tmp_path / "thesis.html").write_text("mine", encoding="utf-8")
+    words = ("thesis", "--quick", "--only", "ring", "--out", tmp_path)
+    refused = hmdwarp(*words)
+    assert refused.returncode == 2 and "--force" in refused.stderr
+    assert (tmp_path / "thesis.html").read_text(encoding="utf-8") == "mine"
+    assert hmdwarp(*words, "--force").returncode == 0
+    assert "The thesis again" in (tmp_path / "thesis.html").read_text(encoding="utf-8")
