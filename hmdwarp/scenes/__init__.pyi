@@ -15,6 +15,7 @@ from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
 from ._slow import slow_in as slow_in
+from ._targets import with_targets as with_targets
 from .deformations import Joint as Joint
 from .deformations import Skinned as Skinned
 from .deformations import Waving as Waving

@@ -37,9 +37,30 @@ NUMBERS = (
     "tracking_lost_share",
     "head_turn_deg",
     "head_shift_m",
+    "task_targets",
+    "task_found",
+    "task_misses",
+    "task_target_s",
+    "task_turned_deg",
 )
+# Whole numbers among them.
+COUNTS = ("pictures", "missed", "task_targets", "task_found", "task_misses")
 FLAGS = ("head_still",)
-TEXTS = ("warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size")
+TEXTS = (
+    "warp",
+    "fill",
+    "scene",
+    "effects",
+    "lens",
+    "headset",
+    "gpu",
+    "gl",
+    "source",
+    "hmdwarp",
+    "size",
+    "ended_by",
+    "task_times_s",
+)
 NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
 
@@ -49,7 +70,9 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
 
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
     session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
-    from where it was first; head_still: session/head_range.py.
+    from where it was first; head_still: session/head_range.py; ended_by: "time", or who
+    ended a trial that is shown until somebody is done, "" for one that was not seen to its end;
+    task_..: session/task_score.py, of trials with a task.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
     the frame to showing it. period: between two pictures. missed: refreshes without a new picture,

@@ -156,8 +156,9 @@ def _print_session(design: Design, part: Part) -> None:
     from .._show import in_columns
 
     session = session_phases(design, part.name)
-    total = sum(one.seconds for one in session)
-    typer.echo(f"  A session: {sum(one.steps for one in session)} steps, about {_time(total)}")
+    total, at_most = sum(one.seconds for one in session), any(one.at_most for one in session)
+    steps = sum(one.steps for one in session)
+    typer.echo(f"  A session: {steps} steps, {'at most ' if at_most else ''}about {_time(total)}")
     in_columns(((one.name, f"{_time(one.seconds):>7}  {one.content}") for one in session), indent=4)
 
 

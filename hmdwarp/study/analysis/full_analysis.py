@@ -32,6 +32,7 @@ from .descriptives import (
 from .order_models import order_effects
 from .ratings import Rating, Ratings
 from .shared_rows import copied_rows
+from .store_ratings import TASK_MEASURES
 
 SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
@@ -71,6 +72,8 @@ def analyse(
     ratings = attrs.evolve(ratings, rows=tuple(sorted(ratings.rows, key=_key)))
     compare, why = families_for(ratings, families)
 
+    rated = [row for row in ratings.rows if row.scale not in TASK_MEASURES]
+
     def known(name: str) -> Scale | None:
         return ratings.scales.get(name) or scale_or_none(name)
 
@@ -85,8 +88,8 @@ def analyse(
         "compared": why,
         "notes": list(ratings.notes),
         "participants": len({(row.part, row.participant) for row in ratings.rows}),
-        "ratings": sum(row.value is not None for row in ratings.rows),
-        "missing": sum(row.value is None for row in ratings.rows),
+        "ratings": sum(row.value is not None for row in rated),
+        "missing": sum(row.value is None for row in rated),
         "scales": [_on_scale(ratings, name, compare, resampling, claims) for name in ratings.rated_scales()],
         "sittings": session_counts(ratings),
         "sickness": sickness_rows(ratings, known),

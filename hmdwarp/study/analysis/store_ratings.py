@@ -13,9 +13,14 @@ from ...report import counted
 from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
 from ..export import declined, long_rows, no_sessions, of_origin, plan_of
 from ..scales import RATING
-from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session
+from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session, Showing
 from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 
+# Scores of a task, analysed beside the ratings: by the name of a figure of study/actual.py.
+TASK_MEASURES = {
+    "task_target_s": ScaleInfo("task_target_s", "Time for each target found", low_is_good=True, unit="s"),
+    "task_misses": ScaleInfo("task_misses", "Selections without a target", low_is_good=True, unit="selections"),
+}
 _WHY = {
     SICK: "the stop rule for sickness ended the session before",
     STOPPED: "the session was stopped before",
@@ -43,7 +48,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         plan = plan_of(session, design)
         answers = latest.get(session.id, {})
         of_session = _ratings(session, plan, answers)
-        rows += of_session
+        rows += of_session + _task_scores(session, plan, kept.showings)
         rating = {scale.name for scale in plan.scales if scale.kind == RATING}
         survey += [_survey_answer(session, one) for one in answers.values() if one.scale not in rating]
         trials = sum(len(names) for names in session.order)
@@ -53,7 +58,8 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         )
     found = Ratings(
         rows=tuple(rows),
-        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING},
+        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING}
+        | (TASK_MEASURES if design.task is not None else {}),
         families=design.families,
         planned={part.name: tuple(one.name for one in part.conditions) for part in design.parts},
         origin=origin,
@@ -107,19 +113,41 @@ def _ratings(session: Session, plan: Design, answers: Mapping[str, Answer]) -> l
     return rows
 
 
+def _task_scores(session: Session, plan: Design, showings: Iterable[Showing]) -> list[Rating]:
+    """Return the scores of a session's task, of the last complete showing of each trial."""
+    seen = {one.key: one.actual for one in showings if one.session == session.id and one.complete}
+    rows: list[Rating] = []
+    before = ""
+    for show in steps_of(plan, session.order, session.part):
+        if not isinstance(show, Show) or not show.trial:
+            continue
+        if show.task is not None:
+            actual = seen.get(show.key)
+            why = _WHY[session.status] if actual is None else "no target was found"
+            for name in TASK_MEASURES:
+                rows.append(_row(session, show, before, name, None if actual is None else actual.get(name), why))
+        before = show.condition.name
+    return rows
+
+
 def _rating(session: Session, show: Show, before: str, ask: Ask, answer: Answer | None) -> Rating:
     value = None if answer is None else answer.value
     why = _WHY[session.status] if answer is None else "the participant could not say"
+    return _row(session, show, before, ask.scale.name, value, why)
+
+
+def _row(session: Session, show: Show, before: str, scale: str, value: float | None, why: str) -> Rating:
+    """Return a value. why: it is missing, where it is None."""
     return Rating(
         participant=session.sub,
         part=session.part,
         condition=show.condition.name,
-        scale=ask.scale.name,
+        scale=scale,
         value=value,
         why_missing="" if value is not None else why,
         reference=show.condition.reference,
         repeat=show.repeat,
-        place=ask.trial,
+        place=show.trial,
         previous=before,
         session=session.number,
         settings=_settings(show.condition.settings),

@@ -36,6 +36,7 @@ class ConsoleState:
     done: float = 0.0  # share of the steps, 0 to 1
     elapsed_s: float = 0.0  # since this run of the program began
     left_s: float | None = None  # of this step; None where unknown
+    seen_s: float | None = None  # of a trial that the participant ends; None for any other step
     # "reading" (consent), "waiting" (to begin), "showing", "asking", "break", "paused" or "over"
     phase: str = ""
     question: Question | None = None

@@ -82,6 +82,8 @@ class Scene:
         # A break without a time ends at the experimenter's word.
         left_s = None if state.phase == "break" and not state.left_s else state.left_s
         left = f"   {clock(left_s)} left of this step" if left_s is not None else ""
+        if state.seen_s is not None:
+            left = f"   {clock(state.seen_s)} of this step so far, {left.strip()} at most"
         style = self.styles.get(state.phase, "bold reverse")
         return {
             "heading": Text(f" {rest}"),

@@ -24,6 +24,7 @@ from .definitions import Family as Family
 from .definitions import Page as Page
 from .definitions import Part as Part
 from .definitions import Sickness as Sickness
+from .definitions import Task as Task
 from .definitions import every_scale as every_scale
 from .new_plan import write_new_plan as write_new_plan
 from .orders import RANDOM_ROWS as RANDOM_ROWS

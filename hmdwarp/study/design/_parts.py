@@ -12,10 +12,10 @@ from pathlib import Path, PurePath
 from ...errors import InputError
 from ...options import as_keys
 from ...registry import unknown_name
-from ...scenes import Scene, SceneKey
+from ...scenes import Scene, SceneKey, with_targets
 from ...tables import KeyFault, Table, quoted
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
-from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part
+from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part, Task
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "expected a name of letters, digits, and . _ + - after the first, 64 at most"
@@ -37,6 +37,14 @@ class Checker:
     def scene_notes(self) -> tuple[str, ...]:
         """What had to be left out or replaced of the scene files, each once."""
         return tuple(dict.fromkeys(note for scene in self._scenes.values() for note in scene.notes))
+
+    def has_room_for(self, task: Task) -> None:
+        """Raise InputError for a scene without room for the targets, of those tried so far.
+
+        A quarter more must fit, as each trial has other places.
+        """
+        for scene in self._scenes.values():
+            with_targets(scene, task.count + 1 + task.count // 4, task.size_deg, (task.seed, 0))
 
     def settings(
         self,

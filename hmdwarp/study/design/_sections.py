@@ -12,10 +12,12 @@ from ...tables import Table, quoted, text_of
 from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
-from .definitions import Breaks, Condition, Consent, Page, Sickness
+from .definitions import Breaks, Condition, Consent, Page, Part, Sickness, Task
 from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
+TASKS = ("targets",)
+UNTIL_DONE, LONGEST_S = "until done", 600.0
 _MOST_ASKED = 3  # questions of a questionnaire after each trial
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 
@@ -60,6 +62,18 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
     return tuple(made)
 
 
+def length_of(trial: Table) -> tuple[float, bool]:
+    """Return how long a trial is at most, and whether the participant ends it."""
+    said = trial.raw("seconds") if "seconds" in trial else None
+    if isinstance(said, str):
+        if said != UNTIL_DONE:
+            raise trial.fault("seconds", f'is {quoted(said)}: expected a finite number, or "{UNTIL_DONE}"')
+        return trial.within("longest", 0, 3600, LONGEST_S, above=True), True
+    if "longest" in trial:
+        raise trial.fault("longest", f'belongs to seconds = "{UNTIL_DONE}": leave it out beside a number')
+    return trial.within("seconds", 0, 3600, 20.0, above=True), False
+
+
 def practice_of(data: Table, checker: Checker) -> Condition | None:
     """Return the practice condition, None without [practice].
 
@@ -70,6 +84,26 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
     table = data.table(PRACTICE)
     own = {key: table.raw(key) for key in table.keys() if key != "seconds"}  # noqa: SIM118  (a Table is no dict)
     return Condition(PRACTICE, checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE))
+
+
+def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | None:
+    """Return the task, None without [task]; the scenes of all conditions must have room for it."""
+    if "task" not in data:
+        return None
+    table = data.table("task")
+    table.word("kind", TASKS)
+    names = table.texts("conditions", ())
+    known = [one.name for part in parts for one in part.conditions]
+    for number, name in enumerate(names):
+        if name not in known:
+            raise table.fault("conditions", f"has '{name}': expected some of {', '.join(known)}", number)
+    count, seed = table.whole("count", 1, 100), table.whole("seed", 0, 2**63 - 1, 0)
+    task = Task(count, table.within("size", 0.5, 20, 4.0), seed, names)
+    try:
+        checker.has_room_for(task)
+    except InputError as error:
+        raise table.fault("count", f"is {count}, and with a quarter to spare {error}") from error
+    return task
 
 
 def breaks_of(data: Table) -> Breaks:

@@ -23,6 +23,8 @@ def design_as_json(design: Design) -> dict[str, object]:
         "order": design.order,
         "repeats": design.repeats,
         "trial_seconds": design.seconds,
+        "trial_until_done": design.until_done,
+        "task": None if design.task is None else attrs.asdict(design.task),
         "practice": None
         if design.practice is None
         else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},
@@ -61,7 +63,14 @@ def _part_json(design: Design, part: Part) -> dict[str, object]:
         "name": part.name,
         "conditions": [attrs.asdict(one) for one in part.conditions],
         "session": [
-            {"name": one.name, "told": one.content, "steps": one.steps, "seconds": one.seconds} for one in session
+            {
+                "name": one.name,
+                "told": one.content,
+                "steps": one.steps,
+                "seconds": one.seconds,
+                "at_most": one.at_most,
+            }
+            for one in session
         ],
         "session_seconds": math.fsum(one.seconds for one in session),
         "orders": rows,

@@ -72,6 +72,16 @@ class Page:
 
 
 @attrs.frozen
+class Task:
+    """Targets to find and to select in a trial: an objective score beside the rating."""
+
+    count: int  # targets in a trial
+    size_deg: float  # of each, as seen from the scene's viewpoint
+    seed: int = 0  # of their places, which are others in each trial of a session
+    conditions: tuple[str, ...] = ()  # in whose trials; all of them where empty
+
+
+@attrs.frozen
 class Comparison:
     """Two conditions of a part; a positive difference means that `better` was rated better."""
 
@@ -97,11 +107,13 @@ class Design:
     parts: tuple[Part, ...]
     scales: tuple[Scale, ...]  # asked after each trial, in this order
     families: tuple[Family, ...] = ()
-    seconds: float = 20.0  # a trial shows its condition for so long
+    seconds: float = 20.0  # a trial shows its condition for so long, or at most so long
+    until_done: bool = False  # whether the participant ends a trial
     repeats: int = 1  # presentations of each condition
     order: str = WILLIAMS  # one of ORDERS
     seed: int = 0
     blind: str = BOTH  # one of BLIND: who must not see the condition
+    task: Task | None = None  # in the practice too
     practice: Condition | None = None  # shown first and not scored
     practice_seconds: float = 60.0
     breaks: Breaks = Breaks()

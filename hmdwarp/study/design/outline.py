@@ -28,6 +28,7 @@ class SessionPhase:
     content: str  # in words
     steps: int
     seconds: float  # expected
+    at_most: bool = False  # whether it may be over before, as its trials end when the participant is done
 
 
 @attrs.frozen
@@ -58,7 +59,7 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
         "before": ", ".join(_asked(scale) for scale in design.before),
         "instructions": "a page to read",
         "practice": f"{design.practice_seconds:g} s, not scored",
-        "trials": f"{trials} of {design.seconds:g} s, {'each ' if trials > 1 else ''}rated: {', '.join(asked + sick)}",
+        "trials": f"{trials} {_lasting(design)}, {'each ' if trials > 1 else ''}rated: {', '.join(asked + sick)}",
         "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(design.breaks.every)}",
         "after": ", ".join(_asked(scale) for scale in design.after),
     }
@@ -66,8 +67,15 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     for step in steps:
         found[_phase(step)].append(step)
     return tuple(
-        SessionPhase(name, content[name], len(of), sum(map(expected_s, of))) for name, of in found.items() if of
+        SessionPhase(name, content[name], len(of), sum(map(expected_s, of)), name == "trials" and design.until_done)
+        for name, of in found.items()
+        if of
     )
+
+
+def _lasting(design: Design) -> str:
+    lasting = f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
+    return f"{lasting}, with {counted(design.task.count, 'target')} to find" if design.task else lasting
 
 
 def _asked(scale: Scale) -> str:
@@ -95,7 +103,7 @@ def _phase(step: Step) -> str:
 
 
 def expected_s(step: Step) -> float:
-    """Return the expected duration of a step."""
+    """Return the expected duration of a step, and the longest of one that the participant ends."""
     match step:
         case Read(text=text):
             return reading_s(text)
@@ -232,8 +240,9 @@ def _of_people(design: Design) -> list[str]:
     for part in design.parts:
         minutes = sum(one.seconds for one in session_phases(design, part.name)) / 60
         if minutes > 45:
+            shorter = ", several sessions, or a shorter longest" if design.until_done else " or several sessions"
             out.append(
-                f"part {part.name}: about {minutes:.0f} minutes are long in a headset; use fewer repeats or "
-                "several sessions"
+                f"part {part.name}: {'at most ' if design.until_done else ''}about {minutes:.0f} minutes are long in a "
+                f"headset; use fewer repeats{shorter}"
             )
     return out

@@ -9,7 +9,17 @@ from ...registry import unknown_name
 from ...tables import Table, parsed, quoted, text_of
 from ..scales import Scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
-from ._sections import breaks_of, consent_of, page_of, practice_of, questionnaires_of, scales_of, sickness_of
+from ._sections import (
+    breaks_of,
+    consent_of,
+    length_of,
+    page_of,
+    practice_of,
+    questionnaires_of,
+    scales_of,
+    sickness_of,
+    task_of,
+)
 from .definitions import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
 
 SCHEMA = 1
@@ -65,17 +75,20 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     before, after = questionnaires_of(data, folder)
     _refuse_twice(trial, scales, sickness)
     parts = parts_of(data, checker)
+    seconds, until_done = length_of(trial)
     return Design(
         name=_name(data),
         title=data.line("title"),
         parts=parts,
         scales=scales,
         families=families_of(data, parts),
-        seconds=trial.within("seconds", 0, 3600, 20.0, above=True),
+        seconds=seconds,
+        until_done=until_done,
         repeats=trial.whole("repeats", 1, 1000, 1),
         order=trial.word("order", ORDERS, WILLIAMS),
         seed=data.whole("seed", 0, 2**63 - 1, 0),
         blind=data.word("blind", BLIND, BOTH),
+        task=task_of(data, parts, checker),
         practice=practice_of(data, checker),
         practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True)
         if "practice" in data

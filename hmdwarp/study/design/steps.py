@@ -9,7 +9,7 @@ from __future__ import annotations
 import attrs
 
 from ..scales import Item, Scale
-from .definitions import Condition, Design, Page
+from .definitions import Condition, Design, Page, Task
 
 
 @attrs.frozen
@@ -35,9 +35,11 @@ class Show:
     key: str
     trial: int  # from 1 on; 0 for the practice
     condition: Condition
-    seconds: float
+    seconds: float  # at most, where it is shown until the participant is done
     repeat: int = 1  # from 1 on
     block: int = 1  # of trials between two planned breaks, from 1 on; 0 for the practice
+    until_done: bool = False  # whether the participant ends it; with a task the last target does
+    task: Task | None = None
 
 
 @attrs.frozen
@@ -76,7 +78,7 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
     if design.instructions is not None:
         steps.append(PageStep("instructions", design.instructions))
     if design.practice is not None:
-        steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0))
+        steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0, task=design.task))
         steps += _sickness(design, "practice", 0)
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
@@ -90,7 +92,10 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
 def _trial(design: Design, trial: int, condition: Condition, repeat: int) -> list[Step]:
     key = f"trial/{trial}"
     block = 1 + (trial - 1) // design.breaks.every if design.breaks.every else 1
-    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat, block)]
+    task = design.task
+    if task is not None and task.conditions and condition.name not in task.conditions:
+        task = None
+    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat, block, design.until_done, task)]
     steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial)]
     if design.sickness is not None and trial % design.sickness.every == 0:
         steps += _sickness(design, key, trial)

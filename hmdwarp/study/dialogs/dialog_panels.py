@@ -95,9 +95,10 @@ def message_panel(title: str, text: str = "", hint: str = "") -> MessagePanel:
     return MessagePanel(title, wrapped(text, TEXT, WIDTH - 2 * PAD), hint=hint)
 
 
-def trial_panel(trial: int, trials: int) -> MessagePanel:
-    """Make the panel before a trial: its number alone. trial: 0 for the practice."""
-    return message_panel(f"Trial {trial} of {trials}" if trial else "Practice: look around, it is not rated")
+def trial_panel(trial: int, trials: int, hint: str = "") -> MessagePanel:
+    """Make the panel before a trial: its number, never its condition. trial: 0 for the practice."""
+    title = f"Trial {trial} of {trials}" if trial else "Practice: look around, it is not rated"
+    return message_panel(title, hint=hint)
 
 
 def heading_of(ask: Ask, again: bool) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from ...metrics import metrics_in_order
-from ..actual import FLAGS, NUMBERS, TEXTS
+from ..actual import COUNTS, FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
 from ..store import COMPLETE, DECLINED, ORIGINS, STATUSES
@@ -109,6 +109,11 @@ _ACTUAL_TEXTS = {
     "onset_s": ("From the start of the session to the first picture", "s"),
     "head_turn_deg": ("Largest angle of the head from its first direction", "deg"),
     "head_shift_m": ("Largest distance of the head from its first place", "m"),
+    "task_targets": ("Targets that there were to find", ""),
+    "task_found": ("Targets found and selected", ""),
+    "task_misses": ("Selections without a target there", ""),
+    "task_target_s": ("Time for each target found: until the last of all, or the whole trial", "s"),
+    "task_turned_deg": ("Path of the head until the last target was found: the sum of its turns", "deg"),
     "head_still": ("Whether the head hardly moved, so that little could be seen of the latency", ""),
 }
 _OF = {"_median": "median", "_p95": "95th percentile", "_sd": "standard deviation", "_mean": "mean"}
@@ -118,6 +123,8 @@ _TEXTS = {
     "hmdwarp": "Version of hmdwarp",
     "size": "Pixels of one eye",
     "source": "Display",
+    "ended_by": "What ended the trial: its time, the last of its targets, or who said that the participant is done",
+    "task_times_s": "Times of the selected targets in their order, seconds since the first picture",
     "headset": "Headset; where a window or trace leads the head, only its optics were emulated",
 }
 
@@ -131,7 +138,7 @@ def _actual(name: str) -> Column:
     text, unit = _ACTUAL_TEXTS.get(
         stem, (stem.replace("_", " "), next((u for end, u in _UNITS if stem.endswith(end)), ""))
     )
-    kind = FLAG if name in FLAGS else INTEGER if name in ("pictures", "missed") else NUMBER
+    kind = FLAG if name in FLAGS else INTEGER if name in COUNTS else NUMBER
     return Column(f"actual_{name}", kind, f"As it was shown: {text}{how}", unit)
 
 

@@ -42,6 +42,7 @@ def _model(data: Table, path: str) -> Model:
     ratings = data.table("rating")
     sessions = data.table("sessions") if "sessions" in data else Table({})
     answers = data.table("answers") if "answers" in data else Table({})
+    looks = data.table("looks") if "looks" in data else Table({})
     return Model(
         path=path,
         title=data.text("title"),
@@ -52,6 +53,8 @@ def _model(data: Table, path: str) -> Model:
         again=_share(sessions, "again"),
         median_s=answers.within("median_s", 0, 3600, 2.0, above=True),
         spread_s=answers.within("spread_s", 0, 5, 0.5),
+        look_median_s=looks.within("median_s", 0, 3600, 20.0, above=True),
+        look_spread_s=looks.within("spread_s", 0, 5, 0.5),
     )
 
 

@@ -97,6 +97,9 @@ class Model:
     # Time to an answer, log-normal: its median, and the standard deviation of its logarithm.
     median_s: float = 2.0
     spread_s: float = 0.5
+    # Time in a trial that the participant ends, log-normal too.
+    look_median_s: float = 20.0
+    look_spread_s: float = 0.5
 
     def rating(self, scale: Scale) -> RatingModel:
         """Return the model of that scale. Errors: InputError where there is none."""
@@ -110,6 +113,10 @@ class Model:
     def seconds(self, draw: float) -> float:
         """Return the time to an answer for a uniform draw."""
         return float(self.median_s * np.exp(self.spread_s * normal(draw)))
+
+    def look_seconds(self, draw: float) -> float:
+        """Return the time in a trial that the participant ends, for a uniform draw."""
+        return float(self.look_median_s * np.exp(self.look_spread_s * normal(draw)))
 
 
 def normal(uniform: ArrayLike) -> Floats:

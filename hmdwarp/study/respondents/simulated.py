@@ -56,7 +56,7 @@ class Simulated:
         if self._leaves(step, shown):
             return Command("stop")
         if isinstance(step, Show):
-            return self._pause(step, elapsed_s)
+            return self._pause(step, elapsed_s) or self._done(step, elapsed_s) or self._select(step)
         if elapsed_s < self._model.seconds(self._draw("seconds", step.key)):
             return None
         if isinstance(step, Ask):
@@ -87,10 +87,24 @@ class Simulated:
     def _pause(self, step: Show, elapsed_s: float) -> Command | None:
         """Pause some trials at a random moment; the menu that opens is a Pause."""
         wants = step.key not in self._paused and self._draw("pause", step.key) < self._model.pause
-        if wants and elapsed_s >= step.seconds * self._draw("pause at", step.key):
+        if wants and elapsed_s >= self._lasts_s(step) * self._draw("pause at", step.key):
             self._paused.add(step.key)
             return Command("pause")
         return None
+
+    def _done(self, step: Show, elapsed_s: float) -> Command | None:
+        """End a trial that lasts until the participant is done."""
+        return Command("continue") if step.until_done and elapsed_s >= self._lasts_s(step) else None
+
+    @staticmethod
+    def _select(step: Show) -> Command | None:
+        """Select all the time: whether the head points at a target is not known here."""
+        return Command("confirm") if step.task is not None else None
+
+    def _lasts_s(self, step: Show) -> float:
+        if not step.until_done:
+            return step.seconds
+        return min(step.seconds, self._model.look_seconds(self._draw("look", step.key)))
 
     def _leaves(self, step: Step, shown: Show | None) -> bool:
         """Return whether a drop-out leaves now: before the trial after the last one."""

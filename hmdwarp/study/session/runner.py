@@ -159,10 +159,12 @@ class SessionRunner:
             self._knows_how_to_look = True
         while True:
             panel_ns = context.display.now_ns()
-            panel = number_panel(step, context.steps)
+            panel = number_panel(step, context.steps, self.hints, context.found)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
             showing, handler = self.trials.run(step, panel_ns)
             context.shown = step
+            score = handler.score
+            context.found = None if score is None else (len(score.times_s), len(score.places_m))
             self._refuse_signal()
             if showing.complete:
                 break

@@ -7,23 +7,28 @@ from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ...display import Command, Label
 from ...errors import InputError
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
-from ...scenes import Scene, SceneKey
+from ...scenes import Scene, SceneKey, with_targets
 from ..actual import actual_of
 from ..design import Show
+from ..dialogs import hints_for
 from ..store import Showing
 from .head_range import HeadRange
 from .session_context import SessionContext
-from .step_handlers import LOST, StepHandler
+from .step_handlers import CONFIRMS, LOST, StepHandler
+from .task_score import TaskScore
 from .wording import number_panel
 
 if TYPE_CHECKING:
     from ...pipeline.loop import Refresh
 
 BY = "hmdwarp study"
+TIME, FOUND = "time", "targets"  # ended a trial, where nobody did
 # Least time of black with the number, before frames get under way: eyes rest, and building a
 # pipeline seldom takes longer.
 LEAD_S = 1.0
@@ -46,7 +51,8 @@ class TrialHandler(StepHandler):
     the middle of a run; a recorded head starts anew that long before. The time of the trial counts
     from its first picture, on the display's clock.
 
-    panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s.
+    panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s. score: of
+    the trial's task.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
@@ -55,12 +61,21 @@ class TrialHandler(StepHandler):
 
     step: Show
 
-    def __init__(self, context: SessionContext, step: Show, panel_ns: int, log: LiveLog, wait_s: float) -> None:
+    def __init__(
+        self,
+        context: SessionContext,
+        step: Show,
+        panel_ns: int,
+        log: LiveLog,
+        wait_s: float,
+        score: TaskScore | None = None,
+    ) -> None:
         super().__init__(context, step)
+        self.score = score
         self._panel_ns, self._log, self._wait_s = panel_ns, log, wait_s
         self.head = HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
-        self._arrived = False
+        self._arrived = self._is_done = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
 
@@ -73,12 +88,15 @@ class TrialHandler(StepHandler):
         return 0.0 if instant_ns is None else (self.context.display.now_ns() - instant_ns) * 1e-9
 
     def finished(self) -> bool:
-        """Return whether the trial's seconds are over."""
-        return self._first_ns is not None and self.seen_s >= self.step.seconds
+        """Return whether the trial's seconds are over, or somebody ended it."""
+        if self.step.until_done and self.score is not None and self.score.is_over:
+            return True
+        return self._is_done or (self._first_ns is not None and self.seen_s >= self.step.seconds)
 
     def label(self) -> Label:
         """Return the panel with the number, and nothing over pictures."""
-        return "" if self.pictures else number_panel(self.step, self.context.steps)
+        hints = hints_for(self.context.display.name)
+        return "" if self.pictures else number_panel(self.step, self.context.steps, hints, self.context.found)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -87,16 +105,32 @@ class TrialHandler(StepHandler):
         if not self.pictures:
             return
         self.head.add(refresh.head)
+        if self.score is not None:
+            self.score.add(refresh.head)
         if self._first_ns is None:
             self._first_ns = self.context.display.now_ns()
             self._onset_s = self.context.before_s + self.context.elapsed_s
 
     def figures(self) -> dict[str, Any]:
         """Return what the session adds to the figures of study/actual.py."""
-        return {"onset_s": self._onset_s, **self.head.figures()}
+        score = self.score
+        without = FOUND if score is not None and score.is_over and self.step.until_done else TIME
+        ended_by = (self.by or without) if self.finished() and not self.interrupt else ""
+        scored = {} if score is None else score.figures(min(self.seen_s, self.step.seconds))
+        return {"onset_s": self._onset_s, "ended_by": ended_by, **self.head.figures(), **scored}
 
     def take(self, by: str, command: Command) -> None:
-        """Do nothing: no command changes a trial."""
+        """End a trial that is shown until the participant is done; no command changes another.
+
+        In a task a confirmation selects a target, and only the console's word ends the trial. In
+        the black before the first picture there is nothing to end, and nothing to select.
+        """
+        if self._first_ns is None or command.control not in CONFIRMS:
+            return
+        if self.score is not None and command.control == "confirm":
+            self.score.select(self.seen_s)
+        elif self.step.until_done:
+            self.by, self._is_done = by, True
 
     def handle(self, commands: Sequence[Command]) -> bool:
         """Carry out the commands, and lead from the black to the pictures."""
@@ -124,11 +158,12 @@ class TrialHandler(StepHandler):
         self.interrupt = LOST
 
     def describe(self) -> Mapping[str, Any]:
-        """Return the time left and the frame rate; the age of frames would tell the condition."""
+        """Return the times and the frame rate; the age of frames would tell the condition."""
         status = self._log.status
         return {
             "phase": self.phase,
             "left_s": self.step.seconds - self.seen_s,
+            "seen_s": self.seen_s if self.step.until_done else None,
             "rate_hz": status.rate_hz,
             "missed": status.missed,
             "condition": self.step.condition.name if self.context.tells_condition else "",
@@ -156,6 +191,7 @@ class TrialRunner:
         pipeline.
         """
         context = self.context
+        scene, places = self._scene(step)
         showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
         path = context.store.traces / showing.trace
         log = LiveLog(attrs.evolve(self.options_of(step), record=path, seconds=None, frames=None, out=None))
@@ -165,12 +201,13 @@ class TrialRunner:
             with ExitStack() as stack:
                 stack.enter_context(log)
                 recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
-                host = self._pipeline(step)
+                host = PipelineHost(context.display, self.options_of(step), scene)  # a new one: it remembers nothing
                 stack.callback(host.close)
                 stack.callback(log.leave)
                 recorder.begin(context.display.about, context.display.rate_hz)
                 log.begin(context.display, host)
-                handler = TrialHandler(context, step, panel_ns, log, self.wait_s)
+                score = TaskScore(places, step.task.size_deg) if step.task is not None else None
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, score)
                 log.status.heading = context.title(step)
                 Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt
@@ -182,10 +219,12 @@ class TrialRunner:
             self.recording = None
         return self._end(showing, log, handler, complete), handler
 
-    def _pipeline(self, step: Show) -> PipelineHost:
-        """Build a new pipeline, even for the same settings: it must remember nothing."""
-        options = self.options_of(step)
-        return PipelineHost(self.context.display, options, self.scenes[options.scene_key])
+    def _scene(self, step: Show) -> tuple[Scene, NDArray[np.float64]]:
+        """Return the scene with the trial's targets, and their places."""
+        scene, task = self.scenes[self.options_of(step).scene_key], step.task
+        if task is None:
+            return scene, np.empty((0, 3))
+        return with_targets(scene, task.count, task.size_deg, (task.seed, step.trial))
 
     def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import attrs
 
+from ...report import counted
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, SICK, STOPPED
@@ -62,9 +63,20 @@ def still_text(head: HeadRange) -> str:
     return f"the head hardly moved ({moved}): what was rated is almost a still picture"
 
 
-def number_panel(step: Show, steps: Sequence[Step]) -> MessagePanel:
-    """Make the panel before a trial."""
-    return trial_panel(step.trial, _trials(steps))
+def number_panel(
+    step: Show, steps: Sequence[Step], hints: InputHints, found: tuple[int, int] | None = None
+) -> MessagePanel:
+    """Make the panel before a trial; it says what to do in one, or how to end it.
+
+    found: targets found in the trial before, and all of them.
+    """
+    before = "" if found is None else f"{found[0]} of {found[1]} found.\n"
+    if step.task is not None:
+        balls = counted(step.task.count, "pink ball")
+        hint = f"{before}Find {balls}: bring one to the middle of your view. {hints.confirm}: select"
+    else:
+        hint = before + (f"Look around as long as you like. {hints.confirm}: done" if step.until_done else "")
+    return trial_panel(step.trial, _trials(steps), hint.rstrip())
 
 
 def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:

@@ -23,7 +23,7 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     return {
         "conditions": [_condition(one, folder) for one in design.part(part).conditions],
-        "seconds": float(design.seconds),
+        "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
         "repeats": design.repeats,
         "order": design.order,
         "seed": design.seed,
@@ -34,7 +34,14 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
         "sickness": _sickness(design),
         "before": [_scale(one) for one in design.before],
         "after": [_scale(one) for one in design.after],
+        **_task(design),
     }
+
+
+def _task(design: Design) -> dict[str, Any]:
+    """Return the task; nothing without one, as sessions from before there were tasks have it."""
+    task = design.task
+    return {} if task is None else {"task": [task.count, task.size_deg, task.seed, *task.conditions]}
 
 
 def _condition(condition: Condition, folder: str) -> dict[str, Any]:
@@ -72,7 +79,7 @@ def _sickness(design: Design) -> dict[str, Any] | None:
 
 def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Describe what differs between two signatures, both decoded from JSON."""
-    changed = [key for key in now if before.get(key) != now[key]]
+    changed = [key for key in {**before, **now} if before.get(key) != now.get(key)]
     return [_conditions(before[key], now[key]) if key == "conditions" else key for key in changed]
 
 

@@ -44,6 +44,12 @@ def test_nothing_is_left_of_a_break_that_ends_when_somebody_says_so():
     assert "0:22 left" in text_of(STATES["break"])
 
 
+def test_of_a_trial_that_the_participant_ends_both_times_are_there():
+    assert "0:31 of this step so far, 9:29 left of this step at most" in text_of(
+        attrs.evolve(SHOWING, seen_s=31.0, left_s=569.0)
+    )
+
+
 TEXTS = st.text(max_size=120)
 NUMBERS = st.floats(allow_nan=True, allow_infinity=True) | st.floats(-400, 400)
 QUESTIONS = st.builds(

@@ -59,6 +59,19 @@ def test_breaks_come_between_trials():
     assert each["breaks"].content.endswith("after every trial")
 
 
+def test_trials_until_done_take_at_most_their_longest_time():
+    until = ("seconds = 20\n", 'seconds = "until done"\nlongest = 90\n')
+    plan = design(until)
+    phases = {one.name: one for one in session_phases(plan, "run-1")}
+    assert phases["trials"].content.startswith("6 until done, at most 90 s, each rated")
+    assert phases["trials"].at_most and not phases["practice"].at_most
+    assert phases["trials"].seconds >= 6 * 90
+    assert design_as_json(plan)["trial_until_done"]
+    assert design(("seconds = 20\n", 'seconds = "until done"\n')).seconds == 600
+    long = notes(design(("seconds = 20\n", 'seconds = "until done"\n')))
+    assert any("at most about" in note and "a shorter longest" in note for note in long)
+
+
 def test_balance_is_counted():
     plan = design()
     found = balance(rows_for(plan, "run-1"), plan.part("run-1"))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import re
 
+import attrs
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,6 +13,8 @@ from hypothesis import strategies as st
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.study.design import (
     BOTH,
+    FIXED,
+    UNBLINDED,
     WILLIAMS,
     Breaks,
     Comparison,
@@ -133,6 +137,31 @@ def test_the_thesis_is_the_thesis():
         )
 
 
+def test_the_thesis_differs_from_how_it_was_only_in_what_its_head_lists():
+    """A point of the head for each field of the plan that differs, and no point without one.
+
+    The point "Picture" is of both.
+    """
+    now, was = load_design("thesis"), load_design("thesis-as-was")
+    point_of = {
+        "order": "Order",
+        "seconds": "Time",
+        "until_done": "Time",
+        "blind": "Blinding",
+        "breaks": "Well-being",
+        "sickness": "Well-being",
+        "before": "Well-being",
+        "after": "Well-being",
+        "consent": "Well-being",  # its text says what is asked
+    }
+    names = {field.name for field in attrs.fields(Design)} - {"name", "title", "text", "path"}
+    assert {name for name in names if getattr(now, name) != getattr(was, name)} == set(point_of)
+    head = now.text.partition("schema")[0]
+    assert set(re.findall(r"^# - ([\w-]+):", head, re.MULTILINE)) == {*point_of.values(), "Picture"}
+    assert (was.order, was.until_done, was.blind, was.breaks, was.sickness) == (FIXED, True, UNBLINDED, Breaks(), None)
+    assert rows_for(was, "run-1") == ((tuple(f"{how}-{ms}" for how in ("late", "warped") for ms in (200, 400, 800)),),)
+
+
 def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
     folder = tmp_path / "studies"
     folder.mkdir()
@@ -182,6 +211,9 @@ BROKEN = [
     ("[trial]", "[[trial]]", "trial is [{", None),
     ("seconds = 20", "seconds = 0", "trial.seconds is 0: expected a number above 0 and at most 3600", None),
     ("seconds = 20", 'seconds = "20"', "trial.seconds is '20': expected a finite number", None),
+    ("seconds = 20", 'seconds = "when done"', "is 'when done': expected a finite number, or \"until done\"", None),
+    ("seconds = 20", "seconds = 20\nlongest = 60", 'longest belongs to seconds = "until done"', "longest = 60"),
+    ("seconds = 20", 'seconds = "until done"\nlongest = 0', "trial.longest is 0: expected a number", "longest = 0"),
     ("repeats = 2", "repeats = 0", "trial.repeats is 0: expected a whole number", None),
     ("repeats = 2", "repeats = 400", "trial.repeats makes 3 x 400 trials: expected 1000 at most", None),
     ('order = "williams"', 'order = "latin"', "trial.order is 'latin': expected williams, random or fixed", None),
@@ -374,7 +406,8 @@ def test_files_that_are_none(tmp_path):
     with pytest.raises(UnknownNameError, match="unknown study 'thsis': did you mean 'thesis'"):
         load_design("thsis")
     with pytest.raises(
-        InputError, match=r"absent\.toml: No such file or directory: expected a \.toml file, or one of quick, thesis"
+        InputError,
+        match=r"absent\.toml: No such file or directory: expected a \.toml file, or one of quick, th",
     ):
         load_design(str(tmp_path / "absent.toml"))
     (tmp_path / "folder.toml").mkdir()

@@ -182,6 +182,23 @@ def test_who_wants_a_question_again_says_so_in_the_next_step_once():
     assert visit(somebody, show, seconds=3.0) == []  # neither twice
 
 
+def test_a_trial_until_done_is_ended_after_a_time_of_its_own():
+    model = attrs.evolve(MODEL, dropout=0.0, again=0.0, pause=0.0, look_median_s=12.0, look_spread_s=0.5)
+    design = attrs.evolve(DESIGN, seconds=600.0, until_done=True)
+    order = (("late", "reference", "warped", "turned"),)
+    shows = [step for step in steps_of(design, order, PART) if isinstance(step, Show) and step.trial]
+    times = []
+    for show in shows:
+        somebody = Simulated(model, design, PART, 1, 5, order)
+        ((first, command), *_) = ((k / 20, one) for k in range(2000) for one in somebody.commands(show, None, k / 20))
+        assert command.control == "continue"
+        times.append(first)
+    assert len(set(times)) == len(times) and min(times) > 3 and max(times) < 50
+    assert model.look_seconds(0.5) == pytest.approx(12.0)
+    with_time = next(step for step in steps_of(DESIGN, order, PART) if isinstance(step, Show) and step.trial)
+    assert visit(Simulated(model, DESIGN, PART, 1, 5, order), with_time, seconds=60.0) == []
+
+
 def test_who_has_had_enough_stops_before_the_next_trial():
     population = Population(attrs.evolve(MODEL, dropout=0.5, sickness=SicknessModel()), DESIGN, PART)
     made = population.of(range(20), 3)

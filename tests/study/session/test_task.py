@@ -1,0 +1,176 @@
+"""Targets to find and to select: an objective score beside the rating."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hmdwarp.display import Command
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
+from hmdwarp.poses import Origin, PoseSample
+from hmdwarp.scenes import load_scene, with_targets
+from hmdwarp.study.analysis import analyse, from_contents
+from hmdwarp.study.design import design_as_json, load_design
+from hmdwarp.study.dialogs import MessagePanel
+from hmdwarp.study.export import long_rows
+from hmdwarp.study.session.task_score import TaskScore
+from hmdwarp.study.store import plan_signature
+
+from .sessions import Person, contents, run, study
+
+TASK = '[task]\nkind = "targets"\ncount = {count}\nsize = {size}\nseed = 3\n'
+
+
+def with_task(folder, count=2, size=20.0, seconds="0.3", more=""):
+    path = study(folder, TASK.format(count=count, size=size) + more)
+    path.write_text(path.read_text(encoding="utf-8").replace("seconds = 0.1", f"seconds = {seconds}"), encoding="utf-8")
+    return path
+
+
+def looking(yaw_deg: float, origin: Origin = Origin.MEASURED) -> PoseSample:
+    half = math.radians(yaw_deg) / 2
+    return PoseSample(0, Pose((0.0, 1.6, 0.0), (0.0, math.sin(half), 0.0, math.cos(half))), origin)
+
+
+def at(yaw_deg: float) -> tuple[float, float, float]:
+    return (-2 * math.sin(math.radians(yaw_deg)), 1.6, -2 * math.cos(math.radians(yaw_deg)))
+
+
+def test_the_score_of_a_trial_by_hand():
+    score = TaskScore(np.array([at(0), at(30), at(33)]), 4.0)
+    score.select(0.1)  # no head was seen yet: nothing
+    score.add(looking(10))
+    score.select(1.0)  # nothing there
+    score.add(looking(1))
+    score.select(2.0)
+    score.select(2.1)  # it is selected already
+    score.add(looking(80, Origin.HELD))
+    score.add(looking(32))
+    score.select(3.0)  # the nearer of two
+    assert not score.is_over
+    assert score.figures(5.0)["task_target_s"] == pytest.approx(2.5)  # two in five seconds
+    score.select(4.0)
+    assert score.is_over
+    score.add(looking(-90))
+    assert score.figures(9.0) == {
+        "task_targets": 3,
+        "task_found": 3,
+        "task_misses": 2,
+        "task_target_s": pytest.approx(4 / 3),
+        "task_turned_deg": pytest.approx(9 + 31, abs=1e-4),
+        "task_times_s": "2.000 3.000 4.000",
+    }
+
+
+@pytest.mark.parametrize("name", ["planes", "room"])
+def test_targets_stand_apart_in_sight_and_where_the_seed_says(name):
+    scene = load_scene(name)
+    found, places = with_targets(scene, 5, 4.0, (3, 1))
+    eye = np.array(scene.viewpoint.position_m)
+    ways = (places - eye) / np.linalg.norm(places - eye, axis=1, keepdims=True)
+    apart = np.degrees(np.arccos(np.clip(ways @ ways.T, -1, 1)))[~np.eye(5, dtype=bool)]
+    assert apart.min() > 12
+    assert len(found.meshes) == len(scene.meshes) + 5
+    for mesh, place, way in zip(found.meshes[-5:], places, ways, strict=True):
+        corners = mesh.positions + scene.origin_m - eye
+        seen = corners / np.linalg.norm(corners, axis=1, keepdims=True) @ way
+        assert np.degrees(np.arccos(seen.min())) == pytest.approx(2.0, abs=0.1)
+        assert np.allclose((mesh.positions + scene.origin_m).mean(axis=0), place, atol=0.1)
+        assert np.ptp(mesh.light, axis=0).max() == 0  # it shines evenly
+    assert (with_targets(scene, 5, 4.0, (3, 1))[1] == places).all()
+    assert not np.isclose(with_targets(scene, 5, 4.0, (3, 2))[1], places).any()
+
+
+class Selecting(Person):
+    """Confirms at each new picture, whatever is there."""
+
+    def looks(self, panel):
+        return (Command("confirm"),) if panel == "" else super().looks(panel)
+
+
+def test_a_session_with_a_task_stores_its_score_and_says_it_on_the_next_panel(monkeypatch, gpu, tmp_path):
+    path = with_task(tmp_path)
+    ran = run(monkeypatch, gpu, path, person=Selecting())
+    assert ran.session.status == "complete"
+    first, second = (one.actual for one in contents(path).showings)
+    for one in (first, second):
+        assert one["ended_by"] == "time"  # a trial with a time keeps to it
+        assert one["task_targets"] == 2 and one["task_misses"] > 0
+        assert one["task_found"] == len(one["task_times_s"].split())
+    panels = [panel for panel in ran.display.panels if isinstance(panel, MessagePanel) and "Trial" in panel.title]
+    assert panels[0].hint == "Find 2 pink balls: bring one to the middle of your view. Enter: select"
+    assert panels[-1].hint.startswith(f"{first['task_found']} of 2 found.\nFind 2 pink balls")
+
+
+def test_the_last_target_ends_a_trial_until_done_and_the_console_can(monkeypatch, gpu, tmp_path):
+    from hmdwarp.study.session import trial_runner
+
+    class Easy(trial_runner.TaskScore):
+        def __attrs_post_init__(self) -> None:
+            super().__attrs_post_init__()
+            self.size_deg = 180.0
+
+    monkeypatch.setattr(trial_runner, "TaskScore", Easy)
+    path = with_task(tmp_path, seconds='"until done"\nlongest = 5')
+    run(monkeypatch, gpu, path, person=Selecting())
+    for showing in contents(path).showings:
+        assert (showing.actual["ended_by"], showing.actual["task_found"], showing.actual["task_misses"]) == (
+            "targets",
+            2,
+            0,
+        )
+
+
+def test_targets_are_part_of_the_picture(monkeypatch, gpu, tmp_path):
+    """The server draws them: the pipeline's own scene has them, and only in trials of the task."""
+    from hmdwarp.study.session import trial_runner
+
+    shown = []
+
+    class Kept(trial_runner.PipelineHost):
+        def __init__(self, display, options, scene) -> None:
+            shown.append((options.warp, [mesh.name for mesh in scene.meshes if mesh.name.startswith("target-")]))
+            super().__init__(display, options, scene)
+
+    monkeypatch.setattr(trial_runner, "PipelineHost", Kept)
+    path = study(tmp_path, TASK.format(count=2, size=5) + 'conditions = ["spun-about"]\n')
+    run(monkeypatch, gpu, path)
+    assert sorted(shown) == [("none", []), ("rotation", ["target-0", "target-1"])]
+    actual = {one.condition: one.actual["task_targets"] for one in contents(path).showings}
+    assert actual == {"plainly-late": None, "spun-about": 2}
+
+
+def test_the_score_is_exported_and_analysed_beside_the_rating(monkeypatch, gpu, tmp_path):
+    path = with_task(tmp_path, more='[[family]]\nname = "f"\npairs = [["plainly-late", "spun-about"]]\n')
+    for code in ("P1", "P2"):
+        run(monkeypatch, gpu, path, person=Selecting(), participant=code)
+    stored, design = contents(path), load_design(str(path))
+    assert all(row["actual_task_targets"] == 2 for row in long_rows(stored, design))
+    ratings = from_contents(stored, design)
+    assert ratings.rated_scales() == ("grade", "task_target_s", "task_misses")
+    misses = {(row.place, row.value) for row in ratings.rows if row.scale == "task_misses"}
+    assert misses == {(one.trial, one.actual["task_misses"]) for one in stored.showings}
+    found = analyse(ratings)
+    assert [one["measure"]["name"] for one in found["scales"]] == list(ratings.rated_scales())
+    assert found["ratings"] == 4
+    assert found["scales"][2]["comparisons"][0]["n"] == 2
+
+
+def test_a_plan_s_task_is_checked_kept_and_part_of_its_signature(tmp_path):
+    path = with_task(tmp_path, count=4, size=5)
+    design = load_design(str(path))
+    assert design_as_json(design)["task"] == {"count": 4, "size_deg": 5.0, "seed": 3, "conditions": ()}
+    assert plan_signature(design, "main")["task"] == [4, 5.0, 3]
+    text = path.read_text(encoding="utf-8")
+    for found, put, says in (
+        ("count = 4", "count = 90", "task.count is 90, and with a quarter to spare scene 'planes' has room for"),
+        ("seed = 3", 'conditions = ["late"]', "task.conditions has 'late': expected some of plainly-late, spun-about"),
+        ('"targets"', '"steering"', "task.kind is 'steering': expected targets"),
+        ("size = 5", "size = 0", "task.size is 0: expected a number"),
+    ):
+        path.write_text(text.replace(found, put), encoding="utf-8")
+        with pytest.raises(InputError, match=says):
+            load_design(str(path))
