@@ -109,7 +109,7 @@ def test_a_quiet_session_prints_nothing(tmp_path):
 @pytest.mark.parametrize(
     ("words", "status", "told"),
     [
-        (("--source", "nowhere"), 2, "source 'nowhere': expected auto or openxr or desktop or offscreen"),
+        (("--source", "nowhere"), 2, "source 'nowhere': expected auto, openxr, desktop or offscreen"),
         (("--source", "offscreen"), 2, "name a recorded one by --trace"),
         (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
         (("--source", "offscreen", "--trace", "walk", "--simulate", "quick"), 2, "no mean for plainly-late"),
