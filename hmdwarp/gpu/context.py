@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from functools import partial
 
 import moderngl
 
-from ..errors import MachineError
+from ..errors import InputError, MachineError
+from . import egl
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
 
@@ -21,30 +22,29 @@ HOW_TO_GET_GL = (
 )
 
 
-def _first_context(backends: list[str]) -> tuple[moderngl.Context | None, list[str]]:
-    failures: list[str] = []
-    for backend in backends:
-        settings: dict[str, Any] = {"backend": backend} if backend else {}
-        try:
-            return moderngl.create_context(standalone=True, require=WANTED, **settings), failures
-        except Exception as error:  # moderngl raises bare Exception here
-            failures.append(f"{backend or 'window system'}: {error}")
-    return None, failures
-
-
 def create_context() -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
-    Errors: MachineError naming what was tried and what to install.
+    Errors: InputError for an HMDWARP_EGL_DEVICE that names no device, MachineError naming what was
+    tried and what to install.
     """
-    backends = ["egl"] if os.name == "posix" else []
+    ways: dict[str, Callable[[], moderngl.Context]] = {}
+    if os.name == "posix":
+        ways["egl"] = partial(egl.create_context, WANTED)
     if os.name != "posix" or os.environ.get("DISPLAY"):
-        backends.append("")
-    context, failures = _first_context(backends)
-    if context is None:
-        raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
-    context.gc_mode = "context_gc"
-    return context
+        ways["window system"] = partial(moderngl.create_context, standalone=True, require=WANTED)
+    failures = []
+    for name, way in ways.items():
+        try:
+            context = way()
+        except InputError:
+            raise
+        except Exception as error:  # moderngl raises bare Exception here
+            failures.append(f"{name}: {error}")
+        else:
+            context.gc_mode = "context_gc"
+            return context
+    raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
 
 
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
