@@ -20,7 +20,9 @@ import numpy as np
 import pytest
 
 TESTS = Path(__file__).resolve().parents[1]
-ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink"}
+# Uniforms compiled into the shaders, as Zink does over a CPU alone, take stale values in Mesa 22.3:
+# the third picture of a memory fill, meshes of blocks of 4.
+ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink", "ZINK_INLINE_UNIFORMS": "0"}
 NAME = "Zink over lavapipe"
 RENDERER = "from hmdwarp.gpu import Gpu; print(Gpu().renderer)"
 # The timers, the 64-bit path, the twins of warps and fills, the hard cases, and whole replays.
@@ -28,6 +30,8 @@ SELECTED = (
     "tests/gpu/test_timers.py",
     "tests/gpu/test_programs.py",
     "tests/client/test_forward.py",
+    "tests/client/test_memory.py",
+    "tests/client/test_mesh_adaptive.py",
     "tests/client/test_contract.py",
     "tests/hard_cases",
     "tests/test_golden.py",
