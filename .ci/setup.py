@@ -1,7 +1,8 @@
 """Make .venv ready for `make`: the pinned Python packages, and Mesa where OpenGL is missing.
 
 Started by .ci/setup. Quick and without a network when nothing changed; the next run repairs an
-interrupted one. Option: --tests also installs what only tests start (.ci/tools.toml), where apt may.
+interrupted one. Option: --tests also installs what only tests start (.ci/tools.toml), where apt
+may.
 Exit status: 0 ready; 3 the machine lacks something (the message holds the line to type); 1 an
 internal error.
 """
@@ -163,7 +164,7 @@ def install_system_packages() -> None:
 
 
 def missing_tools() -> dict[str, str]:
-    """Return the programs and drivers that tests start and this machine lacks, with their packages."""
+    """Return what tests start and this machine lacks, with the package of each."""
     tools = tomllib.loads(TOOLS.read_text(encoding="utf-8"))
 
     def is_here(name: str) -> bool:

@@ -9,13 +9,12 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import attrs
 import moderngl
 
-from ..errors import InputError, MachineError
+from ..errors import InputError
 
 VARIABLE = "HMDWARP_EGL_DEVICE"
 _DEVICE_PLATFORM, _DRM_FILE, _EXTENSIONS = 0x313F, 0x3233, 0x3055
@@ -78,7 +77,8 @@ def devices() -> list[Device]:
     egl, count = _egl(), ctypes.c_int32()
     handles = (ctypes.c_void_p * _MOST_DEVICES)()
     egl.call("eglQueryDevicesEXT", ctypes.c_int32, ctypes.c_int32(_MOST_DEVICES), handles, ctypes.byref(count))
-    return [Device(index, _file(egl, handles[index]), handles[index]) for index in range(count.value)]
+    known = [handle or 0 for handle in handles[: count.value]]
+    return [Device(index, _file(egl, handle), handle) for index, handle in enumerate(known)]
 
 
 def _file(egl: _Egl, handle: int) -> str:
@@ -89,7 +89,7 @@ def _file(egl: _Egl, handle: int) -> str:
 
 
 class EglContext:
-    """A context of OpenGL's core profile on a device, as moderngl.create_context(context=) takes it.
+    """A context of OpenGL's core profile on a device, for moderngl.create_context(context=).
 
     It is lost when the GPU is reset, and can be asked, where the driver offers that.
     Errors: OSError where the device has no such OpenGL.
@@ -151,7 +151,8 @@ def create_context(version: int) -> moderngl.Context:
     """Return a context on the device that HMDWARP_EGL_DEVICE names, else on the first that has one.
 
     The variable: a number in EGL's order, or a part of the renderer's name.
-    Errors: InputError where no device, or more than one, is so named; OSError where none has OpenGL.
+    Errors: InputError where no device, or more than one, is so named; OSError where none has
+    OpenGL.
     """
     found, wanted = devices(), os.environ.get(VARIABLE, "").strip()
     if not wanted:
@@ -185,7 +186,7 @@ def _on(device: Device, version: int) -> moderngl.Context:
     before = _egl().current()
     made = EglContext(device, version)
     try:
-        return moderngl.create_context(standalone=True, require=version, context=made)
+        return moderngl.create_context(standalone=True, require=version, context=cast(Any, made))
     except Exception as error:  # moderngl raises bare Exception here
         made.__exit__()
         made.release()

@@ -57,8 +57,9 @@ def _measures_dispatches(gl: moderngl.Context) -> bool:
 
     least = _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE
     agrees = _agrees_with_the_wall(gl, run, least)
-    for thing in (copy.program, *buffers):
-        thing.release()
+    copy.program.release()
+    for buffer in buffers:
+        buffer.release()
     return agrees
 
 

@@ -76,7 +76,7 @@ def said(done: subprocess.CompletedProcess[str]) -> str:
 
 @pytest.mark.slow(30)
 def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, record_property):
-    """Bit for bit, the 64-bit path as the portable one; where sums are rounded, within the bound."""
+    """Bit for bit, the 64-bit path as the portable one; rounded sums within the bound."""
     if not gpu.renderer.startswith("llvmpipe"):
         pytest.skip(f"the pictures are compared with llvmpipe's; this is {gpu.renderer}")
     done = on_zink("tests/driver_pictures.py", str(tmp_path / "zink.npz"))
@@ -111,6 +111,4 @@ def test_the_selected_tests_pass_there(tmp_path, record_property):
     cases = list(ElementTree.parse(results).iter("testcase"))
     skipped = Counter(" ".join(found.get("message", "").split()) for case in cases for found in case.iter("skipped"))
     why = "; ".join(f"{count} as {reason}" for reason, count in sorted(skipped.items()))
-    record_property(
-        needs.TOLD, f"{NAME}: {len(cases) - skipped.total()} tests passed, left out there: {why or 'none'}"
-    )
+    record_property(needs.TOLD, f"{NAME}: {len(cases) - skipped.total()} tests passed, left out there: {why or 'none'}")
