@@ -11,7 +11,7 @@ from .track import PoseTrack
 
 
 def predict(
-    track: PoseTrack, now_ns: int, target_ns: int, method: str = "constant_velocity", horizon_ns: int | None = None
+    track: PoseTrack, now_ns: int, target_ns: int, method: str = "cautious", horizon_ns: int | None = None
 ) -> PoseSample:
     """Return the head pose at `target_ns` as known at `now_ns`; ignore every sample after `now_ns`.
 
