@@ -26,6 +26,7 @@ import guard
 import layouts
 import panel
 import passes
+import prediction_tables
 import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
@@ -133,10 +134,11 @@ def border(folder: Path) -> None:
 
 
 def prediction(folder: Path) -> None:
-    """Measure a server that renders for the predicted pose."""
+    """Measure the predictors' errors, and a server that renders for the predicted pose."""
+    replace("prediction errors", prediction_tables.errors_table())
     rows = []
-    for latency in ("200", "400"):
-        for predict in ("none", "constant_velocity"):
+    for latency in ("100", "200", "400"):
+        for predict in prediction_tables.PREDICTORS:
             options = ("--latency", latency, "--warp", "forward", "--predict", predict)
             rows.append(((latency, predict), run(folder, "look-around", *options)))
     replace("prediction", table(("latency ms", "predict"), rows))
