@@ -75,9 +75,9 @@ def surface(inverse_depth: Array, steepest: tuple[float, float], *, cut_by_slope
     return Surface(*(np.array(column) for column in zip(*found, strict=True)))
 
 
-# 1/m: openwarp's 0.01 of clip depth, between planes at 0.1 and 20 m, found by bisection of their
-# projection.
-GRID_STEP = 0.04975
+# 1/m: 0.01 of openwarp's clip depth, which goes by 2 from the plane at 0.1 m to that at 20 m, and
+# evenly in inverse depth.
+GRID_STEP = 0.01 / 2 * (1 / 0.1 - 1 / 20)
 
 
 def grid_surface(inverse_depth: Array, side: int, ring: float) -> Surface:

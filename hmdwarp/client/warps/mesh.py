@@ -41,7 +41,9 @@ class MeshSettings:
             raise ValueError(f"grid={self.grid} is stretched across edges: leave out cut and steepest_deg, or the grid")
         if not self.grid and self.ring != RING:
             raise ValueError(f"ring is {self.ring:g}, but only a grid has one: give grid too, or leave it out")
-.register
+
+
+@warps.register
 class Mesh(MeshWarp):
     """A mesh with one vertex a pixel, or with a grid of fewer.
 
