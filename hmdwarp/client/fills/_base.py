@@ -30,6 +30,7 @@ class Fill(ABC):
     # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
     complete: ClassVar[bool] = False  # Whether it leaves nothing empty, provided that anything is covered.
+    remembers: ClassVar[bool] = False  # Whether it uses what it was given at earlier refreshes.
     needs_compute: ClassVar[bool] = True  # As a warp's.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
@@ -62,6 +63,9 @@ class Fill(ABC):
         """Return the client's model of the scene, for fills that read client.model."""
         assert self.geometry is not None
         return self.geometry.model(share, lit=lit, texture=texture)
+
+    def renew(self) -> None:  # noqa: B027 (most remember nothing)
+        """Take the next frame for a new one, even if it is the last one again: for timing."""
 
     def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""

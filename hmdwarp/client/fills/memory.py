@@ -72,6 +72,7 @@ class Memory(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     source = "this project's; keyframes as in Mark et al. 1997, Post-Rendering 3D Warping, chosen by what they cover"
     Settings = MemorySettings
+    remembers = True
 
     def prepare(self) -> None:
         wide, high = self.rendered_size
@@ -102,6 +103,9 @@ class Memory(Fill):
         for one in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[one.slot]
             self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
+
+    def renew(self) -> None:
+        self._last.clear()
 
     def _learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
