@@ -49,8 +49,18 @@ def opencv_camera(view: View, size: tuple[int, int]) -> NDArray[np.float64]:
 
 def opencv_motion(rendered: View, shown: View) -> NDArray[np.float64]:
     """Return the 4x4 matrix that takes points from the rendered camera to the shown one."""
-    to_pixel = np.diag([1.0, -1.0, -1.0, 1.0])
-    return to_pixel @ rendered.pose.relative_to(shown.pose).matrix() @ to_pixel
+    to_camera = np.diag([1.0, -1.0, -1.0, 1.0])
+    return to_camera @ rendered.pose.relative_to(shown.pose).matrix() @ to_camera
+
+
+def _to_nearest(camera: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the 4x4 shear that moves what is seen by half a pixel to the right and down.
+
+    warpFrame rounds places down to whole pixels; after this they are rounded to the nearest.
+    """
+    shear = np.eye(4)
+    shear[0, 2], shear[1, 2] = 0.5 / camera[0, 0], 0.5 / camera[1, 1]
+    return shear
 
 
 def opencv_depth(inverse_depth: NDArray) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
@@ -77,7 +87,8 @@ class OpenCvWarp:
         rendered, canvas = inputs.rendered, self._canvases[inputs.eye]
         picture = picture_from_linear(download(rendered.colour))
         depth, mask = opencv_depth(download(rendered.inverse_depth))
-        motion, camera = opencv_motion(rendered.view, inputs.shown), opencv_camera(rendered.view, rendered.size)
+        camera = opencv_camera(rendered.view, rendered.size)
+        motion = _to_nearest(camera) @ opencv_motion(rendered.view, inputs.shown)
         started_ns = time.perf_counter_ns()
         _, warped, covered = self._cv2.warpFrame(depth, picture, mask, motion, camera)
         done_ns = time.perf_counter_ns()
