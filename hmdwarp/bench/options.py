@@ -90,11 +90,7 @@ class BenchOptions(Declared):
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
-    guard: Guard = guard_field(
-        1.5,
-        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; "
-        "replay and live begin with 1.",
-    )
+    guard: Guard = guard_field(1.5)
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an

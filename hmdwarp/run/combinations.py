@@ -84,11 +84,10 @@ def batches(
 
 
 def _bytes(combination: Combination, rendered_size: Size, shown_size: Size) -> int:
-    plan = combination.plan
+    plan, rendered = combination.plan, rendered_size[0] * rendered_size[1]
     canvases = 1 + len(plan.fills) + len(plan.effect_passes) + plan.lens.is_pass
-    return (
-        2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * rendered_size[0] * rendered_size[1]
-    )
+    kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills)
+    return 2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * rendered + kept
 
 
 def instants_of(count: int, wanted: int) -> list[int]:

@@ -81,6 +81,11 @@ class Fill(ABC):
         return cls.needs_compute
 
     @classmethod
+    def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
+        """Return the bytes of the pictures that it may keep."""
+        return 0
+
+    @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
         """Return the least bytes that one eye's picture reads and writes.
 

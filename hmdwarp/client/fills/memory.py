@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
@@ -138,6 +138,10 @@ class Memory(Fill):
         self._keeper.close()
         self._seeds.release()
         release_all(*self._slots)
+
+    @classmethod
+    def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
+        return min(settings.frames * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
