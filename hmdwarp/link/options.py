@@ -204,7 +204,14 @@ class LinkOptions(Declared):
         return waiting + math.ceil(longest_ns * 1e-9 * rate_hz) + 2
 
     def check(self, latency_ns: int) -> None:
-        """Check the delays against the latency. Errors: InputError for an impossible network."""
+        """Check the delays against the latency, and the options against each other.
+
+        Errors: InputError for an impossible network, and for an overload that cannot come.
+        """
+        if self.overload == RESOLUTION and self.bandwidth is None and self.response is None:
+            raise InputError(
+                f"--overload {RESOLUTION} beside no limit: nothing can be overloaded; give --bandwidth or --response sum"
+            )
         self.delay.check(latency_ns)
 
     def delays(self, latency_ns: int) -> Iterator[int]:

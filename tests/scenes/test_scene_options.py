@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import InputError
+from hmdwarp.errors import InputError, SceneError
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import SceneOptions, load_scene
 
@@ -225,8 +225,12 @@ def test_a_viewpoint_inside_a_thing_is_taken_and_said(tmp_path):
 @pytest.mark.parametrize(
     ("factor", "said"),
     [
-        (1000.0, "thing.glb: 6e+03 m across; if its unit is a millimetre, use --scene-scale 0.001"),
-        (100.0, "thing.glb: 600 m across; if its unit is a centimetre, use --scene-scale 0.01"),
+        (1000.0, "thing.glb: 6000 m across; if its unit is a millimetre, --scene-scale 0.001 makes it 6 m"),
+        (
+            100.0,
+            "thing.glb: 600 m across; if its unit is a centimetre, --scene-scale 0.01 makes it 6 m"
+            " or a millimetre, --scene-scale 0.001 makes it 0.6 m",
+        ),
         (0.001, "thing.glb: 0.006 m across, and a head moves farther; --scene-scale 100 makes it 0.6 m"),
         (1 / 60, "thing.glb: 0.1 m across, and a head moves farther; --scene-scale 10 makes it 1 m"),
     ],
@@ -238,6 +242,13 @@ def test_units_other_than_metres_are_noticed_and_left_alone(tmp_path, factor, sa
     assert np.ptp(vertices(scene)[:, 0]) == pytest.approx(6 * factor, rel=1e-5)
     right = glb.load(tmp_path, options=SceneOptions(scale=1 / factor, viewpoint="0,1.6,0"))
     assert right.notes == () and np.ptp(vertices(right)[:, 0]) == pytest.approx(6, rel=1e-5)
+
+
+def test_a_scene_beyond_float32_is_refused(tmp_path):
+    """Squares of distances overflow float32 at 1e19 m, so that a drawing would fail in mid-run."""
+    huge = boxes(cube((-1e29, -1e29, -1e29), (1e29, 1e29, 1e29)))
+    with pytest.raises(SceneError, match="2e\\+29 m across; expected at most 1e\\+09 m.*--scene-scale"):
+        huge.load(tmp_path, options=IN_PLACE)
 
 
 def test_a_ground_below_the_z_axis_is_noticed_and_left_alone(tmp_path):
