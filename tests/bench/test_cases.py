@@ -19,6 +19,7 @@ from hmdwarp.bench.cases import (
     run_options,
     warps_of,
 )
+from hmdwarp.client import Choice, parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.frames import Needs, Others
@@ -65,10 +66,10 @@ def test_a_text_alone_is_one_name():
 
 def test_all_registered_warps_by_default():
     found = warps_of(BenchOptions())
-    assert [text for text in found if ":" not in text] == warps.names()
     more = {f"{warp.name}:{settings}" for warp in warps for settings in (*warp.variants, *warp.baselines)}
-    outside = {name for name in OUTSIDE if not missing(name)}
-    assert set(found) - set(warps.names()) == more | outside
+    outside = [name for name in OUTSIDE if not missing(name)]
+    assert [text for text in found if ":" not in text] == [*warps.names(), *outside]
+    assert set(found) - set(warps.names()) - set(outside) == more
 
 
 def test_complete_fills_run_with_few_warps_where_none_was_named():
@@ -127,16 +128,16 @@ class _Pass:
 @attrs.frozen
 class _Plan:
     needs: Needs
-    fills: tuple[str, ...] = ()
+    fills: tuple[Choice, ...] = ()
     effect_passes: tuple[str, ...] = ()
     lens: _Pass = _Pass()
 
 
 def some(*needs: Needs) -> list[Combination]:
     return [
-        Combination(f"w{n}", fill, _Plan(need, () if fill == "none" else (fill,)))
+        Combination(f"w{n}", fill, _Plan(need, parse_fills(fill)))
         for n, need in enumerate(needs)
-        for fill in ("none", "other")
+        for fill in ("none", "interpolate")
     ]
 
 
