@@ -132,8 +132,7 @@ class PipelineOptions(Declared):
     # "auto" is replaced by a number before a run is built, see run.guard.
     guard: Guard | str = guard_field(
         1.0,
-        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; auto: "
-        "as the trace needs. The pixels grow by the product of both axes.",
+        " auto: as the trace needs.",
         beside=(_WIDE,),  # the other way to fill beyond the border
     )
     rendered_size: tuple[int, int] | None = rendered_size_field()
