@@ -59,9 +59,9 @@ def test_plan_tells_what_was_noticed(command, scene):
 @pytest.mark.parametrize(
     ("said", "message"),
     [
-        (("--viewpoint", "door"), "viewpoint 'door': the file has no cameras; or X,Y,Z[,YAW]"),
+        (("--viewpoint", "door"), "viewpoint 'door': the file has no cameras; expected X,Y,Z[,YAW]"),
         (("--viewpoint", "1,2"), "viewpoint '1,2': expected X,Y,Z or X,Y,Z,YAW"),
-        (("--animation", "run"), "animation 'run': the file has no animations; or none"),
+        (("--animation", "run"), "animation 'run': the file has no animations; expected none"),
         (("--scene-up", "x"), "up 'x': expected y or z"),
         (("--scene-scale", "0"), "scene-scale 0: expected a number of at least 1e-06"),
     ],
