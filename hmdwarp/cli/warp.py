@@ -75,6 +75,5 @@ def warp(said: Said) -> None:
     if result.hole_share > _NOTHING:
         typer.echo(
             f"note: {100 * result.hole_share:.1f} % of the picture is empty before the fill: the frame has no depth "
-            "there, or the two views see little in common; check depth_m and position_m (metres) and the orientations",
-            err=True,
+            "there, or the two views see little in common; check depth_m and position_m (metres) and the orientations"
         )

@@ -33,9 +33,11 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
     """
     why = error.strerror or str(error)
     if error.errno in (errno.EEXIST, errno.ENOTDIR):
-        return InputError(f"{path}: cannot write, because a file is in the place of a folder: choose another folder")
+        return InputError(
+            f"{path}: cannot write, because a file is in the place of a folder: choose a folder, or a new name"
+        )
     if error.errno == errno.EISDIR:
-        return InputError(f"{path} is a directory: expected the name of a file to write")
+        return InputError(f"{path}: cannot write, because it is a directory: expected the name of a file")
     if error.errno in _NO_ROOM:
         return MachineError(f"{path}: cannot write ({why}): make room or choose another folder")
     if error.errno in _FORBIDDEN | _NO_PLACE:

@@ -78,8 +78,8 @@ def test_the_input_is_never_overwritten(command, tmp_path):
 
 def test_a_picture_of_nothing_is_remarked_on(warp):
     """Millimetres for metres: the frame was drawn more than a kilometre away."""
-    assert "check depth_m and position_m" in warp({"position_m": [1600.0, 0.0, 0.0]}).done().err
-    assert "check" not in warp(None, None, "--force").done().err
+    assert "check depth_m and position_m" in warp({"position_m": [1600.0, 0.0, 0.0]}).done().out
+    assert "check" not in warp(None, None, "--force").done().out
 
 
 def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
