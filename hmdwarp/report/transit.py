@@ -120,6 +120,6 @@ def transit_lines(summary: Summary) -> list[str]:
     counts = link.get("frames") or {}
     if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = [*coding_rows(summary), *(row for row in response_rows(summary) if row[0] == _RESPONSE["median_ms"])]
+        rows = [*coding_rows(summary), *(row for row in response_rows(summary) if row[0].endswith("(median)"))]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines
