@@ -119,7 +119,6 @@ class Decoder:
     def __init__(self, codec: str | Codec, size: tuple[int, int]) -> None:
         self.size = size
         self._colour = ColourDecoder(_coding(codec), size)
-        self._next: int | None = None  # None: wait for a key frame
 
     def decode(self, packet: Packet) -> NDArray[np.float16]:
         """Return the picture as the client sees it: as encoded, coverage within 1/508.
@@ -127,14 +126,9 @@ class Decoder:
         Errors: Undecodable for damaged bytes, and for every picture from a missing one to the next
         key frame.
         """
-        if packet.key:
-            self._colour.restart()
-        elif packet.number != self._next:
-            self._next = None
-            raise Undecodable(f"frame {packet.number} builds on one that never came")
+        self._colour.begin(packet.number, packet.key)
         stops, empty, packed, video = _parts(packet.data)
-        colour = self._colour.decode(video)
-        self._next = packet.number + 1
+        colour = self._colour.decode(video, packet.number)
         coverage = unpack(packed)
         out = np.empty((*coverage.shape, 4), np.float16)
         out[..., :3] = light_from_bytes(colour, stops)
