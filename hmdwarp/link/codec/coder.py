@@ -6,7 +6,6 @@ import math
 import struct
 import zlib
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +14,7 @@ from .codecs import Codec, codecs
 from .coding import check_quality
 from .holes import covered
 from .packed_layers import pack, unpack
+from .packet import Packet
 from .stream import ColourDecoder, ColourEncoder
 from .transfer import bytes_from_light, light_from_bytes, stops_of
 from .undecodable import Undecodable
@@ -27,22 +27,6 @@ _CHECKED_FROM = 4
 # A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.
 _STEPS = 254
 _COVERED = np.float16(1).view(np.uint16)
-
-
-@attrs.frozen
-class Packet:
-    """One picture on the network."""
-
-    # 0 for the first of its stream.
-    number: int
-    # Whether it can be decoded without those before it.
-    key: bool
-    data: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
-
-    @property
-    def size_bytes(self) -> int:
-        """The size of all of it."""
-        return len(self.data)
 
 
 class Encoder:

@@ -2,10 +2,10 @@
 
 A picture in, its bytes out at once; and back.
 
-Colour: 8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709,
-limited range (luma 16 to 235): which every hardware decoder supports. Both ends state this instead
-of trusting defaults, which differ between programs. The values are sRGB-encoded, and the stream is
-tagged so.
+Colour: 8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of
+BT.709, limited range (luma 16 to 235): which every hardware decoder supports. Both ends state this
+instead of trusting defaults, which differ between programs. The values are sRGB-encoded, and the
+stream is tagged so.
 """
 
 from __future__ import annotations
@@ -99,7 +99,10 @@ class VideoEncoder:
 
 
 class VideoDecoder:
-    """Decode the bytes of a VideoEncoder for pictures of `size`. what: what they are, for errors."""
+    """Decode the bytes of a VideoEncoder for pictures of `size`.
+
+    what: what they are, for errors.
+    """
 
     def __init__(self, codec: Codec, size: tuple[int, int], what: str) -> None:
         import av
