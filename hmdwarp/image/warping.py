@@ -87,7 +87,9 @@ def warp_image(
     rendered_size = inverse_depth.shape[1::-1]
     shown_size = rendered_size if size is None else checked_size(size)
     with _shared_gpu() if gpu is None else gpu.current() as current:
-        return _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+        warped = _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+        current.check_not_lost()
+        return warped
 
 
 def usable_warps() -> list[str]:
