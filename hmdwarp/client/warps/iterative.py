@@ -95,5 +95,6 @@ class Iterative(GatherWarp):
         self.run_gather(self._program, inputs, into, most_pixels=self.settings.converged, **surface, **cells)
 
     def close(self) -> None:
+        super().close()
         if self._seeds is not None:
             self._seeds.close()
