@@ -44,12 +44,13 @@ class GatherWarp(Warp):
     fuses = True
     scans_out = True
     rows: ClassVar[int] = 8  # pixels of one column per invocation; 4 suits heavy shaders
+    rows_with_depth: ClassVar[int] = 0  # the same where the depth is written too; 0: as many
 
     def gather(self, path: str, **defines: object) -> Compute:
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
         if lens is None:
-            defines |= {"ROWS": self.rows}
+            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
         else:
             defines |= {"LENS": lens.library, **lens.library_defines()}
         if self.output.scanout:

@@ -68,6 +68,7 @@ class Iterative(GatherWarp):
     Settings = IterativeSettings
     variants = ("seed=rotation", "slanted=3")
     rows = 4
+    rows_with_depth = 3  # with four, Mesa no longer unrolls the loop: 47 ms instead of 40 on llvmpipe
 
     def prepare(self) -> None:
         chosen = self.settings
