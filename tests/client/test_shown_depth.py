@@ -55,8 +55,12 @@ def _beside(gpu, world: World, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("name", BESIDE)
 def test_the_depth_beside_it_leaves_the_colour_as_it_is(gpu, name):
+    """An invocation may handle fewer rows then, so places are rounded elsewhere: within the twin's bound."""
     world = World(gpu, 7, SIZE)
-    assert np.array_equal(_beside(gpu, world, name)[0], world.warp(gpu, name))
+    got, plain, bound = _beside(gpu, world, name)[0], world.warp(gpu, name), world.reference(name)
+    decided = ~bound.undecided
+    assert np.array_equal(got[..., 3][decided], plain[..., 3][decided])
+    assert (np.abs(got - plain).max(axis=-1) <= 2 * bound.tolerance)[decided].all()
 
 
 def test_a_run_for_something_else_leaves_the_depth_alone(gpu):

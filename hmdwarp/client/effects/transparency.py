@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
 
-# The shown depth of a warp that runs twice for it has been through two half floats: rounded, each is
-# off by 2^-11 of it (truncation makes things farther away). A sheet that lies on a surface must not
+# The shown depth of a warp that runs twice for it has been through two half floats: each rounds by
+# 2^-11 of it (truncation makes things farther away). A sheet that lies on a surface must not
 # flicker; in exchange, a sheet 1.5 mm behind its frame at 1.5 m is drawn over the frame.
 NEARER = 1 + 2.0**-10
 
