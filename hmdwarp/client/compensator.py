@@ -110,7 +110,12 @@ class Compensator:
         carry = Carry(self._warp)
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-        self._fills = [one.entry(gpu, rendered_size, shown_size, one.settings, geometry) for one in plan.fills]
+        self._fills = [
+            one.entry(
+                gpu, rendered_size, shown_size, one.settings, geometry, depth_read=plan.reads_depth_after(one)
+            )
+            for one in plan.fills
+        ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry)
         made = [
             one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
@@ -129,7 +134,8 @@ class Compensator:
         filled = []
         for fill in self._fills:
             own_depth = has_depth and SHOWN_DEPTH in fill.writes
-            last = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if own_depth else last.inverse_depth)
+            depth = allocate(gl, size, SCALAR) if own_depth and fill.depth_read else None
+            last = ShownPicture(Canvas(gl, size), depth if own_depth else last.inverse_depth)
             filled.append(last)
         effects = tuple(Canvas(gl, size) for _ in self._shown)
         shown = effects[-1] if effects else last.colour

@@ -80,6 +80,8 @@ class Plan:
     steps: tuple[Step, ...]
     # Names and reasons.
     left_out: tuple[tuple[str, str], ...]
+    # Whether the display reads the depth of what is shown.
+    hands_depth_on: bool = False
 
     @property
     def warp(self) -> type[Warp]:
@@ -116,6 +118,12 @@ class Plan:
     def warps_twice(self) -> bool:
         """Whether the warp runs a second time for it, on the rendered depth."""
         return any(step.name == STEP_SHOWN_DEPTH for step in self.steps)
+
+    def reads_depth_after(self, fill: Choice[Fill]) -> bool:
+        """Return whether a pass after that fill, or the display, reads the shown depth."""
+        later = self.fills[self.fills.index(fill) + 1 :]
+        passes = [one.entry.reads for one in later] + [one.made_by.reads for one in self.effect_passes]
+        return self.hands_depth_on or any(SHOWN_DEPTH in reads for reads in passes)
 
     def writes(self, name: str) -> bool:
         """Return whether a pass of the plan writes the named layer."""
@@ -231,6 +239,7 @@ def build_plan(
         (*rendered, *shown),
         tuple(draft.steps),
         tuple(draft.left_out),
+        bool(takes_depth),
     )
 
 

@@ -49,7 +49,9 @@ Guess from_above(ivec2 texel) {
 #if INTO_PICTURE
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
+#if WITH_DEPTH
 layout(r32f) writeonly uniform image2D filled_depth;
+#endif
 
 ivec2 first_texel() {
     return first_of_column();
@@ -66,7 +68,9 @@ bool is_wanted(ivec2 pixel) {
 void push(ivec2 pixel) {
     Guess guess = from_above(pixel);
     imageStore(filled, pixel, vec4(guess.colour, guess.weight));
+#if WITH_DEPTH
     imageStore(filled_depth, pixel, vec4(as_stored(guess.depth)));
+#endif
 }
 #else
 layout(rgba16f) uniform image2D level_colour;

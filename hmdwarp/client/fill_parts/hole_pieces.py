@@ -31,7 +31,7 @@ class HolePieces:
     def __init__(
         self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, twice: bool = False
     ) -> None:
-        self._gpu, self._size, self._stamp = gpu, size, 0
+        self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
         self._program = gpu.shaders.compute("fills/holes.comp", WITH_DEPTH=int(with_depth), TWICE=int(twice))
         self.count = -(-size[0] // PIECE[0]) * -(-size[1] // PIECE[1])
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
@@ -52,7 +52,7 @@ class HolePieces:
         self.list.write(_HEADER)
         uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
         _bind(picture.colour.texture, into.colour.texture, _WARPED)
-        if self._program.uniforms.declares("warped_depth") and picture.inverse_depth is not None:
+        if self._with_depth and picture.inverse_depth is not None:
             _bind(picture.inverse_depth, into.depth, _WARPED_DEPTH)
             uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
         if too is not None:

@@ -85,13 +85,16 @@ class Pyramid(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     source = "Gortler et al. 1996, The Lumigraph (push-pull); the preference for the background is this project's"
     complete = True
+    drops_depth = True
     Settings = PyramidSettings
 
     def prepare(self) -> None:
         shaders = self.gpu.shaders
         self._first_pull, self._pull = (shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=k) for k in (1, 0))
-        self._last_push, self._push = (shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=k) for k in (1, 0))
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
+        deep = int(self.depth_read)
+        self._last_push = shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=1, WITH_DEPTH=deep)
+        self._push = shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=0)
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=self.depth_read)
         size = self.shown_size
         self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
@@ -110,14 +113,11 @@ class Pyramid(Fill):
             self._push_one(below, above)
         picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
         into.colour.bind_for_writing(_FILLED)
-        into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
         self._read_above(self._last_push, self._levels[0])
-        uniforms = {
-            "warped": _SECOND[0],
-            "filled": _FILLED,
-            "filled_depth": _FILLED_DEPTH,
-            "shown_size": self.shown_size,
-        }
+        uniforms = {"warped": _SECOND[0], "filled": _FILLED, "shown_size": self.shown_size}
+        if self.depth_read:
+            into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+            uniforms["filled_depth"] = _FILLED_DEPTH
         self._last_push.uniforms.set(**uniforms)
         self._pieces.run(self._last_push)
 
