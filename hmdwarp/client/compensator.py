@@ -111,9 +111,7 @@ class Compensator:
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills = [
-            one.entry(
-                gpu, rendered_size, shown_size, one.settings, geometry, depth_read=plan.reads_depth_after(one)
-            )
+            one.entry(gpu, rendered_size, shown_size, one.settings, geometry, depth_read=plan.reads_depth_after(one))
             for one in plan.fills
         ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry)

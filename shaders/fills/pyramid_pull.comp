@@ -5,9 +5,8 @@
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the restriction to the
 // farthest surface is this project's.
 #if FROM_PICTURE
-#define ROWS 4 // of a piece
-#include "lib/holes.glsl"
-layout(local_size_x = 64) in;
+#define ROWS 4 // of a piece; of a level, shown_size is that of the level
+#include "lib/hole_columns.glsl"
 #else
 #define ROWS 4
 #include "lib/rows.glsl"
@@ -111,20 +110,12 @@ void pull(ivec2 texel, Texels a, Texels b, Texels c, Texels d, float holes, floa
     imageStore(level_depth, texel, vec4(as_stored(weight > 0.0 ? sum.depth * over : UNKNOWN), holes / inside, sum.border, 0.0));
 }
 
-#if FROM_PICTURE
-// The texels that span a piece: 6 x 4. Neighbouring pieces share some, and compute the same values.
-ivec2 first_texel() {
-    uint index = gl_GlobalInvocationID.x / uint(PIECE_WIDE), lane = gl_GlobalInvocationID.x % uint(PIECE_WIDE);
-    return index < piece_count && lane < 6u ? first_of_piece(int(pieces[index])) / 2 + ivec2(lane, 0) - 1 : level_size;
-}
-#else
-ivec2 first_texel() {
-    return first_pixel();
-}
-#endif
-
 void main() {
-    ivec2 texel = first_texel();
+#if FROM_PICTURE
+    ivec2 texel = first_of_column();
+#else
+    ivec2 texel = first_pixel();
+#endif
     if (texel.x >= level_size.x) return;
     // The upper half of one texel is the lower half of the next one in the column, so it is read
     // once.
@@ -142,7 +133,7 @@ void main() {
         lower = upper;
         upper = KERNEL.x * of_c + KERNEL.y * of_d;
         vec2 all = lower + KERNEL.y * of_c + KERNEL.x * of_d;
-        bool counts = all.x > 0.0 && texel.x >= 0 && texel.y >= 0;
+        bool counts = all.x > 0.0;
 #if !FROM_PICTURE
         if (!counts) {
             imageStore(level_colour, texel, vec4(0.0));

@@ -4,8 +4,8 @@
 // this one; or the guesses.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the preference for the
 // farther one inside holes is this project's.
-#if INTO_PICTURE
-#define ROWS 4 // of a piece
+#if LISTED
+#define ROWS 4 // of a piece; of a level, shown_size is that of the level
 #include "lib/hole_columns.glsl"
 #else
 #define ROWS 4
@@ -53,14 +53,6 @@ layout(rgba16f) writeonly uniform image2D filled;
 layout(r32f) writeonly uniform image2D filled_depth;
 #endif
 
-ivec2 first_texel() {
-    return first_of_column();
-}
-
-ivec2 size_of_level() {
-    return shown_size;
-}
-
 bool is_wanted(ivec2 pixel) {
     return pixel.y < shown_size.y && imageLoad(warped, pixel).a == 0.0;
 }
@@ -77,14 +69,6 @@ layout(rgba16f) uniform image2D level_colour;
 layout(rgba32f) uniform image2D level_depth;
 uniform ivec2 level_size;
 uniform float least_holes; // the share of holes from which on a level's background overrides the one below
-
-ivec2 first_texel() {
-    return first_pixel();
-}
-
-ivec2 size_of_level() {
-    return level_size;
-}
 
 // Texels with holes never read texels without holes below them.
 bool is_wanted(ivec2 texel) {
@@ -110,8 +94,13 @@ void push(ivec2 texel) {
 #endif
 
 void main() {
-    ivec2 p = first_texel(), size = size_of_level();
-    if (p.x >= size.x) return;
+#if LISTED
+    ivec2 p = first_of_column();
+    if (p.x >= shown_size.x) return;
+#else
+    ivec2 p = first_pixel();
+    if (p.x >= level_size.x) return;
+#endif
     // llvmpipe runs the body of an `if` for all pixels if any needs it, so a loop visits the
     // selected pixels of the column one by one.
     uint left = 0u;
