@@ -68,7 +68,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
                 _compile_all(gpu, spec, libraries)
         for spec in every_fill():
             for choice in parse_fills(spec):
-                choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu)).close()
+                for read in (True, False):
+                    choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu), depth_read=read).close()
         carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
         ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
         _compile_effects(gpu, Tools(carry, 1))
