@@ -26,6 +26,7 @@ import guard
 import layouts
 import panel
 import passes
+import prediction_tables
 import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
@@ -155,10 +156,11 @@ def border(folder: Path) -> None:
 
 
 def prediction(folder: Path) -> None:
-    """Measure a server that renders for the predicted pose."""
+    """Measure the predictors' errors, and a server that renders for the predicted pose."""
+    replace("prediction errors", prediction_tables.errors_table())
     rows = []
-    for latency in ("200", "400"):
-        for predict in ("none", "constant_velocity"):
+    for latency in ("100", "200", "400"):
+        for predict in prediction_tables.PREDICTORS:
             options = ("--latency", latency, "--warp", "forward", "--predict", predict)
             rows.append(((latency, predict), run(folder, "look-around", *options)))
     replace("prediction", table(("latency ms", "predict"), rows))
@@ -229,12 +231,18 @@ def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
     layers(folder)
+    depth_codes(folder)
     server_rates(folder)
 
 
 def layers(folder: Path) -> None:
     """Measure what each kind of layer sends."""
     replace("layers", passes.layers_table(partial(run, folder)))
+
+
+def depth_codes(folder: Path) -> None:
+    """Measure the codes of depth: at most five minutes."""
+    replace("depth codes", passes.depth_codes_table(partial(run, folder)))
 
 
 def server_rates(folder: Path) -> None:
@@ -373,6 +381,7 @@ PARTS = {
     "thesis": thesis,
     "thesis-gpu": thesis_on_a_gpu,
     "layers": layers,
+    "depth-code": depth_codes,
     "server-rates": server_rates,
     "readme": readme,
 }

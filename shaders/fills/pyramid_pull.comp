@@ -40,14 +40,14 @@ Texel below(ivec2 p) {
 #endif
 
 Texel found[16]; // the 4 x 4 below, row by row
-bool is_inside[16];
+uint is_inside[16]; // 0 or 1: Mesa's Zink makes no pipeline of an array of bool
 
 // The upper half of one texel is the lower half of the next one in the column, so it is read once.
 void read_two_rows(int first, ivec2 from) {
     for (int k = 0; k < 8; ++k) {
         ivec2 p = from + ivec2(k % 4, k / 4);
         found[first + k] = below(p);
-        is_inside[first + k] = all(lessThan(uvec2(p), uvec2(below_size)));
+        is_inside[first + k] = uint(all(lessThan(uvec2(p), uvec2(below_size))));
     }
 }
 
@@ -81,7 +81,7 @@ float farthest_of_enough() {
 void pull(ivec2 texel) {
     float farthest = UNKNOWN, holes = 0.0, inside = 0.0;
     for (int k = 0; k < 16; ++k) {
-        float share = is_inside[k] ? KERNEL[k % 4] * KERNEL[k / 4] : 0.0;
+        float share = is_inside[k] != 0u ? KERNEL[k % 4] * KERNEL[k / 4] : 0.0;
         inside += share;
         holes += share * found[k].holes;
 #if FROM_PICTURE

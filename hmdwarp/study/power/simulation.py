@@ -75,12 +75,14 @@ def power_of(
 
     ns: numbers of people who begin, in each part. The first n people of a study are the same for
     every n.
-    Errors: InputError for a plan without families, and for a model that lacks part of the study.
+    Errors: InputError for a plan without families, and for a model that does not name a scale or a
+    condition of the study.
     """
     comparisons = tuple(dict.fromkeys(one for family in design.families for one in family.comparisons))
     if not comparisons:
         raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
     parts = dict.fromkeys(one.part for one in comparisons)
+    model = attrs.evolve(model, others=None)  # means that rehearse any plan alike say nothing about this one
     populations = {part: Population(model, design, part, [scale.name]) for part in parts}
     counts = [_Count(n, comparisons) for n in ns]
     effects, people, complete = _Means(comparisons), 0, 0

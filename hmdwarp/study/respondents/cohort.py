@@ -57,10 +57,14 @@ class Population:
         self._rows = rows_for(design, part)
         self._names = {one.name: number for number, one in enumerate(self.part.conditions)}
         self._orders = np.array([self._flat(row) for row in self._rows])
-        self._means = {
-            scale.name: model.rating(scale).means_of(self.part, f"{model.path}: [rating.{scale.name}.means]")
+        self._ratings = {
+            scale.name: model.rating(scale)
             for scale in design.scales
             if scale.kind != QUESTIONNAIRE and (scales is None or scale.name in scales)
+        }
+        self._means = {
+            name: rating.means_of(self.part, f"{model.path}: [rating.{name}.means]")
+            for name, rating in self._ratings.items()
         }
 
     @property
@@ -82,7 +86,7 @@ class Population:
             if scale.name not in self._means:
                 continue
             felt = self._felt(drawn, number, order)
-            none = over | (drawn.missing[:, number] < self.model.ratings[scale.name].missing)
+            none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
             latent[scale.name] = np.where(none, np.nan, felt)
             answers[scale.name] = np.where(none, np.nan, on_scale(felt, scale))
         return Cohort(self.part, order, trials, why, answers, latent, sickness, drawn.susceptible)
@@ -97,7 +101,7 @@ class Population:
         before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
         taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
         place = np.arange(order.shape[1])
-        return self.model.ratings[scale.name].latent(
+        return self._ratings[scale.name].latent(
             means, before, place, drawn.level[:, number, None], taste, drawn.noise[:, number]
         )
 

@@ -36,6 +36,10 @@ class RatingModel:
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
     carry_over: float = 0.0
     missing: float = 0.0  # share of trials answered with "cannot say"
+    # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
+    # None: an error.
+    mean: float | None = None
+    reference: float | None = None
 
     def means_of(self, part: Part, where: str) -> Floats:
         """Return the (conditions) means of a part.
@@ -44,12 +48,15 @@ class RatingModel:
         """
         own = self.means.get(part.name)
         table = own if isinstance(own, Mapping) else self.means
-        lacking = [one.name for one in part.conditions if not isinstance(table.get(one.name), float)]
+        found = {
+            one.name: table.get(one.name, self.reference if one.reference else self.mean) for one in part.conditions
+        }
+        lacking = [name for name, mean in found.items() if not isinstance(mean, float)]
         if lacking:
             raise InputError(
                 f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': expected one for each condition"
             )
-        return np.array([table[one.name] for one in part.conditions])
+        return np.array(list(found.values()))
 
     def latent(
         self, mean: ArrayLike, before: ArrayLike, place: ArrayLike, level: ArrayLike, taste: ArrayLike, noise: ArrayLike
@@ -63,6 +70,36 @@ class RatingModel:
         mean = np.asarray(mean, float)
         spread = self.people_sd * normal(level) + self.condition_sd * normal(taste) + self.noise_sd * normal(noise)
         return mean + spread + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+
+
+@attrs.frozen(kw_only=True)
+class OtherRatings:
+    """Ratings on scales and of conditions that a model does not name.
+
+    All but `missing` are shares of the scale, from its best (0) to its worst (1).
+    """
+
+    mean: float  # of a condition
+    reference: float  # of a hidden reference
+    people_sd: float = 0.0  # the rest as in RatingModel
+    condition_sd: float = 0.0
+    noise_sd: float = 0.0
+    drift: float = 0.0
+    missing: float = 0.0
+
+    def on(self, scale: Scale) -> RatingModel:
+        """Return the model in the unit and the direction of a scale."""
+        width = scale.most - scale.least
+        best, way = (scale.least, width) if scale.low_is_good else (scale.most, -width)
+        return RatingModel(
+            people_sd=width * self.people_sd,
+            condition_sd=width * self.condition_sd,
+            noise_sd=width * self.noise_sd,
+            drift=way * self.drift,
+            missing=self.missing,
+            mean=best + way * self.mean,
+            reference=best + way * self.reference,
+        )
 
 
 @attrs.frozen
@@ -87,9 +124,10 @@ class SicknessModel:
 class Model:
     """Response model of a study's participants."""
 
-    path: str  # its file
+    path: str  # its file, or "model NAME" of a shipped one, for messages
     title: str = ""
     ratings: Mapping[str, RatingModel] = attrs.field(factory=dict, hash=False)  # by scale name
+    others: OtherRatings | None = None  # of what `ratings` leaves out; None: an error
     sickness: SicknessModel = SicknessModel()
     dropout: float = 0.0  # probability of leaving after a trial and its questions
     pause: float = 0.0  # probability of a pause in a trial
@@ -103,12 +141,16 @@ class Model:
 
     def rating(self, scale: Scale) -> RatingModel:
         """Return the model of that scale. Errors: InputError where there is none."""
-        if scale.name not in self.ratings:
+        own, other = self.ratings.get(scale.name), None if self.others is None else self.others.on(scale)
+        if own is None and other is None:
             known = ", ".join(self.ratings) or "none"
             raise InputError(
-                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}"
+                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}: "
+                "add it, or use the model quick, which answers every scale (docs/response-models.md)"
             )
-        return self.ratings[scale.name]
+        if own is None or other is None:
+            return own or other  # type: ignore[return-value]  # one of them is there
+        return attrs.evolve(own, mean=other.mean, reference=other.reference)
 
     def seconds(self, draw: float) -> float:
         """Return the time to an answer for a uniform draw."""
