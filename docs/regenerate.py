@@ -129,7 +129,7 @@ def bench_large(folder: Path, *ready: str) -> None:
     ready: bench.json of an earlier run, to use instead.
     """
     if not ready:
-        warps = ("none", "rotation:edge=clamp", *WITH_COMPLETE_FILLS, *OUTSIDE)
+        warps = ("none", "rotation", "rotation:edge=clamp", "planar", *WITH_COMPLETE_FILLS, *OUTSIDE)
         named = [part for warp in warps for part in ("--warp", warp)]
         options = ("--size", LARGE_SIZE, "--rounds", "1", "--no-grid", "--no-fused", "--quiet")
         program("bench", *named, *options, "--out", str(folder / "large"))
