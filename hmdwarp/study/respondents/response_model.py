@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtri
+from scipy.special import ndtr, ndtri
 
 from ...errors import InputError
 from ..design import Part
@@ -67,9 +67,18 @@ class RatingModel:
         the first trial. place: of the trial, from 0. level, taste, noise: uniform draws of the
         person, of the person and the condition, and of the trial.
         """
-        mean = np.asarray(mean, float)
         spread = self.people_sd * normal(level) + self.condition_sd * normal(taste) + self.noise_sd * normal(noise)
-        return mean + spread + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+        return self.latent_mean(mean, before, place) + spread
+
+    def latent_mean(self, mean: ArrayLike, before: ArrayLike, place: ArrayLike) -> Floats:
+        """Compute the expected value of `latent` over all people and showings."""
+        mean = np.asarray(mean, float)
+        return mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+
+    @property
+    def latent_sd(self) -> float:
+        """Standard deviation of `latent` over all people and showings."""
+        return float(np.sqrt(self.people_sd**2 + self.condition_sd**2 + self.noise_sd**2))
 
 
 @attrs.frozen(kw_only=True)
@@ -170,6 +179,20 @@ def on_scale(latent: ArrayLike, scale: Scale) -> Floats:
     """Round to the nearest answer of the scale, within its ends."""
     steps = np.rint((np.asarray(latent, float) - scale.least) / scale.step)
     return np.clip(np.round(scale.least + steps * scale.step, 9), scale.least, scale.most)
+
+
+def mean_on_scale(mean: float, sd: float, scale: Scale) -> float:
+    """Compute the expected value of on_scale for normal latent ratings.
+
+    The lowest answer, and a step for each edge between two answers that lies below a rating.
+    """
+    if sd == 0:
+        return float(on_scale(mean, scale))
+    count = round((scale.most - scale.least) / scale.step)
+    # Ratings lie within nine standard deviations of the mean in all but 1e-18 of cases.
+    low, high = (min(max(round((mean + way * 9 * sd - scale.least) / scale.step), 0), count) for way in (-1, 1))
+    edges = scale.least + scale.step * (np.arange(low, high) + 0.5)
+    return float(scale.least + scale.step * (low + ndtr((mean - edges) / sd).sum()))
 
 
 def of_share(share: ArrayLike, scale: Scale) -> Floats:
