@@ -68,7 +68,7 @@ def section(data: Row) -> str:
 
 
 def paths_line(rows: list[Row]) -> str:
-    """Return how long the 64-bit path of `forward` takes beside the portable one; "" without both."""
+    """Return the time of `forward`'s 64-bit path beside the portable one; "" without both."""
     told = []
     for size in dict.fromkeys(tuple(row["size"]) for row in rows):
         medians = {
@@ -96,7 +96,7 @@ def live_table(summaries: list[Row]) -> str:
 
 
 def file_section(data: Row) -> None:
-    """Write the section into docs/gpu.md: in the place of this GPU's earlier one, else at the end."""
+    """Write the section into docs/gpu.md: in place of this GPU's earlier one, else at the end."""
     text = section(data)
     name = text.splitlines()[0].removeprefix("## ")
     marker = f"gpu {name}"

@@ -3,8 +3,8 @@
 All of it takes some two hours, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the gpu.json of `make
-bench-gpu` on machines with a GPU.
+defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the gpu.json of
+`make bench-gpu` on machines with a GPU.
 """
 
 from __future__ import annotations

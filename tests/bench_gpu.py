@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import subprocess
 import sys
 import time
@@ -48,7 +49,7 @@ ALL = Work(
 )
 QUICK = Work(
     (("48x40", ("rotation",), ("none", "pyramid")),),
-    (*"--instants 1 --rounds 1 --seconds 1 --workers 0 --no-grid --no-fused".split(),),
+    tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0 --no-grid --no-fused")),
     "planes", 10, 2,
 )  # fmt: skip
 
