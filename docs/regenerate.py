@@ -129,7 +129,7 @@ def bench_large(folder: Path, *ready: str) -> None:
     ready: bench.json of an earlier run, to use instead.
     """
     if not ready:
-        warps = ("none", "rotation:edge=clamp", *WITH_COMPLETE_FILLS, *OUTSIDE)
+        warps = ("none", "rotation", "rotation:edge=clamp", "planar", *WITH_COMPLETE_FILLS, *OUTSIDE)
         named = [part for warp in warps for part in ("--warp", warp)]
         options = ("--size", LARGE_SIZE, "--rounds", "1", "--no-grid", "--no-fused", "--quiet")
         program("bench", *named, *options, "--out", str(folder / "large"))
@@ -231,12 +231,18 @@ def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
     layers(folder)
+    depth_codes(folder)
     server_rates(folder)
 
 
 def layers(folder: Path) -> None:
     """Measure what each kind of layer sends."""
     replace("layers", passes.layers_table(partial(run, folder)))
+
+
+def depth_codes(folder: Path) -> None:
+    """Measure the codes of depth: at most five minutes."""
+    replace("depth codes", passes.depth_codes_table(partial(run, folder)))
 
 
 def server_rates(folder: Path) -> None:
@@ -375,6 +381,7 @@ PARTS = {
     "thesis": thesis,
     "thesis-gpu": thesis_on_a_gpu,
     "layers": layers,
+    "depth-code": depth_codes,
     "server-rates": server_rates,
     "readme": readme,
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import attrs
 
 from ...errors import PlanError
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, depth_limits
 from . import warps
 
 if TYPE_CHECKING:
@@ -65,6 +65,5 @@ class Backward(GatherWarp):
         tested: dict[str, object] = {}
         if self._tests:
             inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-            limits = {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
-            tested = {"rendered_inverse_depth": 1, **limits}
+            tested = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
         self.run_gather(self._program, inputs, into, client_inverse_depth=2, **tested)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, Seeds
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, Seeds, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class Iterative(GatherWarp):
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         wide, high = self.rendered_size
         surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
-        surface |= {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
+        surface |= depth_limits(self.settings, inputs.rendered)
         cells = {}
         if self._seeds is not None:
             self._seeds.find(inputs, surface)

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from ...geometry import WarpMap
-from ..warp_kinds import ScatterWarp
+from ..warp_kinds import ScatterWarp, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Splat(ScatterWarp):
         self.bind(inputs, into)
         self._keys.bind_to_storage_buffer(0)
         s = self.settings
-        limits = {"depth_tolerance": s.tolerance, "depth_floor": s.floor, "reach": float(s.reach), "overlap": s.overlap}
+        limits = {**depth_limits(s, inputs.rendered), "reach": float(s.reach), "overlap": s.overlap}
         backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
