@@ -68,6 +68,7 @@ class Iterative(GatherWarp):
     Settings = IterativeSettings
     variants = ("seed=rotation", "slanted=3")
     rows = 4
+    rows_with_depth = 3  # with four, Mesa no longer unrolls the loop: 47 ms instead of 40 on llvmpipe
 
     def prepare(self) -> None:
         chosen = self.settings
@@ -95,5 +96,6 @@ class Iterative(GatherWarp):
         self.run_gather(self._program, inputs, into, most_pixels=self.settings.converged, **surface, **cells)
 
     def close(self) -> None:
+        super().close()
         if self._seeds is not None:
             self._seeds.close()

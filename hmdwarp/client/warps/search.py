@@ -99,4 +99,5 @@ class Search(GatherWarp):
             self.gpu.barrier()
 
     def close(self) -> None:
+        super().close()
         self._bounds.release()

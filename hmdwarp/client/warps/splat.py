@@ -54,7 +54,8 @@ class Splat(ScatterWarp):
     Settings = SplatSettings
 
     def prepare(self) -> None:
-        self._cover, self._fetch = (self.gpu.shaders.compute("warps/splat.comp", PASS=k) for k in range(2))
+        self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0)
+        self._fetch = self.gpu.shaders.compute("warps/splat.comp", PASS=1, **self.depth_defines)
         self._keys = self.empty_keys()
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
@@ -77,6 +78,7 @@ class Splat(ScatterWarp):
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
 
     def close(self) -> None:
+        super().close()
         self._keys.release()
 
 
