@@ -22,7 +22,9 @@ from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_re
 SMALL = {
     "trace": "look-around",
     "scene": "planes",
+    "warp": "forward",
     "fill": "none",
+    "guard": 1.0,
     "lens": "none",
     "headset": "flat-90",
     "size": (96, 80),

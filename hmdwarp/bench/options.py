@@ -12,6 +12,7 @@ from ..clients import PICTURE_CLIENT
 from ..errors import InputError
 from ..link import LinkOptions
 from ..options import (
+    USUAL_GUARD,
     Declared,
     Guard,
     Number,
@@ -87,9 +88,8 @@ class BenchOptions(Declared):
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     guard: Guard = guard_field(
-        1.5,
-        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; "
-        "replay and live begin with 1.",
+        USUAL_GUARD,
+        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes.",
     )
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800

