@@ -22,7 +22,7 @@ result = hmdwarp.replay(options)
 
 quality, time_ms = result.summary["quality"], result.summary["time_ms"]
 print(f"error:  FLIP {quality['flip']['mean']:.3f}, PSNR {quality['psnr_db']['mean']:.1f} dB")
-print(f"        without a warp: FLIP {result.against['quality']['flip']['mean']:.3f}")
+print(f"        without a warp: FLIP {result.against[0]['quality']['flip']['mean']:.3f}")
 print(f"holes:  {quality['hole_share']['mean']:.1%} of the pixels, before the fill")
 print(f"time:   {time_ms['total']['median']:.2f} ms an eye")
 print(f"report: {result.report}")

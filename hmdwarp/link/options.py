@@ -209,9 +209,7 @@ class LinkOptions(Declared):
         Errors: InputError for an impossible network, and for an overload that cannot come.
         """
         if self.overload == RESOLUTION and self.bandwidth is None and self.response is None:
-            raise InputError(
-                f"--overload {RESOLUTION}: nothing can be overloaded; give --bandwidth or --response sum"
-            )
+            raise InputError(f"--overload {RESOLUTION}: nothing can be overloaded; give --bandwidth or --response sum")
         self.delay.check(latency_ns)
 
     def delays(self, latency_ns: int) -> Iterator[int]:

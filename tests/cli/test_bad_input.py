@@ -214,7 +214,7 @@ def test_more_frames_than_memory_holds(command, quick, kept):
 
     if memory_bytes() > 85e9:
         pytest.skip("this machine has more than 85 GB of memory")
-    command("replay", "still", *quick, "--size", "16384x16384").refused(
+    command("replay", "still", *quick, "--guard", "1", "--size", "16384x16384").refused(
         "latency 200 ms keeps 14 frames", "GB", status=3
     )
 

@@ -168,7 +168,7 @@ def test_a_plan_that_is_compared_with_gets_decoded_layers_and_costs_the_client_n
     assert alone.summary["link"]["layers_mbit_s"] == compared.summary["link"]["layers_mbit_s"]
     assert alone.summary["link"]["layers_mbit_s"].keys() == {"cube"}
     plain = run(tmp_path / "plain", gpu=gpu, warp="environment", against="none", seconds=0.1)
-    losses = [one.against["quality"]["psnr_db"]["mean"] for one in (plain, compared)]
+    losses = [one.against[0]["quality"]["psnr_db"]["mean"] for one in (plain, compared)]
     assert losses[0] != losses[1], "the late picture was never coded"
 
 
