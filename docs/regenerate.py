@@ -1,6 +1,6 @@
 """Run what the figures in README.md and docs/ come from, and write them there: `make docs`.
 
-All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
+All of it takes some two hours, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
 defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the bench.json of
@@ -26,14 +26,17 @@ import guard
 import layouts
 import panel
 import passes
+import prediction_tables
 import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
+from hmdwarp.bench.cases import WITH_COMPLETE_FILLS
 from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
+from hmdwarp.run.outside import OUTSIDE
 
 FIGURES = (*QUALITY, "mismatch")
 # What a table varies comes after it, and wins.
@@ -50,7 +53,7 @@ STEPS = {
     "`iterative`": ("--warp", "iterative"),
     "`pyramid`": ("--fill", "pyramid"),
     "`memory+pyramid`": ("--fill", "memory+pyramid"),
-    "prediction: the default": ("--predict", USUAL.predict, "--horizon", f"{USUAL.horizon_ms:g}"),
+    "prediction: the default": ("--predict", USUAL.predict),
 }
 QUIET = ("--against", "", "--quiet", "--out")  # followed by the folder
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
@@ -105,7 +108,7 @@ def opening_picture(folder: Path) -> None:
 
 
 def bench(folder: Path, *ready: str) -> None:
-    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plot, and which aims were met.
+    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plots, and which aims were met.
 
     ready: bench.json of two earlier runs, to use instead.
     """
@@ -129,8 +132,28 @@ def bench(folder: Path, *ready: str) -> None:
     replace("fused", bench_tables.fused_table(data["fused"]))
     replace("traffic", bench_tables.traffic_table(at_200))
     replace("aims", aims.table(data))
-    pareto_plot_png(DOCS / "pareto.png", at_200)
+    pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
     readme(folder)
+
+
+LARGE_SIZE = "2064x2208"
+
+
+def bench_large(folder: Path, *ready: str) -> None:
+    """Measure the warps of the front and the baselines at the size of present displays.
+
+    ready: bench.json of an earlier run, to use instead.
+    """
+    if not ready:
+        warps = ("none", "rotation:edge=clamp", *WITH_COMPLETE_FILLS, *OUTSIDE)
+        named = [part for warp in warps for part in ("--warp", warp)]
+        options = ("--size", LARGE_SIZE, "--rounds", "1", "--no-grid", "--no-fused", "--quiet")
+        program("bench", *named, *options, "--out", str(folder / "large"))
+        ready = (str(folder / "large" / "bench.json"),)
+    data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
+    replace("large machine", bench_tables.machine_line(data, defaults=False))
+    rows = [row for case in cases(data["rows"]) for row in case.ordered()]
+    replace("bench large", markdown_table(rows, ("trace", "warp", "fill", "total_ms", *FIGURES[:5]), mark="flip"))
 
 
 def readme(_: Path) -> None:
@@ -149,10 +172,11 @@ def border(folder: Path) -> None:
 
 
 def prediction(folder: Path) -> None:
-    """Measure a server that renders for the predicted pose."""
+    """Measure the predictors' errors, and a server that renders for the predicted pose."""
+    replace("prediction errors", prediction_tables.errors_table())
     rows = []
-    for latency in ("200", "400"):
-        for predict in ("none", "constant_velocity"):
+    for latency in ("100", "200", "400"):
+        for predict in prediction_tables.PREDICTORS:
             options = ("--latency", latency, "--warp", "forward", "--predict", predict)
             rows.append(((latency, predict), run(folder, "look-around", *options)))
     replace("prediction", table(("latency ms", "predict"), rows))
@@ -380,6 +404,7 @@ PARTS = {
     "speed": speed,
     "gpu": on_a_gpu,
     "bench": bench,
+    "bench-large": bench_large,
     "border": border,
     "defaults": defaults,
     "prediction": prediction,

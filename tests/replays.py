@@ -25,6 +25,7 @@ SMALL = {
     "warp": "forward",
     "fill": "none",
     "guard": 1.0,
+    "predict": "none",
     "lens": "none",
     "headset": "flat-90",
     "size": (96, 80),

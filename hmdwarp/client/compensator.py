@@ -176,6 +176,11 @@ class Compensator:
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
 
+    def renew(self) -> None:
+        """Take the next frame for a new one, even if it is the last one again: for timing."""
+        for fill in self._fills:
+            fill.renew()
+
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """Ignore the stage times: a single plan has nothing to decide."""
 

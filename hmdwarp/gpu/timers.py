@@ -81,6 +81,10 @@ class StageTimer:
         """
         return GpuStage(self, name) if self.clock == "gpu" else WallStage(self, name)
 
+    def add(self, name: str, milliseconds: float) -> None:
+        """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
+        self._done.append((name, milliseconds))
+
     def lap(self) -> Lap:
         """Return every stage since the last lap, in order.
 

@@ -22,6 +22,10 @@ USUAL_GUARD = 1.5
 Size = tuple[int, int]
 Guard = float | tuple[float, float]
 _FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
+_HELP = (
+    "Ask the server for this many times the pixels on each axis, and so of the field of view in tangents: 1.5 makes "
+    "2.25 times the pixels; 1.25x1.125 has a factor for each axis."
+)
 _BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
 
 
@@ -68,15 +72,16 @@ def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) 
         raise InputError(_BOTH)
 
 
-def guard_field(default: Any, help: str, /, **about: Any) -> Any:
+def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     """Return the field of `--guard`. It stands before that of `--rendered-size`.
 
-    default: a factor, or an attrs.Factory; then `help` says what it makes.
+    default: a factor, or an attrs.Factory; then `more` says what it makes. more: what only some
+    commands take, added to the help that all share.
     """
     # No default on the command line, to tell a guard that was said from one that was not.
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
     said = f" [default: {default:g}]" if isinstance(default, float) else ""
-    return option(default, f"{help}{said}", valid=_check_guard, **about)
+    return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)
 
 
 def rendered_size_field() -> Any:

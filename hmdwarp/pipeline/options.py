@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 # Of what colour and depth allow, the most accurate in docs/results.md for its time.
 USUAL_WARP, USUAL_FILL = "iterative", "memory+pyramid"
+# Errs short, see docs/results-link.md.
+USUAL_PREDICTOR = "cautious"
 _DEPTH = "rendered.inverse_depth"
 
 
@@ -61,6 +63,11 @@ def usual_fill(warp: str) -> str:
 def usual_guard(warp: str) -> float:
     """Return the default guard band of a warp: 1 for none, which shows pictures as drawn."""
     return 1.0 if warp == "none" else USUAL_GUARD
+
+
+def usual_predictor(warp: str) -> str:
+    """Return the default predictor of a warp: none for none, which shows what latency looks like."""
+    return "none" if warp == "none" else USUAL_PREDICTOR
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -160,9 +167,7 @@ class PipelineOptions(Declared):
     # "auto" is replaced by a number before a run is built, see run.guard.
     guard: Guard | str = guard_field(
         attrs.Factory(lambda self: usual_guard(self.warp), takes_self=True),
-        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; auto: "
-        "as the trace needs. The pixels grow by the product of both axes. "
-        f"[default: {USUAL_GUARD:g}; 1 with warp none]",
+        f" auto: as the trace needs. [default: {USUAL_GUARD:g}; 1 with warp none]",
         beside=(_WIDE,),  # the other way to fill beyond the border
     )
     rendered_size: tuple[int, int] | None = rendered_size_field()
@@ -182,11 +187,19 @@ class PipelineOptions(Declared):
     # Encoding and decoding on the link.
     coding: Coding = group(Coding)
     predict: str = option(
-        "none",
-        f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; cav is short for "
-        "constant_velocity.",
+        attrs.Factory(lambda self: usual_predictor(self.warp), takes_self=True),
+        f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
+        f"and cav constant_velocity. [default: {USUAL_PREDICTOR}; none with warp none]",
+        kind=str,
+        default=None,
     )
-    horizon_ms: float = option(100.0, "Milliseconds to predict ahead at most.", unit="ms", valid=Number())
+    horizon_ms: float | None = option(
+        None,
+        "Milliseconds to predict ahead at most; by default the predictor's own.",
+        kind=float,
+        unit="ms",
+        valid=Number(),
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.chooses_warp:
@@ -225,6 +238,11 @@ class PipelineOptions(Declared):
     def client_name(self) -> str:
         """The client whose abilities count; "" where anything goes."""
         return self.client or (PICTURE_CLIENT if self.chooses_warp else "")
+
+    @property
+    def horizon_ns(self) -> int | None:
+        """How far to predict ahead at most; None for the predictor's own."""
+        return None if self.horizon_ms is None else round(self.horizon_ms * 1e6)
 
     @property
     def guard_band(self) -> GuardBand:

@@ -23,6 +23,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             warp=run.warp,
             fill="none",
             guard=1.0,
+            predict="none",
             lens="none",
             headset=HEADSET,
             size=(width, height),

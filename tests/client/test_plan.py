@@ -90,7 +90,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     assert list(dict.fromkeys(stages)) == order and stages == sorted(stages, key=order.index), "in this order"
     chain, depth = (
         len(parse_fills(fill)),
-        plan.writes(SHOWN_DEPTH) and any(step.name == "shown depth" for step in plan.steps),
+        plan.warps_twice,
     )
     assert stages.count("fill") == chain + depth and all(stages.count(stage) == 1 for stage in order if stage != "fill")
     assert set(stages) | set(left_out) == {"client_depth", "warp", "fill", "lens", *effects.names()}
@@ -109,8 +109,10 @@ def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
     entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
     wanted = {name for entry in entries for name in entry.reads if name in readable_names()}
-    if any(step.name == "shown depth" for step in plan.steps):
+    if plan.warps_twice:
         wanted.add("rendered.inverse_depth")
+    elif plan.makes_shown_depth:
+        wanted |= set(plan.warp.depth_reads or ()) & set(readable_names())
     assert set(plan.layers) == wanted
 
 
@@ -255,10 +257,12 @@ def geometry(gpu):
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     """What warp and fills need by themselves, and the shown depth where a fill reads it."""
     costs = Costs(gpu, monkeypatch)
-    warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
-    chain = parse_fills(choice[1])
+    chain, warp_type = parse_fills(choice[1]), warps.get(choice[0])
+    reads_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
+    beside = reads_depth and warp_type.depth_reads is not None
+    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside))
     made = [warp, *(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
-    if any(SHOWN_DEPTH in one.entry.reads for one in chain):
+    if reads_depth and not beside:
         made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
     for one in made:
         one.close()

@@ -91,12 +91,13 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
     """As the plan may ask for it.
 
-    For the shown view, through each lens, with and without scan-out.
+    For the shown view with and without its depth, through each lens, with and without scan-out.
     """
     choice = parse_warp(spec)
     for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
-            choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout)).close()
+            for depth in [False, True] if lens is None and choice.entry.depth_reads is not None else [False]:
+                choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout, depth)).close()
 
 
 def _compile_effects(gpu: Gpu, tools: Tools) -> None:

@@ -74,17 +74,22 @@ def _middle_bound(inputs: TwinInputs, r: float, moved: Array, past: float) -> Ar
 def rotation(inputs: TwinInputs) -> ReferencePicture:
     """Each shown pixel's direction, looked up in the rendered picture."""
     shown = inputs.shown
+    clamped = inputs.settings is not None and inputs.settings.edge == "clamp"
     return _through_infinity(
-        inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov)
+        inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov), clamped
     )
 
 
-def _through_infinity(inputs: TwinInputs, shown: View) -> ReferencePicture:
+def _through_infinity(inputs: TwinInputs, shown: View, clamped: bool = False) -> ReferencePicture:
     size, rendered = inputs.size, inputs.rendered
     far = np.zeros(inputs.shape)
     pixels, _, _ = project(inputs.directions(shown), np.zeros(3), far, rendered, size)
     bound = inputs.map_error(WarpMap.between(shown, inputs.shown_size, rendered, size), far)
-    return sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+    if not clamped:
+        return sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+    # In a picture that repeats its border the place is the same one, moved inwards; moving two
+    # places to the nearest of a box never takes them apart, so the bound holds.
+    return sample_covered(inputs.colour, np.clip(pixels, 0.5, np.array(size) - 0.5), bound, inputs.sampler_pixels)
 
 
 def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:

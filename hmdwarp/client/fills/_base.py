@@ -30,6 +30,7 @@ class Fill(ABC):
     # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
     complete: ClassVar[bool] = False  # Whether it leaves nothing empty, provided that anything is covered.
+    remembers: ClassVar[bool] = False  # Whether it uses what it was given at earlier refreshes.
     needs_compute: ClassVar[bool] = True  # As a warp's.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
@@ -63,6 +64,9 @@ class Fill(ABC):
         assert self.geometry is not None
         return self.geometry.model(share, lit=lit, texture=texture)
 
+    def renew(self) -> None:  # noqa: B027 (most remember nothing)
+        """Take the next frame for a new one, even if it is the last one again: for timing."""
+
     def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""
 
@@ -75,6 +79,11 @@ class Fill(ABC):
     def needs_compute_for(cls, settings: Any) -> bool:
         """Return whether it needs compute shaders with these settings."""
         return cls.needs_compute
+
+    @classmethod
+    def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
+        """Return the bytes of the pictures that it may keep."""
+        return 0
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

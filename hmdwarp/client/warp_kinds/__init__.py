@@ -2,6 +2,7 @@
 
 from .composite import CompositeWarp, DepthPicture
 from .gather import GatherWarp, bind_rendered_colour
+from .grid_mesh import GridMesh
 from .guesses import DepthGuesses, no_pieces, piece_list
 from .homography import HomographyWarp
 from .mesh import MeshWarp, steepest
@@ -17,6 +18,7 @@ __all__ = [
     "DepthGuesses",
     "DepthPicture",
     "GatherWarp",
+    "GridMesh",
     "HomographyWarp",
     "MeshWarp",
     "OrderedScatter",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import attrs
@@ -50,6 +51,9 @@ class Warp(ABC):
     Settings: ClassVar[type] = NoSettings
     # Settings that trade accuracy for time; the bench runs them beside the defaults.
     variants: ClassVar[tuple[str, ...]] = ()
+    # Settings with which it does what a published or shipped system does, and the name of that. The
+    # bench runs and marks them too.
+    baselines: ClassVar[Mapping[str, str]] = {}
     fuses: ClassVar[bool] = False  # Whether it can write the panel in one resample.
     scans_out: ClassVar[bool] = False  # Whether it can give every row a view of its own.
     resamples: ClassVar[bool] = False  # Whether its result is a resample even for an unmoved head.
