@@ -66,7 +66,7 @@ def usual_guard(warp: str) -> float:
 
 
 def usual_predictor(warp: str) -> str:
-    """Return the default predictor of a warp: none for none, which shows what latency looks like."""
+    """Return the default predictor of a warp: none for none, which shows latency as it is."""
     return "none" if warp == "none" else USUAL_PREDICTOR
 
 
