@@ -78,13 +78,16 @@ def convert(said: Said) -> None:
 
     from ..errors import InputError
     from ..poses.load import load_trace
+    from ..registry import unknown_name
     from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
+    able = [one.name for one in formats if one.writes]
+    if to not in formats.names():
+        raise unknown_name("format to write", to, able)
     target = formats.get(to)
     if not target.writes:
-        able = ", ".join(f.name for f in formats if f.writes)
-        raise InputError(f"--to {to}: this format is read, not written: expected one of {able}")
+        raise InputError(f"--to {to}: this format is read, not written: expected one of {', '.join(able)}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         refuse_existing(out, force=said["force"])

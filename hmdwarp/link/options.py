@@ -39,7 +39,7 @@ def parse_loss(text: str) -> GilbertElliott | None:
         share = _number(text, f"--loss '{text}'", wanted)
         if not 0 <= share <= 1:
             raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
-        return GilbertElliott(share, 1 - share)
+        return GilbertElliott(0, 1, good=share)  # each frame alone, the first too
     values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
         raise InputError(f"--loss '{text}': {wanted}")

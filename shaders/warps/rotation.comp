@@ -5,6 +5,7 @@
 // Source: van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
+#include "lib/depth_beside.glsl"
 #include OUTPUT
 
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
@@ -13,5 +14,8 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     p = clamp(p, vec2(0.5), rendered_extent - 0.5);
 #endif
     vec4 colour = covered_average(p);
+#ifdef WRITES_DEPTH
+    found_inverse_depth = shown_depth_of(p);
+#endif
     return base.z > 0.0 && in_rendered(p) ? colour : vec4(0.0);
 }

@@ -34,7 +34,7 @@ from hmdwarp.client import (
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.warps import warps
+from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov, Pose, View
@@ -261,7 +261,10 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     reads_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
     beside = reads_depth and warp_type.depth_reads is not None
     warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside))
-    made = [warp, *(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
+    made = [warp]
+    for k, one in enumerate(chain):
+        read = any(SHOWN_DEPTH in after.entry.reads for after in chain[k + 1 :])
+        made.append(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry, depth_read=read))
     if reads_depth and not beside:
         made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
     for one in made:
@@ -281,11 +284,13 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     costs = Costs(gpu, monkeypatch)
     compensator = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE, geometry)
     # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
-    # warp, and one more after each fill that writes one, where anybody reads it; the client's depth
-    # once.
+    # warp, and one more after each fill that writes one, where anybody reads it (or the fill has no
+    # other way); the client's depth once.
     canvases = 2 * (1 + len(chain) + (lens != "none"))
     has_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
-    depths = 2 * (1 + sum(SHOWN_DEPTH in one.entry.writes for one in chain)) if has_depth else 0
+    writing = [one for one in chain if SHOWN_DEPTH in one.entry.writes]
+    kept = [one for one in writing if plan.reads_depth_after(one) or not one.entry.drops_depth]
+    depths = 2 * (1 + len(kept)) if has_depth else 0
     assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths + plan.draws_client_depth
     assert len(costs.made["framebuffer"]) == own_counts["framebuffer"] + canvases
     assert len(costs.made["buffer"]) == own_counts["buffer"]

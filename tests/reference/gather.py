@@ -150,7 +150,8 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     bound = inputs.map_error(WarpMap.between(shown, shown_size, rendered, size), own)
     if settings.test == "off":
         looked = sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
-        return attrs.evolve(looked, undecided=(looked.undecided & known) | inputs.near_another_pixel())
+        unsure = (looked.undecided & known) | inputs.near_another_pixel()
+        return attrs.evolve(looked, undecided=unsure, inverse_depth=(own, np.zeros(own.shape)))
     at, agree, undecided = _where_depth_agrees(
         inputs.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
     )
@@ -161,7 +162,7 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known
     undecided = (undecided & known & ~outside) | edge | inputs.near_another_pixel()
-    return ReferencePicture(looked.colour, looked.tolerance, undecided)
+    return ReferencePicture(looked.colour, looked.tolerance, undecided, (own, np.zeros(own.shape)))
 
 
 def _where_depth_agrees(

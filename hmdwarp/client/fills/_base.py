@@ -26,6 +26,8 @@ class Fill(ABC):
     reads: ClassVar[tuple[str, ...]] = ("shown.colour",)  # By the names of client/plan.py.
     # A fill that also writes shown.inverse_depth gives its pixels a depth, for fills after it.
     writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
+    # Whether it leaves out that depth where nothing after it reads it.
+    drops_depth: ClassVar[bool] = False
     source: ClassVar[str]
     # False for the fill that does nothing, which the plan leaves out.
     is_pass: ClassVar[bool] = True
@@ -42,7 +44,14 @@ class Fill(ABC):
         shown_size: tuple[int, int],
         settings: Any = None,
         geometry: ClientGeometry | None = None,
+        *,
+        depth_read: bool = True,
     ) -> None:
+        """Make the fill for one pair of sizes.
+
+        depth_read: whether anything after it reads the inverse depth of what it fills.
+        """
+        self.depth_read = depth_read or not self.drops_depth
         self.gpu, self.rendered_size, self.shown_size, self.geometry = gpu, rendered_size, shown_size, geometry
         self.settings = self.Settings() if settings is None else settings
         self.prepare()
@@ -55,8 +64,9 @@ class Fill(ABC):
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         """Write the picture with its holes filled into `into`; unknown pixels keep coverage 0.
 
-        Inverse depth is None on both sides or on neither. Only a fill that writes
-        shown.inverse_depth writes that of `into`; for others it is that of `picture`.
+        Inverse depth is None on both sides or on neither; that of `into` also where the fill drops
+        it. Only a fill that writes shown.inverse_depth writes that of `into`; for others it is that
+        of `picture`.
         """
 
     def model(self, share: float, *, lit: bool, texture: float = 1.0) -> ClientModel:

@@ -9,11 +9,12 @@ from .mesh import MeshWarp, steepest
 from .plane import PlaneWarp
 from .scatter import OrderedScatter, ScatterWarp, check_room
 from .seeds import Seeds
-from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
+from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE, depth_limits
 
 __all__ = [
     "DEPTH_FLOOR",
     "DEPTH_TOLERANCE",
+    "depth_limits",
     "CompositeWarp",
     "DepthGuesses",
     "DepthPicture",

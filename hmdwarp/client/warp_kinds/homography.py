@@ -25,4 +25,5 @@ class HomographyWarp(GatherWarp):
         self._program = self.gather("warps/rotation.comp", CLAMP=int(self.clamps))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.bind_beside(self._program, inputs)
         self.run_gather(self._program, inputs, into)
