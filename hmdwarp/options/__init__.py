@@ -21,7 +21,7 @@ from .declared import (
 )
 from .guard_options import (
     AUTO,
-    USUAL_GUARD,
+    DEFAULT_GUARD,
     Guard,
     check_one_guard,
     guard_band,
@@ -40,7 +40,7 @@ __all__ = [
     "DISPLAY",
     "FORCE",
     "PICTURE",
-    "USUAL_GUARD",
+    "DEFAULT_GUARD",
     "Declared",
     "Guard",
     "Number",

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 AUTO = "auto"
 # Of a run and a bench; with prediction auto gains hardly more at 200 ms, and draws more.
-USUAL_GUARD = 1.5
+DEFAULT_GUARD = 1.5
 Size = tuple[int, int]
 Guard = float | tuple[float, float]
 _FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
@@ -68,7 +68,7 @@ def _check_guard(instance: object, field: attrs.Attribute[Any], value: Guard | s
 
 
 def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
-    if value is not None and instance.guard not in (1.0, USUAL_GUARD):
+    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD):
         raise InputError(_BOTH)
 
 
