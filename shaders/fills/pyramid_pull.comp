@@ -113,10 +113,11 @@ void pull(ivec2 texel, Texels a, Texels b, Texels c, Texels d, float holes, floa
 void main() {
 #if FROM_PICTURE
     ivec2 texel = first_of_column();
+    if (texel.x >= level_size.x) return;
 #else
     ivec2 texel = first_pixel();
-#endif
     if (texel.x >= level_size.x) return;
+#endif
     // The upper half of one texel is the lower half of the next one in the column, so it is read
     // once.
     ivec2 from = 2 * texel - 1;

@@ -90,7 +90,7 @@ class HolePieces:
         self._gpu.barrier()
 
     def run_coarse(self, program: Compute) -> None:
-        """The same over the pieces at half the resolution; shown_size of the program is theirs."""
+        """Run it over the pieces at half the resolution; its shown_size is that resolution."""
         assert self._coarse is not None
         self._coarse.bind_to_storage_buffer(0)
         program.program.run_indirect(self._coarse)
