@@ -42,7 +42,17 @@ SELECTED = (
 # values by no more. Inverse depth is stored at least as finely.
 ROUNDED = ("pyramid",)
 STORES = 2 * int(np.ceil(np.log2(max(driver_pictures.SIZE))))
-UNIT = 2.0**-10
+HALF_UNIT = 2.0**-10
+# All else is the same, but for the inverse depth that a warp computes: at most this many float32
+# operations, each of which another order or a fused product moves by half a unit.
+OPERATIONS = 32
+DEPTH_OFF = OPERATIONS * 2.0**-24
+
+
+def most_off(fill: str) -> tuple[float, float, float, float, float]:
+    """Of colour, coverage and inverse depth, as a share of the largest in the picture."""
+    rounded = STORES * HALF_UNIT if fill in ROUNDED else 0.0
+    return (rounded, rounded, rounded, 0.0, max(rounded, DEPTH_OFF))
 
 
 def on_zink(*command: str) -> subprocess.CompletedProcess[str]:
@@ -86,20 +96,15 @@ def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, recor
     theirs, ours = dict(np.load(tmp_path / "zink.npz")), driver_pictures.all_of(gpu)
     beyond = {name for name in theirs if "path=atomic64" in name}
     assert beyond and set(theirs) - beyond == set(ours)
-    rounded = 0
+    same = 0
     for name, picture in theirs.items():
         wanted = ours[name.replace("path=atomic64", "path=portable")]
-        if np.array_equal(picture, wanted):
-            continue
-        rounded += 1
-        assert name.rpartition(" + ")[2] in ROUNDED, f"{name} differs by {np.abs(picture - wanted).max()}"
-        assert np.array_equal(picture[..., 3], wanted[..., 3]), f"{name}: coverage differs"
-        off = np.abs(picture - wanted).max(axis=(0, 1))
-        assert (off <= STORES * UNIT * np.abs(wanted).max(axis=(0, 1))).all(), f"{name} differs by {off}"
+        off, largest = (np.abs(one).max(axis=(0, 1)) for one in (picture - wanted, wanted))
+        assert (off <= most_off(name.rpartition(" + ")[2]) * largest).all(), f"{name} differs by {off}"
+        same += not off.any()
     record_property(
         needs.TOLD,
-        f"{NAME}: {len(theirs)} pairs of warp and fill, {len(theirs) - rounded} as on llvmpipe bit for bit, "
-        f"the others within {STORES} units of a half float",
+        f"{NAME}: {len(theirs)} pairs of warp and fill, {same} as on llvmpipe bit for bit, the others by roundings",
     )
 
 
