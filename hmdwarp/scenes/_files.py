@@ -144,6 +144,8 @@ def _place(
     eye, yaw = np.array(numbers[:3]), numbers[3]
     if is_inside(triangles, eye):
         notes.add(f"the viewpoint {options.viewpoint} lies inside an object")
+    elif np.linalg.norm(np.maximum(0, np.maximum(low - eye, eye - high))) > max(2 * float((high - low).max()), 3):
+        notes.add(f"the viewpoint {options.viewpoint} lies far outside the scene, which is hardly seen from there")
     return place_at(triangles, eye, yaw, high - low)
 
 

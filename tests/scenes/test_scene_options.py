@@ -102,7 +102,7 @@ def test_cameras_are_noted_where_none_is_taken_and_known_ones_named_where_anothe
     glb = with_cameras()
     notes = glb.load(tmp_path, options=FREE).notes
     assert "thing.glb: has cameras: 'front', 'side'; --viewpoint NAME takes one" in notes
-    with pytest.raises(InputError, match="viewpoint 'back': the file has 0 'front', 1 'side'; or X,Y,Z"):
+    with pytest.raises(InputError, match="the file has 0 'front', 1 'side'; expected one of them or X"):
         glb.load(tmp_path, options=SceneOptions(viewpoint="back"))
 
 
@@ -126,7 +126,7 @@ def test_an_animation_is_chosen_by_name_or_number(tmp_path, asked, speed):
 
 
 def test_an_unknown_animation_is_refused_with_the_known_ones(tmp_path):
-    with pytest.raises(InputError, match="animation 'fall': the file has 0 'slide', 1 'rise'; or none"):
+    with pytest.raises(InputError, match="the file has 0 'slide', 1 'rise'; expected one of them or none"):
         two_animations().load(tmp_path, options=SceneOptions(animation="fall"))
 
 
@@ -220,6 +220,13 @@ def test_an_object_is_looked_at_from_its_front(tmp_path):
 def test_a_viewpoint_inside_a_thing_is_taken_and_said(tmp_path):
     scene = boxes(ROOM, cube((-1, 0, -1), (1, 2, 1))).load(tmp_path, options=IN_PLACE)
     assert scene.notes == ("thing.glb: the viewpoint 0,1.6,0 lies inside an object",)
+
+
+def test_a_viewpoint_far_outside_is_taken_and_said(tmp_path):
+    scene = boxes(ROOM).load(tmp_path, options=SceneOptions(viewpoint="100,100,100"))
+    assert scene.notes == (
+        "thing.glb: the viewpoint 100,100,100 lies far outside the scene, which is hardly seen from there",
+    )
 
 
 @pytest.mark.parametrize(
