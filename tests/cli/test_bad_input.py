@@ -156,6 +156,7 @@ def test_unknown_commands_and_options(arguments, command):
         ("--latency", "nan", "latency nan"),
         ("--latency", "inf", "--latency inf ms: expected a finite number"),
         ("--latency", "soon", "'--latency', 'soon'"),
+        ("--metrics-every", "0", "--metrics-every 0: expected a whole number of at least 1"),
         ("--latency", "20001", "longer than the trace 'still' (20.000 s)"),
         ("--size", "0x0", "'0x0'"),
         ("--size", "-1x5", "'-1x5'"),
