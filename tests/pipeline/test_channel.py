@@ -81,6 +81,7 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
     layers = {"colour": 2 * 160 * 120 * 8 * 8 * 60 / 1e6, "inverse_depth": 2 * 160 * 120 * 4 * 8 * 60 / 1e6}
     assert told["none"]["link"] | {"frames": 0, "response_ms": 0, "timeline": 0} == {
         "frames": 0,
+        "response": "fixed",
         "response_ms": 0,
         "timeline": 0,
         "layers_mbit_s": pytest.approx(layers),
