@@ -73,7 +73,6 @@ DEPTH_CASES = (
     ("look-around", "room", "iterative"),
     ("walk", "room", "iterative"),
     ("walk", "room", "backward"),
-    ("walk", "spheres", "forward"),
 )
 
 

@@ -3,8 +3,8 @@
 All of it takes some two hours, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the bench.json of
-runs on a machine with a GPU.
+defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the gpu.json of
+`make bench-gpu` on machines with a GPU.
 """
 
 from __future__ import annotations
@@ -267,12 +267,11 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
 
 
 def on_a_gpu(_: Path, *ready: str) -> None:
-    """Write the times of bench runs on a machine with a GPU. ready: their bench.json."""
+    """Write docs/gpu.md. ready: gpu.json of `make bench-gpu`, one for each GPU."""
     if not ready:
-        raise SystemExit("gpu: expected bench.json of runs on a GPU, as in OPTIONS=gpu:FILE,FILE")
-    data = [json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]
-    replace("gpu machine", bench_tables.machine_line(data[0], defaults=False))
-    replace("gpu", gpu_tables.times_table([row for each in data for row in each["rows"]]))
+        raise SystemExit("gpu: expected gpu.json of 'make bench-gpu' on a GPU, as in OPTIONS=gpu:FILE,FILE")
+    for name in ready:
+        gpu_tables.file_section(json.loads(Path(name).read_text(encoding="utf-8")))
 
 
 def speed(_: Path) -> None:

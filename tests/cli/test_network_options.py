@@ -46,6 +46,8 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--codec", "h264", "--crf", "20", "--bitrate", "3"), "not both"),
         (("--crf", "20"), "without a codec"),
         (("--bitrate", "5"), "without a codec"),
+        (("--depth-code", "exact"), "without a codec"),
+        (("--codec", "h264", "--depth-code", "lossy"), "expected exact, sixteenth or video"),
         (("--effects", "overlai"), "did you mean 'overlay'?"),
         (("--effects", "overlay,no-overlay"), "both forced and forbidden"),
         (("--mirrors", "scren"), "did you mean 'screen'?"),

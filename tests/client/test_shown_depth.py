@@ -55,7 +55,7 @@ def _beside(gpu, world: World, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("name", BESIDE)
 def test_the_depth_beside_it_leaves_the_colour_as_it_is(gpu, name):
-    """An invocation may handle fewer rows then: places round elsewhere, within the bound."""
+    """An invocation may handle fewer rows then and round elsewhere: within the twin's bound."""
     world = World(gpu, 7, SIZE)
     got, plain, bound = _beside(gpu, world, name)[0], world.warp(gpu, name), world.reference(name)
     decided = ~bound.undecided

@@ -10,7 +10,7 @@ from .coding import Coding as Coding
 from .depth_codec import STEP as STEP
 from .depth_codec import DepthDecoder as DepthDecoder
 from .depth_codec import DepthEncoder as DepthEncoder
-from .depth_step import PARALLAX_PX as PARALLAX_PX
+from .depth_step import PARALLAX_PIXELS as PARALLAX_PIXELS
 from .depth_step import depth_step as depth_step
 from .depth_video import DepthVideoDecoder as DepthVideoDecoder
 from .depth_video import DepthVideoEncoder as DepthVideoEncoder

@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.link.codec import (
-    PARALLAX_PX,
+    PARALLAX_PIXELS,
     DepthDecoder,
     DepthEncoder,
     DepthVideoDecoder,
@@ -58,7 +58,7 @@ def test_half_a_step_moves_no_pixel_by_more_than_a_sixteenth(size, age_s, angle,
     warp = WarpMap.between(View(Pose(), fov), square, View(Pose(tuple(way)), fov), square)
     pixel = np.array(place) * size
     ends = [warp.apply(pixel, np.array(depth))[0] for depth in (inverse_depth, inverse_depth + step / 2)]
-    bound = max(PARALLAX_PX, 2.0**-15 * size / 2 * age_s) * (1 + 1 / size)  # the rounded size
+    bound = max(PARALLAX_PIXELS, 2.0**-15 * size / 2 * age_s) * (1 + 1 / size)  # the rounded size
     assert np.linalg.norm(ends[1] - ends[0]) <= bound * (1 + 1e-6) + 1e-9
 
 
