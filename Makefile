@@ -24,7 +24,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill bench-quick bench-live site docs
+.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -66,6 +66,10 @@ bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same f
 
 bench-live: setup  ## what a refresh of 'live' costs beside OpenGL (OPTIONS=--gc: what garbage collection does to it)
 	@.venv/bin/python tests/bench_live.py $(OPTIONS)
+
+bench-gpu: OUT = out/gpu
+bench-gpu: setup  ## all that is to be measured on a GPU, in at most nine minutes: $(OUT)/gpu.json and a page beside it
+	@.venv/bin/python tests/bench_gpu.py --out "$(OUT)" $(OPTIONS)
 
 site: setup  ## the documentation as a site, with a reference made from docstrings: out/site/index.html
 	@NO_MKDOCS_2_WARNING=1 .venv/bin/python -m mkdocs build --strict --quiet --config-file docs/site/mkdocs.yml

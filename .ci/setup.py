@@ -1,8 +1,8 @@
 """Make .venv ready for `make`: the pinned Python packages, and Mesa where OpenGL is missing.
 
 Started by .ci/setup. Quick and without a network when nothing changed; the next run repairs an
-interrupted one. Option: --tests also installs the programs that only tests start (.ci/tools.toml),
-where apt may.
+interrupted one. Option: --tests also installs what only tests start (.ci/tools.toml), where apt
+may.
 Exit status: 0 ready; 3 the machine lacks something (the message holds the line to type); 1 an
 internal error.
 """
@@ -10,6 +10,7 @@ internal error.
 import contextlib
 import ctypes
 import fcntl
+import glob
 import hashlib
 import importlib.util
 import os
@@ -163,17 +164,20 @@ def install_system_packages() -> None:
 
 
 def missing_tools() -> dict[str, str]:
-    """Return the programs that tests start and this machine lacks, with the package of each."""
+    """Return what tests start and this machine lacks, with the package of each."""
     tools = tomllib.loads(TOOLS.read_text(encoding="utf-8"))
-    return {
-        program: package
-        for program, package in tools["packages"].items()
-        if not any(map(shutil.which, (program, *tools["other_names"].get(program, []))))
-    }
+
+    def is_here(name: str) -> bool:
+        files = tools.get("files", {}).get(name)
+        if files is not None:
+            return any(map(glob.glob, files))
+        return any(map(shutil.which, (name, *tools["other_names"].get(name, []))))
+
+    return {name: package for name, package in tools["packages"].items() if not is_here(name)}
 
 
 def install_for_tests() -> None:
-    """Install the programs that tests start; tests whose program is missing are skipped."""
+    """Install what tests start; those that lack a program or driver are skipped."""
     missing = missing_tools()
     packages = sorted(set(missing.values()))
     # One unknown package (Ubuntu has Chromium as a snap alone) would stop all the others.

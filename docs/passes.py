@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from hmdwarp.client.warps import warps
+from hmdwarp.link.codec import DEPTH_CODES
 
 Summary = dict[str, Any]
 Run = Callable[..., Summary]  # (trace, *options) -> summary.json
@@ -56,6 +57,7 @@ LINK_FIGURES = (
     "PSNR dB",
     "FLIP",
 )
+DEPTH_FIGURES = ("Mbit/s", "colour Mbit/s", "of the colour", "encode ms", "decode ms", "PSNR dB", "FLIP")
 NETWORKS = (
     ("constant", ()),
     ("uniform jitter of 30 ms", ("--jitter", "uniform:30")),
@@ -66,6 +68,12 @@ TRAFFIC = shlex.split("--size 320x400 --lens none --fill none --rate 60 --start 
 SENT_BY_FILLS = ("wide",)
 LAYERED_SCENES = ("gallery", "greenhouse", "cockpit", "workshop", "parade")
 CODECS = ("none", "h264", "hevc")
+DEPTHS = shlex.split("--guard 1.5 --size 320x400 --lens none --fill pyramid --rate 60 --start 1 --seconds 0.5")
+DEPTH_CASES = (
+    ("look-around", "room", "iterative"),
+    ("walk", "room", "iterative"),
+    ("walk", "room", "backward"),
+)
 
 
 def _line(*cells: object) -> str:
@@ -164,6 +172,29 @@ def layers_table(run: Run) -> str:
         rows.setdefault((f"{plain['mbit_s']:.0f}", f"{coded['mbit_s']:.1f}", layers), []).append(name)
     lines = [_line(", ".join(names), *figures) for figures, names in rows.items()]
     return "\n".join([*_head("warp, fill or scene", "Mbit/s uncompressed", "h264", "of that"), *lines])
+
+
+def depth_codes_table(run: Run) -> str:
+    """Return what each code of depth weighs beside the colour, and the error after the warp."""
+    rows = _head("recording, scene, warp", "depth", *DEPTH_FIGURES)
+    for trace, scene, warp in DEPTH_CASES:
+        for code in DEPTH_CODES:
+            choices = f"--latency 200 --scene {scene} --warp {warp} --codec h264 --depth-code {code} --metrics-every 6"
+            summary = run(trace, *DEPTHS, *shlex.split(choices))
+            rows.append(_line(f"{trace}, `{scene}`, `{warp}`", f"`{code}`", *_depth_figures(summary)))
+    return "\n".join(rows)
+
+
+def _depth_figures(summary: Summary) -> list[str]:
+    link = summary["link"]
+    depth, colour = (link["layers_mbit_s"][name] for name in ("inverse_depth", "colour"))
+    figures = [f"{depth:.1f}", f"{colour:.1f}", f"{depth / colour:.2f}", _number(link["encode_ms"])]
+    return [
+        *figures,
+        _number(link["decode_ms"]),
+        f"{_quality(summary, 'psnr_db'):.2f}",
+        f"{_quality(summary, 'flip'):.4f}",
+    ]
 
 
 def server_rates_table(rows: list[Summary]) -> str:

@@ -1,10 +1,10 @@
 """Run what the figures in README.md and docs/ come from, and write them there: `make docs`.
 
-All of it takes about an hour, alone on the machine. `make docs OPTIONS=bench` renews one part (or
+All of it takes some two hours, alone on the machine. `make docs OPTIONS=bench` renews one part (or
 another of PARTS). Every figure is printed by the program; edit nothing between the markers by hand.
 `make docs OPTIONS=bench:FILE,FILE` takes the bench.json of two earlier runs, the first one with the
-defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the bench.json of
-runs on a machine with a GPU.
+defaults; `thesis:FILE,..` takes the results.json of earlier runs, `gpu:FILE,FILE` the gpu.json of
+`make bench-gpu` on machines with a GPU.
 """
 
 from __future__ import annotations
@@ -26,13 +26,16 @@ import guard
 import layouts
 import panel
 import passes
+import prediction_tables
 import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
+from hmdwarp.bench.cases import WITH_COMPLETE_FILLS
 from hmdwarp.metrics import QUALITY
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
+from hmdwarp.run.outside import OUTSIDE
 
 FIGURES = (*QUALITY, "mismatch")
 SMALL = shlex.split("--scene room --fill interpolate --size 480x600 --start 2 --seconds 6 --metrics-every 12")
@@ -89,7 +92,7 @@ def opening_picture(folder: Path) -> None:
 
 
 def bench(folder: Path, *ready: str) -> None:
-    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plot, and which aims were met.
+    """Measure every warp at 200, 400, 600 and 800 ms: tables, the plots, and which aims were met.
 
     ready: bench.json of two earlier runs, to use instead.
     """
@@ -113,8 +116,28 @@ def bench(folder: Path, *ready: str) -> None:
     replace("fused", bench_tables.fused_table(data["fused"]))
     replace("traffic", bench_tables.traffic_table(at_200))
     replace("aims", aims.table(data))
-    pareto_plot_png(DOCS / "pareto.png", at_200)
+    pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
     readme(folder)
+
+
+LARGE_SIZE = "2064x2208"
+
+
+def bench_large(folder: Path, *ready: str) -> None:
+    """Measure the warps of the front and the baselines at the size of present displays.
+
+    ready: bench.json of an earlier run, to use instead.
+    """
+    if not ready:
+        warps = ("none", "rotation", "rotation:edge=clamp", "planar", *WITH_COMPLETE_FILLS, *OUTSIDE)
+        named = [part for warp in warps for part in ("--warp", warp)]
+        options = ("--size", LARGE_SIZE, "--rounds", "1", "--no-grid", "--no-fused", "--quiet")
+        program("bench", *named, *options, "--out", str(folder / "large"))
+        ready = (str(folder / "large" / "bench.json"),)
+    data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
+    replace("large machine", bench_tables.machine_line(data, defaults=False))
+    rows = [row for case in cases(data["rows"]) for row in case.ordered()]
+    replace("bench large", markdown_table(rows, ("trace", "warp", "fill", "total_ms", *FIGURES[:5]), mark="flip"))
 
 
 def readme(_: Path) -> None:
@@ -133,10 +156,11 @@ def border(folder: Path) -> None:
 
 
 def prediction(folder: Path) -> None:
-    """Measure a server that renders for the predicted pose."""
+    """Measure the predictors' errors, and a server that renders for the predicted pose."""
+    replace("prediction errors", prediction_tables.errors_table())
     rows = []
-    for latency in ("200", "400"):
-        for predict in ("none", "constant_velocity"):
+    for latency in ("100", "200", "400"):
+        for predict in prediction_tables.PREDICTORS:
             options = ("--latency", latency, "--warp", "forward", "--predict", predict)
             rows.append(((latency, predict), run(folder, "look-around", *options)))
     replace("prediction", table(("latency ms", "predict"), rows))
@@ -207,12 +231,18 @@ def link(folder: Path) -> None:
     """Measure networks and codecs."""
     replace("link", passes.link_table(partial(run, folder)))
     layers(folder)
+    depth_codes(folder)
     server_rates(folder)
 
 
 def layers(folder: Path) -> None:
     """Measure what each kind of layer sends."""
     replace("layers", passes.layers_table(partial(run, folder)))
+
+
+def depth_codes(folder: Path) -> None:
+    """Measure the codes of depth: at most five minutes."""
+    replace("depth codes", passes.depth_codes_table(partial(run, folder)))
 
 
 def server_rates(folder: Path) -> None:
@@ -237,12 +267,11 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
 
 
 def on_a_gpu(_: Path, *ready: str) -> None:
-    """Write the times of bench runs on a machine with a GPU. ready: their bench.json."""
+    """Write docs/gpu.md. ready: gpu.json of `make bench-gpu`, one for each GPU."""
     if not ready:
-        raise SystemExit("gpu: expected bench.json of runs on a GPU, as in OPTIONS=gpu:FILE,FILE")
-    data = [json.loads(Path(name).read_text(encoding="utf-8")) for name in ready]
-    replace("gpu machine", bench_tables.machine_line(data[0], defaults=False))
-    replace("gpu", gpu_tables.times_table([row for each in data for row in each["rows"]]))
+        raise SystemExit("gpu: expected gpu.json of 'make bench-gpu' on a GPU, as in OPTIONS=gpu:FILE,FILE")
+    for name in ready:
+        gpu_tables.file_section(json.loads(Path(name).read_text(encoding="utf-8")))
 
 
 def speed(_: Path) -> None:
@@ -339,6 +368,7 @@ PARTS = {
     "speed": speed,
     "gpu": on_a_gpu,
     "bench": bench,
+    "bench-large": bench_large,
     "border": border,
     "prediction": prediction,
     "effects": effects,
@@ -350,6 +380,7 @@ PARTS = {
     "thesis": thesis,
     "thesis-gpu": thesis_on_a_gpu,
     "layers": layers,
+    "depth-code": depth_codes,
     "server-rates": server_rates,
     "readme": readme,
 }

@@ -21,7 +21,7 @@ with (out / "prediction.csv").open("w", newline="") as file:
     table = csv.writer(file)
     table.writerow(["ahead_ms", "method", "median_error_deg"])
     for ahead_ms in (20, 50, 100):
-        for method in ("none", "constant_velocity"):
+        for method in ("none", "constant_velocity", "cautious"):
             errors_deg = []
             for now_ns in range(track.start_ns, track.end_ns - 100_000_000, 50_000_000):
                 then_ns = now_ns + ahead_ms * 1_000_000

@@ -31,6 +31,7 @@ from hmdwarp.geometry import Fov, View
 from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
+from hmdwarp.run.outside import opencv_camera, opencv_depth, opencv_motion
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
@@ -79,18 +80,9 @@ class Case:
 
     def _opencv(self) -> dict[str, Callable[[], object]]:
         picture = picture_from_linear(download(self.rendered.colour))
-        with np.errstate(divide="ignore"):
-            depth = np.float32(1) / download(self.rendered.inverse_depth)
-        depth[~np.isfinite(depth)] = 1e4
+        depth, mask = opencv_depth(download(self.rendered.inverse_depth))
         wide, high = self.size
-        to_pixel = np.diag([1.0, -1.0, -1.0])  # OpenCV looks along +z with y down
-        focal = wide / (self.shown.fov.tangents[1] - self.shown.fov.tangents[0])
-        camera = np.array([[focal, 0, wide / 2], [0, focal, high / 2], [0, 0, 1]])
-        relative = self.rendered.view.pose.relative_to(self.shown.pose).matrix()
-        motion = np.eye(4)
-        motion[:3, :3] = to_pixel @ relative[:3, :3] @ to_pixel
-        motion[:3, 3] = to_pixel @ relative[:3, 3]
-        mask = np.full((high, wide), 255, np.uint8)
+        camera, motion = opencv_camera(self.shown, self.size), opencv_motion(self.rendered.view, self.shown)
         x, y = np.meshgrid(np.arange(wide, dtype=np.float32), np.arange(high, dtype=np.float32))
         turned = np.stack([x, y, np.ones_like(x)], axis=-1) @ (
             camera @ motion[:3, :3].T @ np.linalg.inv(camera)

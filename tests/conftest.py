@@ -92,10 +92,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
-    """Name what was left out: before pytest's closing line, or where LEFT_OUT=last after it."""
-    skipped = terminalreporter.stats.get("skipped", [])
-    line = needs.left_out((report.nodeid, report.longrepr[2]) for report in skipped)
-    if line and os.environ.get("LEFT_OUT") == "last":
-        config.add_cleanup(lambda: print(line))
-    elif line:
-        terminalreporter.write_line(line)
+    """Tell what tests have to tell and name what was left out.
+
+    Before pytest's closing line, or where LEFT_OUT=last after it.
+    """
+    stats = terminalreporter.stats
+    told = [what for report in stats.get("passed", []) for name, what in report.user_properties if name == needs.TOLD]
+    skipped = stats.get("skipped", [])
+    left_out = needs.left_out((report.nodeid, report.longrepr[2]) for report in skipped)
+    lines = [*told, *([left_out] if left_out else [])]
+    if os.environ.get("LEFT_OUT") == "last":
+        config.add_cleanup(lambda: print(*lines, sep="\n") if lines else None)
+    else:
+        for line in lines:
+            terminalreporter.write_line(line)

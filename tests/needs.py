@@ -19,6 +19,7 @@ TOOLS = tomllib.loads((Path(__file__).parents[1] / ".ci" / "tools.toml").read_te
 MISSING = re.compile(r"no (?P<what>.+?) here \((?P<remedy>.+)\)$", re.DOTALL)
 APT = "Debian, Ubuntu: sudo apt-get install "
 AS_ROOT = "sudo make test"  # remedy of what only root may do
+TOLD = "told at the end"  # a property of a test: a line that the run ends with
 
 
 def program(name: str) -> str | None:

@@ -32,6 +32,7 @@ SMALL = {
     "test-kill": Small({"KILLS": "1", "OPTIONS": "-p no:cacheprovider"}, "1 kills"),
     "bench-quick": Small({"OPTIONS": "--rounds 1 --seconds 0"}, "warpFrame"),
     "bench-live": Small({"OPTIONS": "--frames 2"}, "A refresh outside OpenGL", statuses=(0, 1)),
+    "bench-gpu": Small({"OPTIONS": "--quick"}, "page: "),
     "docs": Small({"OPTIONS": "readme"}),
 }
 LISTED = {

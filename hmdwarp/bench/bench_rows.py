@@ -13,8 +13,10 @@ from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instan
 from ..run.combination_bench import Measured
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup
+from .cases import baselines
 from .traffic import passes_of
 
+OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
 _PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
@@ -44,6 +46,7 @@ COLUMNS = (
     "mismatch",
     "client",
     "lacks",
+    "baseline",
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
     "gl_renderer",
     "cpu_count",
@@ -56,7 +59,8 @@ def row_of(
     """Return one row of bench.json.
 
     It has the keys of summary.json, the error by region, the eyes' mismatch, the time and bound of
-    each pass, and why the client cannot run it ("" if it can).
+    each pass, why the client cannot run it ("" if it can), and the system that the warp stands for
+    as a baseline ("" if none).
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
@@ -68,13 +72,16 @@ def row_of(
         **base,
         "frames": len(pictures),
         "client": client.name,
-        "lacks": lacking(combination.plan, client),
+        "lacks": OUTSIDE_LACKS if combination.is_outside else lacking(combination.plan, client),
+        "baseline": baselines().get(combination.warp, ""),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
         },
         "regions": pooled(regions[key] for key in measured.keys),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
-        "passes": passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
+        "passes": []
+        if combination.is_outside
+        else passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
     }
 
 
@@ -96,6 +103,7 @@ def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
         "mismatch": row["mismatch"],
         "client": row["client"],
         "lacks": row["lacks"],
+        "baseline": row["baseline"],
         **machine,
     }
 

@@ -35,7 +35,7 @@ from ..scenes import load_scene
 from ..version import __version__
 from . import displacement_grid, fused
 from .bench_rows import COLUMNS, flat, row_of
-from .cases import cases_of, combinations_of, common_start_s, run_options, warps_of
+from .cases import cases_of, combinations_of, common_start_s, outside_notes, run_options
 from .client_notes import left_out_notes
 from .options import BenchOptions
 
@@ -134,7 +134,7 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
     """
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations_of(options, None)  # names, before any scene is built
-    combinations, called, notes = {}, {}, list[str]()
+    combinations, called, notes = {}, {}, outside_notes(options)
     for name in options.scenes:
         scene = load_scene(name, options.scene_options)
         build_plan_for(
@@ -227,7 +227,7 @@ def _case_rows(
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    done = {c.warp: c.plan.effects for c in work.combinations}
+    done = {c.warp: c.plan.effects for c in work.combinations if not c.is_outside}
     unfilled = [
         Combination(warp, "none", build_plan(effects, warp, "none", "none", client_geometry=True, named=effects))
         for warp, effects in done.items()
@@ -252,9 +252,8 @@ def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) 
         _pool(options, headset, work.case.size) as pool,
         set_up_replay(work.run, needs_of(c.plan for c in work.combinations)) as setup,
     ):
-        return fused.fused_rows(
-            setup, options, warps_of(options), _fused_lens(options), pool, work.instants, options.rounds, steps
-        )
+        warps = list(dict.fromkeys(c.warp for c in work.combinations if not c.is_outside))
+        return fused.fused_rows(setup, options, warps, _fused_lens(options), pool, work.instants, options.rounds, steps)
 
 
 def _fused_lens(options: BenchOptions) -> str:

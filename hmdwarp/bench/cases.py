@@ -7,15 +7,25 @@ from typing import Any
 
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
-from ..client.variants import every_warp, fill_text, parse_fills, parse_warp
+from ..client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
+from ..errors import MachineError
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
 from ..poses import PoseTrack
 from ..run.combinations import Case, Combination
 from ..run.options import RunOptions
+from ..run.outside import OUTSIDE, missing
 from ..run.schedule import schedule_of
 from ..scenes import Scene
-from .options import BenchOptions
+from .options import FILLS, BenchOptions
+
+# A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
+# accurate than that without holes (rotation, planar), and nearly the same pictures come out after
+# warps that leave the same holes. Where everything is compared complete fills run with these: of
+# the warps that read colour and depth those on the Pareto front of one of the recordings at 200 ms
+# (docs/results-warps.md), the thesis's, and the baselines that leave holes.
+WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512")
+_INCOMPLETE = FILLS[:2]
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
@@ -27,11 +37,33 @@ def cases_of(options: BenchOptions) -> list[Case]:
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """Return the warps of the options, or all with their variants, as shortest text, each once.
+    """Return the warps of the options, or all with their variants and the baselines.
 
-    Errors: as parse_warp.
+    As shortest text, each once. Those of other libraries come last.
+    Errors: as parse_warp; MachineError for one of another library that was named and is missing.
     """
-    return list(dict.fromkeys(str(parse_warp(text)) for text in (options.warps or every_warp())))
+    for name in options.warps:
+        if name in OUTSIDE and (why := missing(name)):
+            raise MachineError(f"--warp {name}: {why}")
+    names = options.warps or [*every_warp(), *every_baseline(), *(name for name in OUTSIDE if not missing(name))]
+    own = dict.fromkeys(str(parse_warp(text)) for text in names if text not in OUTSIDE)
+    return [*own, *(name for name in OUTSIDE if name in names)]
+
+
+def baselines() -> dict[str, str]:
+    """Return every warp that does what a published or shipped system does, and which one."""
+    return every_baseline() | OUTSIDE
+
+
+def outside_notes(options: BenchOptions) -> list[str]:
+    """Return why baselines of other libraries are left out."""
+    if options.warps:
+        return []
+    return [f"{name} is left out: {why}." for name in OUTSIDE if (why := _left_out(options, name))]
+
+
+def _left_out(options: BenchOptions, name: str) -> str:
+    return missing(name) or ("" if options.lens == "none" else "it has no lens")
 
 
 def fills_of(options: BenchOptions) -> list[str]:
@@ -47,8 +79,29 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
 
     Errors: as build_plan.
     """
-    pairs, lens = itertools.product(warps_of(options), fills_of(options)), options.lens
-    return [Combination(w, f, plan_of(options, scene, w, f, lens)) for w, f in pairs]
+    return [_combination(options, scene, warp, fill) for warp, fill in pairs_of(options)]
+
+
+def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
+    """Return each warp with each fill, less what is left out where nothing was named.
+
+    Another library's warp has no fill. Errors: as warps_of and fills_of.
+    """
+    chosen = bool(options.warps) or options.fills != FILLS
+    pairs = []
+    for warp, fill in itertools.product(warps_of(options), fills_of(options)):
+        if warp in OUTSIDE:
+            if not _left_out(options, warp) and (warp, "none") not in pairs:
+                pairs.append((warp, "none"))
+        elif chosen or fill in _INCOMPLETE or warp in WITH_COMPLETE_FILLS:
+            pairs.append((warp, fill))
+    return pairs
+
+
+def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: str) -> Combination:
+    if warp in OUTSIDE:  # colour and depth of the whole picture, as this warp reads them
+        return Combination(warp, fill, build_plan((), "forward", "none", "none", client_geometry=False))
+    return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
 
 
 def plan_of(

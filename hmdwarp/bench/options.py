@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 Size = tuple[int, int]
 
 _RUN, _LINK = attrs.fields(RunOptions), attrs.fields(LinkOptions)
+# The last two are complete: they leave nothing empty. cases.py says with which warps they run.
+FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
@@ -67,15 +69,17 @@ class BenchOptions(Declared):
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     scene_options: SceneOptions = group(SceneOptions)
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
-    # Names, with settings where they matter (`mesh:cut=slope`); empty for all and their variants.
+    # Names, with settings where they matter (`mesh:cut=slope`); empty for all, their variants and
+    # the baselines.
     warps: tuple[str, ...] = several(
         _RUN.warp,
         (),
-        f"Warp: {names_in('client/warps')}; by default all. Settings follow a colon, as in mesh:cut=slope.",
+        f"Warp: {names_in('client/warps')}, or cv2.warpFrame; by default all, and what other systems do. "
+        "Settings follow a colon, as in mesh:cut=slope.",
         split=split_names,
     )
     fills: tuple[str, ...] = several(
-        _RUN.fill, ("none", "interpolate"), f"Fill: {names_in('client/fills')}, or several with +", split=split_names
+        _RUN.fill, FILLS, f"Fill: {names_in('client/fills')}, or several with +", split=split_names
     )
     effects: str = same_as(_RUN.effects)
     sizes: tuple[Size, ...] = several(_RUN.size, ((1280, 800),), "Pixels of one eye", each=_size)
@@ -86,11 +90,7 @@ class BenchOptions(Declared):
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
-    guard: Guard = guard_field(
-        1.5,
-        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; "
-        "replay and live begin with 1.",
-    )
+    guard: Guard = guard_field(1.5)
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an

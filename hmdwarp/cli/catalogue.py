@@ -6,6 +6,7 @@ For `hmdwarp list`, the README's tables and other programs.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -252,6 +253,8 @@ def _options() -> list[dict[str, str]]:
 
 def _option_row(option: Option, name: str, commands: list[str]) -> dict[str, str]:
     default = {False: "no", True: "yes"}.get(option.default) if option.kind is bool else str(option.default)
+    if option.default is None and (said := re.search(r"\[default: (.*)\]", option.help)):
+        default = said[1]
     return {
         "name": name.replace("_", "-"),
         "summary": option.help,

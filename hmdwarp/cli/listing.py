@@ -73,7 +73,7 @@ def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
     chosen = [row for row in rows if row["name"] == name]
     if not chosen:
         raise unknown_name(
-            {"lenses": "lens", "studies": "study"}.get(kind, kind.removesuffix("s")),
+            {"lenses": "lens", "studies": "study", "axes": "axes preset"}.get(kind, kind.removesuffix("s")),
             name,
             [row["name"] for row in rows],
         )

@@ -15,9 +15,12 @@ from ._help import Group
 from ._options import JSON, Said, as_json, takes
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rich.table import Table
 
     from ..poses.load import LoadedTrace
+    from ..poses.prediction_errors import PredictionErrors
     from ..poses.track_statistics import Analysis
 
 app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
@@ -57,6 +60,7 @@ def info(said: Said) -> None:
     console.print(_facts(loaded, figures))
     console.print(_speed_table(figures))
     console.print(_error_table(figures))
+    console.print(_lead_table(figures))
     if len(loaded.segments) > 1:
         console.print(_segment_table(loaded))
     _print_defects(console, loaded)
@@ -74,13 +78,16 @@ def convert(said: Said) -> None:
 
     from ..errors import InputError
     from ..poses.load import load_trace
+    from ..registry import unknown_name
     from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
+    able = [one.name for one in formats if one.writes]
+    if to not in formats.names():
+        raise unknown_name("format to write", to, able)
     target = formats.get(to)
     if not target.writes:
-        able = ", ".join(f.name for f in formats if f.writes)
-        raise InputError(f"--to {to}: this format is read, not written: expected one of {able}")
+        raise InputError(f"--to {to}: this format is read, not written: expected one of {', '.join(able)}")
     loaded = load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         refuse_existing(out, force=said["force"])
@@ -187,18 +194,37 @@ def _speed_table(figures: Analysis) -> Table:
 def _error_table(figures: Analysis) -> Table:
     from rich.table import Table
 
-    title = "What latency costs: angle between the head and where it was taken to be, degrees, p50 / p95 / p99 (mean)"
-    table = Table(title=title, title_justify="left")
-    for name in ("latency", "no prediction", "constant velocity", "the same, 100 ms at most"):
+    title = "What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)"
+    return _by_predictor(Table(title=title, title_justify="left"), figures, _angles)
+
+
+def _lead_table(figures: Analysis) -> Table:
+    from rich.table import Table
+
+    title = "Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees"
+    return _by_predictor(Table(title=title, title_justify="left"), figures, _lead)
+
+
+def _by_predictor(table: Table, figures: Analysis, cell: Callable[[PredictionErrors], str]) -> Table:
+    """Fill in a row for each latency, a column for each predictor."""
+    for name in ("latency", *figures.errors[0].errors):
         table.add_column(name, justify="right")
     for row in figures.errors:
-        cells = [_angles(values, mean) for values, mean in zip((row.held, row.cav, row.capped), row.mean, strict=True)]
-        table.add_row(f"{row.latency_ms} ms", *(cells if row.count else ["trace too short"] * 3))
+        cells = [cell(one) if row.count else "trace too short" for one in row.errors.values()]
+        table.add_row(f"{row.latency_ms} ms", *cells)
     return table
 
 
-def _angles(values: tuple[float, ...], mean: float) -> str:
-    return f"{' / '.join(f'{v:.2f}' if v < 10 else f'{v:.1f}' for v in values)} ({mean:.2f})"
+def _angles(errors: PredictionErrors) -> str:
+    return f"{' / '.join(map(_angle, errors.percentiles))} ({errors.mean:.2f})"
+
+
+def _lead(errors: PredictionErrors) -> str:
+    return f"{100 * errors.lead_share:.1f} %, {_angle(errors.lead)} / {_angle(errors.lag)}"
+
+
+def _angle(degrees: float) -> str:
+    return f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}"
 
 
 def _segment_table(loaded: LoadedTrace) -> Table:

@@ -43,14 +43,19 @@ class WarpOptions(Declared):
     )
 
 
+_NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
+
+
 @takes(WarpOptions)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..image import read_frame, read_view
     from ..image.warping import warp_image
-    from ..report import refuse_existing, write_image_result
+    from ..report import refuse_existing, refuse_source, write_image_result
 
     options = WarpOptions.of(said)
+    for source in (options.frame, options.to):
+        refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
     frame = read_frame(options.frame)
     result = warp_image(
@@ -67,3 +72,8 @@ def warp(said: Said) -> None:
     write_image_result(options.out, result.colour, result.coverage, result.time_ms)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
+    if result.hole_share > _NOTHING:
+        typer.echo(
+            f"note: {100 * result.hole_share:.1f} % of the picture is empty before the fill: the frame has no depth "
+            "there, or the two views see little in common; check depth_m and position_m (metres) and the orientations"
+        )

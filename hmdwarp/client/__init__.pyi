@@ -23,6 +23,7 @@ from .plan import needs_of as needs_of
 from .settings import NoSettings as NoSettings
 from .shown_picture import ShownPicture as ShownPicture
 from .variants import Choice as Choice
+from .variants import every_baseline as every_baseline
 from .variants import every_fill as every_fill
 from .variants import every_warp as every_warp
 from .variants import fill_text as fill_text

@@ -104,13 +104,16 @@ class Compensator:
             assert headset is not None, "a plan with a lens is for a headset"
             lens = plan.lens(gpu, headset, shown_size)
         self._lens = None if plan.fused else lens
-        output = Output(lens if plan.fused else None, plan.scanout)
+        output = Output(lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice)
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output)
         pictures = pictures_read(plan.warp_needs)
         carry = Carry(self._warp)
-        self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.makes_shown_depth else None
+        self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-        self._fills = [one.entry(gpu, rendered_size, shown_size, one.settings, geometry) for one in plan.fills]
+        self._fills = [
+            one.entry(gpu, rendered_size, shown_size, one.settings, geometry, depth_read=plan.reads_depth_after(one))
+            for one in plan.fills
+        ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry)
         made = [
             one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
@@ -124,11 +127,13 @@ class Compensator:
         gl, size = self.gpu.gl, self.shown_size
         if self.plan.fused:
             return _Canvases(None, (), (), Canvas(gl, size))
-        last = warped = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if self._depth else None)
+        has_depth = self.plan.makes_shown_depth
+        last = warped = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if has_depth else None)
         filled = []
         for fill in self._fills:
-            own_depth = self._depth is not None and SHOWN_DEPTH in fill.writes
-            last = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if own_depth else last.inverse_depth)
+            own_depth = has_depth and SHOWN_DEPTH in fill.writes
+            depth = allocate(gl, size, SCALAR) if own_depth and fill.depth_read else None
+            last = ShownPicture(Canvas(gl, size), depth if own_depth else last.inverse_depth)
             filled.append(last)
         effects = tuple(Canvas(gl, size) for _ in self._shown)
         shown = effects[-1] if effects else last.colour
@@ -149,10 +154,19 @@ class Compensator:
                 self._geometry.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stage("warp"):
-            self._warp.run(inputs, made.warped.colour if made.warped is not None else made.panel)
+            self._run_warp(inputs, made)
         if made.warped is None:
             return EyeResult(inputs.middle, None, None, made.panel)
         return self._finish(inputs, made, made.warped)
+
+    def _run_warp(self, inputs: PassInputs, made: _Canvases) -> None:
+        warped = made.warped
+        if warped is None:
+            self._warp.run(inputs, made.panel)
+        elif warped.inverse_depth is None or self._depth is not None:
+            self._warp.run(inputs, warped.colour)
+        else:
+            self._warp.run_with_depth(inputs, warped.colour, warped.inverse_depth)
 
     def _finish(self, inputs: PassInputs, made: _Canvases, warped: ShownPicture) -> EyeResult:
         """Run everything after the warp."""
@@ -175,6 +189,11 @@ class Compensator:
         names = (one.entry.name for one in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
+
+    def renew(self) -> None:
+        """Take the next frame for a new one, even if it is the last one again: for timing."""
+        for fill in self._fills:
+            fill.renew()
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """Ignore the stage times: a single plan has nothing to decide."""

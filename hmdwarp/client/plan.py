@@ -80,6 +80,8 @@ class Plan:
     steps: tuple[Step, ...]
     # Names and reasons.
     left_out: tuple[tuple[str, str], ...]
+    # Whether the display reads the depth of what is shown.
+    hands_depth_on: bool = False
 
     @property
     def warp(self) -> type[Warp]:
@@ -109,8 +111,19 @@ class Plan:
 
     @property
     def makes_shown_depth(self) -> bool:
-        """Whether the rendered depth is warped as the colour is."""
+        """Whether the inverse depth of the shown picture is made, for passes that read it."""
+        return self.warps_twice or any(step.stage == "warp" and SHOWN_DEPTH in step.writes for step in self.steps)
+
+    @property
+    def warps_twice(self) -> bool:
+        """Whether the warp runs a second time for it, on the rendered depth."""
         return any(step.name == STEP_SHOWN_DEPTH for step in self.steps)
+
+    def reads_depth_after(self, fill: Choice[Fill]) -> bool:
+        """Return whether a pass after that fill, or the display, reads the shown depth."""
+        later = self.fills[self.fills.index(fill) + 1 :]
+        passes = [one.entry.reads for one in later] + [one.made_by.reads for one in self.effect_passes]
+        return self.hands_depth_on or any(SHOWN_DEPTH in reads for reads in passes)
 
     def writes(self, name: str) -> bool:
         """Return whether a pass of the plan writes the named layer."""
@@ -192,10 +205,13 @@ def build_plan(
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, draft)
     follows = scanout and choice.entry.scans_out
-    _plan_warp(choice, chosen_lens if fused else None, follows, draft)
+    depth_for = _readers_of_depth([fill.entry for fill in chain], [one.made_by for one in shown], takes_depth)
+    beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
+    _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
     if scanout and not follows:
         draft.leave_out("scan-out", f"warp '{choice.entry.name}' cannot follow it: all rows are shown as in its middle")
-    _plan_shown_depth([fill.entry for fill in chain], [one.made_by for one in shown], takes_depth, draft)
+    if depth_for and not beside:
+        _plan_shown_depth([fill.entry for fill in chain], depth_for, draft)
     for fill_choice in chain:
         entry = fill_choice.entry
         draft.add("fill", f"fill {fill_choice}", f"asked for: {entry.summary}", entry.reads, entry.writes)
@@ -223,6 +239,7 @@ def build_plan(
         (*rendered, *shown),
         tuple(draft.steps),
         tuple(draft.left_out),
+        bool(takes_depth),
     )
 
 
@@ -308,27 +325,31 @@ def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -
         draft.leave_out("client_depth", _why_no_client_depth(warp, client_geometry))
 
 
-def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, draft: _Draft) -> None:
+def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, depth_for: str, draft: _Draft) -> None:
+    """Add the warp, which writes the shown depth too for what is named in depth_for."""
     warp, reads = choice.entry, choice.entry.reads_for(choice.settings)
     reason = f"asked for: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
     if lens is None:
-        draft.add("warp", f"warp {choice}", reason, reads, (SHOWN,))
+        if depth_for:
+            reason += f"; writes the depth of what it shows for {depth_for}"
+            reads = tuple(dict.fromkeys((*reads, *(warp.depth_reads or ()))))
+        draft.add("warp", f"warp {choice}", reason, reads, (SHOWN, SHOWN_DEPTH) if depth_for else (SHOWN,))
     else:
         fused = f"{reason}; fused with the lens: {lens.summary}"
         draft.add("warp", f"warp {choice} + lens {lens.name}", fused, reads, (PANEL,))
 
 
-def _plan_shown_depth(
-    chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str, draft: _Draft
-) -> None:
-    """Add the warped depth, where a pass or the display reads it."""
+def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str) -> str:
+    """Return which passes, or which display, read the shown depth, "" for none."""
     readers = [fill.name for fill in chain if SHOWN_DEPTH in fill.reads]
     readers += [one.name for one in shown if SHOWN_DEPTH in one.reads]
     readers += [takes_depth] if takes_depth else []
-    if not readers:
-        return
+    return " and ".join(dict.fromkeys(readers))
+
+
+def _plan_shown_depth(chain: Sequence[type[Fill]], who: str, draft: _Draft) -> None:
+    """Add the second run of a warp that cannot write the shown depth beside the colour."""
     stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
-    who = " and ".join(dict.fromkeys(readers))
     reason = f"needed by {who}: the rendered depth, warped as the colour is"
     draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
 

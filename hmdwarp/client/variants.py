@@ -71,6 +71,15 @@ def every_warp() -> list[str]:
     return _every(warps)
 
 
+def every_baseline() -> dict[str, str]:
+    """Return the warps that do what a published or shipped system does, and which one."""
+    return {
+        str(parse_warp(f"{entry.name}:{settings}")): system
+        for entry in warps
+        for settings, system in entry.baselines.items()
+    }
+
+
 def every_fill() -> list[str]:
     """Return all registered fills, each followed by its variants for comparison."""
     return _every(fills)

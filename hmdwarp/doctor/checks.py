@@ -23,6 +23,7 @@ from typing import Any
 import attrs
 
 from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
+from ..gpu import egl
 from ..gpu.context import HOW_TO_GET_GL
 from ..version import __version__
 
@@ -59,10 +60,11 @@ def examine() -> list[Finding]:
     The processes that query drivers run at the same time.
     """
     with ThreadPoolExecutor() as asked:
-        graphics, runtime, screen = asked.submit(opengl), asked.submit(openxr), asked.submit(window)
+        graphics, known = asked.submit(opengl), asked.submit(devices)
+        runtime, screen = asked.submit(openxr), asked.submit(window)
         here = [python(), packages(), panel(), study(), video(), codecs()]
         headset, desktop = runtime.result(), screen.result()
-    return [*here[:2], *graphics.result(), *headset, desktop, live(headset, desktop), *here[2:]]
+    return [*here[:2], *graphics.result(), known.result(), *headset, desktop, live(headset, desktop), *here[2:]]
 
 
 def replay_can_run(findings: list[Finding]) -> bool:
@@ -71,7 +73,7 @@ def replay_can_run(findings: list[Finding]) -> bool:
 
 
 def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Answer:
-    """Return the last words of the probe `question` (gl, openxr, window).
+    """Return the last words of the probe `question` (gl, devices, openxr, window).
 
     `error` is set where it crashed, hung or printed nothing.
     """
@@ -145,7 +147,10 @@ def opengl() -> list[Finding]:
     known = run_probe("gl")
     if "error" in known:
         reason = _one_line(known.get("message", known["error"])).removesuffix(f": {HOW_TO_GET_GL}")
-        return [Finding("OpenGL", State.MISSING, reason, HOW_TO_GET_GL.split(";")[0], known)]
+        remedy = (
+            f"unset {egl.VARIABLE}, or name one of those" if egl.VARIABLE in reason else HOW_TO_GET_GL.split(";")[0]
+        )
+        return [Finding("OpenGL", State.MISSING, reason, remedy, known)]
     detail = (
         f"{known['renderer']}, {known['version']} "
         f"({'software, on the CPU' if known['software'] else 'hardware'}); "
@@ -159,6 +164,22 @@ def opengl() -> list[Finding]:
         Finding("OpenGL", State.OK, detail, facts=known),
         Finding("timers", State.OK, timers, facts={"clock": known["clock"]}),
     ]
+
+
+def devices() -> Finding:
+    """List the devices that EGL knows, of which HMDWARP_EGL_DEVICE chooses one."""
+    known = run_probe("devices")
+    listed = [
+        f"{one['index']}: {one['renderer']}{' at ' + one['file'] if one['file'] else ''}"
+        for one in known.get("devices", [])
+    ]
+    if "error" in known:
+        at = f", at {known['stage']}" if known["stage"].startswith("device") else ""
+        reason = _one_line(known.get("message", known["error"]))
+        return Finding("EGL devices", State.OPTIONAL, "; ".join([*listed, f"{reason}{at}"]), facts=known)
+    wanted = os.environ.get(egl.VARIABLE, "").strip()
+    chosen = f"{egl.VARIABLE}={wanted}" if wanted else f"the first that works is used; {egl.VARIABLE} chooses another"
+    return Finding("EGL devices", State.OK, f"{'; '.join(listed) or 'none'} ({chosen})", facts=known)
 
 
 def openxr() -> list[Finding]:

@@ -2,7 +2,7 @@
 
 'hmdwarp doctor' asks each one in a process of its own.
 
-    python -m hmdwarp.doctor.probes gl|openxr|window
+    python -m hmdwarp.doctor.probes gl|devices|openxr|window
 
 Prints one JSON object per line as knowledge grows; the last whole line counts, so a crash still
 leaves what came before it.
@@ -34,7 +34,7 @@ def gl() -> None:
 
     Its renderer, its limits, and whether its timers measure anything.
     """
-    from ..errors import MachineError
+    from ..errors import HmdwarpError
     from ..gpu.context import Gpu
 
     try:
@@ -50,8 +50,24 @@ def gl() -> None:
                     **{name: gpu.gl.info[key] for name, key in GL_LIMITS.items()},
                 }
             )
-    except MachineError as error:
+    except HmdwarpError as error:
         report({"stage": "context", "error": str(error)})
+
+
+def devices() -> None:
+    """Report the devices that EGL knows, one after the other, with what draws on each."""
+    from ..gpu import WANTED, egl
+
+    known: list[dict[str, object]] = []
+    try:
+        found = egl.devices()
+    except OSError as error:
+        report({"stage": "list", "error": str(error)})
+        return
+    for device in found:
+        report({"stage": f"device {device.index}", "devices": known})
+        known.append({"index": device.index, "file": device.file, "renderer": egl.renderer_of(device, WANTED)})
+    report({"stage": "done", "devices": known})
 
 
 def openxr() -> None:
@@ -137,4 +153,4 @@ def _text(value: bytes | str) -> str:
 
 
 if __name__ == "__main__":
-    {"gl": gl, "openxr": openxr, "window": window}[sys.argv[1]]()
+    {"gl": gl, "devices": devices, "openxr": openxr, "window": window}[sys.argv[1]]()

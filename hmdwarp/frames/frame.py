@@ -36,6 +36,8 @@ class EyeImage:
     carried: Mapping[str, Any] = attrs.field(factory=dict)
     # When it was drawn.
     drawn_ns: int = 0
+    # 1/m by which a code may have changed the inverse depth of nearly every pixel; 0 as drawn.
+    depth_error: float = 0.0
 
     @property
     def size(self) -> tuple[int, int]:

@@ -10,6 +10,7 @@ from .memory_bandwidth import last_cache_bytes as last_cache_bytes
 from .memory_bandwidth import suitable_bytes as suitable_bytes
 from .raw_gl import depth_framebuffer as depth_framebuffer
 from .raw_gl import gl_function as gl_function
+from .raw_gl import reset_status_of as reset_status_of
 from .scopes import drawing_into as drawing_into
 from .shaders import VERSION as VERSION
 from .shaders import Compute as Compute

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from functools import partial
 
 import moderngl
 
-from ..errors import MachineError
+from ..errors import InputError, MachineError
+from . import egl
+from .raw_gl import reset_status_of
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
 
@@ -21,31 +23,36 @@ HOW_TO_GET_GL = (
 )
 
 
-def _first_context(backends: list[str]) -> tuple[moderngl.Context | None, list[str]]:
-    failures: list[str] = []
-    for backend in backends:
-        settings: dict[str, Any] = {"backend": backend} if backend else {}
-        try:
-            return moderngl.create_context(standalone=True, require=WANTED, **settings), failures
-        except Exception as error:  # moderngl raises bare Exception here
-            failures.append(f"{backend or 'window system'}: {error}")
-    return None, failures
-
-
 def create_context() -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
-    Errors: MachineError naming what was tried and what to install.
+    Errors: InputError for an HMDWARP_EGL_DEVICE that names no device, MachineError naming what was
+    tried and what to install.
     """
-    backends = ["egl"] if os.name == "posix" else []
+    ways: dict[str, Callable[[], moderngl.Context]] = {}
+    if os.name == "posix":
+        ways["egl"] = partial(egl.create_context, WANTED)
     if os.name != "posix" or os.environ.get("DISPLAY"):
-        backends.append("")
-    context, failures = _first_context(backends)
-    if context is None:
-        raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
-    context.gc_mode = "context_gc"
-    return context
+        ways["window system"] = partial(moderngl.create_context, standalone=True, require=WANTED)
+    failures = []
+    for name, way in ways.items():
+        try:
+            context = way()
+        except InputError:
+            raise
+        except Exception as error:  # moderngl raises bare Exception here
+            failures.append(f"{name}: {error}")
+        else:
+            context.gc_mode = "context_gc"
+            return context
+    raise MachineError(f"no OpenGL {WANTED / 100:.1f} here ({'; '.join(failures)}): {HOW_TO_GET_GL}")
 
+
+_RESET_REASONS = {  # GL_GUILTY_CONTEXT_RESET and the two after it
+    0x8253: "something that this program ran took too long or failed",
+    0x8254: "because of another program",
+    0x8255: "the driver does not say why",
+}
 
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
 
@@ -68,6 +75,7 @@ class Gpu:
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
         self.shaders = ShaderLibrary(self.gl)
         self.timer = StageTimer(self.gl)
+        self._reset_status = reset_status_of(self.gl)
 
     @property
     def is_software(self) -> bool:
@@ -77,6 +85,20 @@ class Gpu:
     def barrier(self) -> None:
         """Make what shaders have stored visible to everything that runs from now on."""
         self.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+
+    def check_not_lost(self) -> None:
+        """Do nothing while the context lives; costs less than a microsecond.
+
+        It must be current. Errors: MachineError once the driver has reset the GPU: every call is
+        ignored since then, and what is read back means nothing.
+        """
+        reason = self._reset_status()
+        if reason:
+            why = _RESET_REASONS.get(reason, f"reason {reason:#x}")
+            raise MachineError(
+                f"{self.renderer} was reset, and its pictures are lost ({why}): start again; "
+                "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
+            )
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:
@@ -121,7 +143,13 @@ class Gpu:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        """Close it. Errors: MachineError if it was lost, in place of what failed by that."""
+        try:
+            if not self._closed:
+                with self.current():
+                    self.check_not_lost()
+        finally:
+            self.close()
 
 
 def _make_current(gpu: Gpu | None) -> None:

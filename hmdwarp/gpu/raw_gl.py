@@ -40,6 +40,17 @@ def gl_function(name: str, result: type | None, *arguments: type) -> Callable[..
     return ctypes.CFUNCTYPE(result, *arguments)(address)
 
 
+def reset_status_of(gl: moderngl.Context) -> Callable[[], int]:
+    """Return what asks the driver whether it has reset the GPU: 0 for no, else GL's reason."""
+    for name, known in (
+        ("glGetGraphicsResetStatus", gl.version_code >= 450 or "GL_KHR_robustness" in gl.extensions),
+        ("glGetGraphicsResetStatusARB", "GL_ARB_robustness" in gl.extensions),
+    ):
+        if known:
+            return gl_function(name, ctypes.c_uint32)
+    return lambda: 0
+
+
 def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int]) -> moderngl.Framebuffer:
     """Return a framebuffer around a foreign depth texture, by its GL name.
 

@@ -21,8 +21,12 @@ from ..resources import folder
 
 VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
-# Mesa: "0:14(3): error", NVIDIA: "0(14) : error", Apple/Intel: "ERROR: 0:14:"
-_MESSAGE_LINE = re.compile(r"\b0[:(](\d+)\)?")
+# Where a compiler's line says what it is about. Mesa: "0:14(3): error", NVIDIA: "0(14) : error",
+# AMD, Apple, Intel: "ERROR: 0:14:"
+_PLACE = re.compile(r"^((?:ERROR: |WARNING: )?)0(?::(\d+)((?:\(\d+\))?)|\((\d+)\) ):", re.MULTILINE)
+# What opens a stage's part of a message. moderngl, when compiling: "vertex_shader", NVIDIA, when
+# linking: "Vertex info"
+_STAGE = re.compile(r"^(?=(vertex|fragment)(?:_shader| info)$)", re.MULTILINE | re.IGNORECASE)
 _DTYPES = {"f": np.float32, "i": np.int32, "I": np.uint32}  # by moderngl's letter for a uniform's type
 
 
@@ -38,13 +42,16 @@ class Flattened:
         return "\n".join(self.lines) + "\n"
 
     def translate(self, message: str) -> str:
-        """Return a compiler message with `0:14` replaced by `warps/forward.comp:9`."""
+        """Return a compiler message with `0:14` or `0(14) ` replaced by `warps/forward.comp:9`."""
 
         def origin(match: re.Match[str]) -> str:
-            number = int(match.group(1)) - 1
-            return "{}:{}".format(*self.origins[number]) if 0 <= number < len(self.origins) else match.group(0)
+            severity, line, column, line_alone = match.groups(default="")
+            number = int(line or line_alone) - 1
+            if not 0 <= number < len(self.origins):
+                return match.group(0)
+            return "{}{}:{}{}:".format(severity, *self.origins[number], column)
 
-        return _MESSAGE_LINE.sub(origin, message)
+        return _PLACE.sub(origin, message)
 
 
 def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path | None = None) -> Flattened:
@@ -256,12 +263,19 @@ class Draw:
         try:
             self.program = gl.program(vertex_shader=flats["vertex"].text, fragment_shader=flats["fragment"].text)
         except moderngl.Error as error:
-            message = str(error)
-            guilty = "vertex" if "vertex_shader" in message else "fragment"
-            raise ShaderError(
-                f"{vertex if guilty == 'vertex' else fragment}: {flats[guilty].translate(message)}"
-            ) from error
+            raise ShaderError(_of_stages(str(error), {"vertex": vertex, "fragment": fragment}, flats)) from error
         self.uniforms = Uniforms(self.program, [*flats["vertex"].lines, *flats["fragment"].lines], fragment)
+
+
+def _of_stages(message: str, paths: Mapping[str, str], flats: Mapping[str, Flattened]) -> str:
+    """Return a message about two stages, each line translated by the stage that it stands under.
+
+    It begins with the first stage that is named; with the last one where the linker names none.
+    """
+    parts = _STAGE.split(message)  # what comes before any stage, then a stage and its part by turns
+    stages = [stage.lower() for stage in parts[1::2]]
+    told = [flats[stage].translate(part) for stage, part in zip(stages, parts[2::2], strict=True)]
+    return f"{paths[(stages or list(paths)[-1:])[0]]}: {parts[0]}{''.join(told)}"
 
 
 def _group_size(text: str) -> tuple[int, int]:

@@ -7,35 +7,66 @@ from collections.abc import Callable
 
 import moderngl
 
+from .shaders import Compute
+
 
 def is_software(gl: moderngl.Context) -> bool:
     """Return whether the context renders on the CPU."""
     return any(name in gl.info["GL_RENDERER"].lower() for name in ("llvmpipe", "softpipe", "swiftshader"))
 
 
-def has_real_gpu_timer(gl: moderngl.Context) -> bool:
-    """Return whether GL_TIME_ELAPSED measures anything.
+# Of the wall-clock time that a real timer reports at least: launching may be nearly all of it. A
+# copy by a CPU takes milliseconds, and a timer that misses it still counts what surrounds it.
+_LEAST_SHARE, _LEAST_SHARE_OF_A_COPY_ON_A_CPU = 1e-3, 0.1
+_PROBE_BYTES, _PROBE_WIDTH = 4 << 20, 512
 
-    llvmpipe answers about 1 ns for any work, or leaves out compute shaders.
+
+def has_real_gpu_timer(gl: moderngl.Context) -> bool:
+    """Return whether GL_TIME_ELAPSED measures draws and compute shaders.
+
+    Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
+    shaders, and Zink, which runs on the same llvmpipe, measures both.
     """
-    if is_software(gl):
-        return False
-    texture = gl.texture((512, 512), 4, dtype="f4")
+    return _measures_draws(gl) and _measures_dispatches(gl)
+
+
+def _measures_draws(gl: moderngl.Context) -> bool:
+    texture = gl.texture((_PROBE_WIDTH, _PROBE_WIDTH), 4, dtype="f4")
     framebuffer = gl.framebuffer([texture])
-    framebuffer.clear()  # keeps one-time work of the driver out of the comparison
-    gl.finish()
-    query = gl.query(time=True)
-    started = time.perf_counter_ns()
-    with query:
+
+    def clear() -> None:
         for _ in range(4):
             framebuffer.clear(0.5, 0.5, 0.5, 0.5)
-    gl.finish()
-    wall_ns = time.perf_counter_ns() - started
-    elapsed_ns = query.elapsed
+
+    agrees = _agrees_with_the_wall(gl, clear, _LEAST_SHARE)
     framebuffer.release()
     texture.release()
-    # A real timer reports at least a thousandth of the wall-clock time, and no more than all of it.
-    return wall_ns * 1e-3 < elapsed_ns <= wall_ns * 1.5
+    return agrees
+
+
+def _measures_dispatches(gl: moderngl.Context) -> bool:
+    copy = Compute(gl, "gpu/copy.comp", {})
+    buffers = [gl.buffer(reserve=_PROBE_BYTES) for _ in range(2)]
+    for binding, buffer in enumerate(buffers):
+        buffer.bind_to_storage_buffer(binding)
+    blocks = _PROBE_BYTES // 16
+    copy.uniforms.set(count=blocks, width=_PROBE_WIDTH)
+
+    def run() -> None:
+        copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
+
+    least = _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE
+    agrees = _agrees_with_the_wall(gl, run, least)
+    copy.program.release()
+    for buffer in buffers:
+        buffer.release()
+    return agrees
+
+
+def _agrees_with_the_wall(gl: moderngl.Context, run: Callable[[], object], least: float) -> bool:
+    run()  # keeps one-time work of the driver out of the comparison
+    wall_ms, gpu_ms = both_clocks(gl, run)
+    return wall_ms * least < gpu_ms <= wall_ms * 1.5
 
 
 Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in order
@@ -80,6 +111,10 @@ class StageTimer:
         Blocks that raise do not count.
         """
         return GpuStage(self, name) if self.clock == "gpu" else WallStage(self, name)
+
+    def add(self, name: str, milliseconds: float) -> None:
+        """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
+        self._done.append((name, milliseconds))
 
     def lap(self) -> Lap:
         """Return every stage since the last lap, in order.

@@ -23,7 +23,7 @@ from ..client.warps import warps
 from ..colour import linear_from_srgb
 from ..errors import InputError, PlanError
 from ..frames import EyeImage
-from ..geometry import View, inverse_depth_from_metres
+from ..geometry import Fov, Pose, View, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
 
@@ -80,11 +80,16 @@ def warp_image(
     for name, view in (("rendered", rendered), ("shown", shown)):
         if not isinstance(view, View):
             raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
+        if not (isinstance(view.pose, Pose) and isinstance(view.fov, Fov)):
+            found = f"{type(view.pose).__name__}, {type(view.fov).__name__}"
+            raise InputError(f"{name} is a View of {found}: expected View(pose, fov), a hmdwarp.Pose and a hmdwarp.Fov")
     plan = _plan(warp, fill)
     rendered_size = inverse_depth.shape[1::-1]
     shown_size = rendered_size if size is None else checked_size(size)
     with _shared_gpu() if gpu is None else gpu.current() as current:
-        return _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+        warped = _warp(current, plan, _Late(linear, inverse_depth, rendered), shown, shown_size)
+        current.check_not_lost()
+        return warped
 
 
 def usable_warps() -> list[str]:
@@ -172,7 +177,8 @@ def checked(
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
     linear = _in_linear_light(colour, encoding)
     metres = _in_metres(depth_m, depth_scale)
-    if (metres < 0).all():
+    known = metres[np.isfinite(metres) & (metres != 0) & ~hidden]
+    if len(known) and (known < 0).all() or (metres < 0).all():
         raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
     inverse = inverse_depth_from_metres(metres)
     covered = ~(np.isnan(inverse) | hidden)

@@ -39,7 +39,7 @@ def parse_loss(text: str) -> GilbertElliott | None:
         share = _number(text, f"--loss '{text}'", wanted)
         if not 0 <= share <= 1:
             raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
-        return GilbertElliott(share, 1 - share)
+        return GilbertElliott(0, 1, good=share)  # each frame alone, the first too
     values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
     if not {"p", "r"} <= values.keys():
         raise InputError(f"--loss '{text}': {wanted}")
@@ -204,7 +204,12 @@ class LinkOptions(Declared):
         return waiting + math.ceil(longest_ns * 1e-9 * rate_hz) + 2
 
     def check(self, latency_ns: int) -> None:
-        """Check the delays against the latency. Errors: InputError for an impossible network."""
+        """Check the delays against the latency, and the options against each other.
+
+        Errors: InputError for an impossible network, and for an overload that cannot come.
+        """
+        if self.overload == RESOLUTION and self.bandwidth is None and self.response is None:
+            raise InputError(f"--overload {RESOLUTION}: nothing can be overloaded; give --bandwidth or --response sum")
         self.delay.check(latency_ns)
 
     def delays(self, latency_ns: int) -> Iterator[int]:

@@ -20,6 +20,10 @@ AUTO = "auto"
 Size = tuple[int, int]
 Guard = float | tuple[float, float]
 _FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
+_HELP = (
+    "Ask the server for this many times the pixels on each axis, and so of the field of view in tangents: 1.5 makes "
+    "2.25 times the pixels; 1.25x1.125 has a factor for each axis."
+)
 _BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
 
 
@@ -66,11 +70,14 @@ def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) 
         raise InputError(_BOTH)
 
 
-def guard_field(default: float, help: str, /, **about: Any) -> Any:
-    """Return the field of `--guard`. It stands before that of `--rendered-size`."""
+def guard_field(default: float, more: str = "", /, **about: Any) -> Any:
+    """Return the field of `--guard`. It stands before that of `--rendered-size`.
+
+    more: what only some commands take, added to the help that all share.
+    """
     # No default on the command line, to tell a guard that was said from one that was not.
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
-    return option(default, f"{help} [default: {default:g}]", valid=_check_guard, **about)
+    return option(default, f"{_HELP}{more} [default: {default:g}]", valid=_check_guard, **about)
 
 
 def rendered_size_field() -> Any:

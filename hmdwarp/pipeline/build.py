@@ -196,8 +196,10 @@ def build_pipeline(
 def _channel(
     options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
 ) -> Channel:
-    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, target.rate_hz)
     latency, rate_hz, recycle = target.link_latency_ns, target.rate_hz, server.recycle
+    # It waits for the next refresh at most.
+    age_s = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz) * 1e-9
+    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, rate_hz, age_s)
     return Channel(options.network, latency, coder, Reads.of(plans), history.offer, recycle, rate_hz)
 
 

@@ -17,15 +17,21 @@ from ..colour import picture_from_linear
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO
 from ..gpu.textures import download, upload
 from ..link.codec import (
+    AS_VIDEO,
+    EXACT,
+    STEP,
     Coding,
     Decoder,
     DepthDecoder,
     DepthEncoder,
+    DepthVideoDecoder,
+    DepthVideoEncoder,
     Encoder,
     Packet,
     Undecodable,
     VectorDecoder,
     VectorEncoder,
+    depth_step,
     pack,
     unpack,
 )
@@ -79,9 +85,9 @@ class _Alone:
 
 
 class _Video:
-    """A stream of pictures through the video codec."""
+    """A stream of pictures through a video codec."""
 
-    def __init__(self, encoder: Encoder, decoder: Decoder) -> None:
+    def __init__(self, encoder: Encoder | DepthVideoEncoder, decoder: Decoder | DepthVideoDecoder) -> None:
         self.encode, self.request_key, self.decode = encoder.encode, encoder.request_key, decoder.decode
 
 
@@ -132,11 +138,13 @@ class Coder:
     Each is opened by its first frame.
 
     How a layer is coded says its declaration in frames.layers. A bit rate is shared by the videos
-    of an eye, by their pixels.
+    of an eye, by their pixels; depth takes what its code needs beside it.
+
+    age_s: how old a frame is when it is seen, which the steps of depth follow.
     """
 
-    def __init__(self, coding: Coding, rate_hz: float) -> None:
-        self._coding, self._rate_hz = coding, rate_hz
+    def __init__(self, coding: Coding, rate_hz: float, age_s: float) -> None:
+        self._coding, self._rate_hz, self._age_s = coding, rate_hz, age_s
         # By the size of the frame.
         self._streams: dict[tuple[int, int], dict[Key, Stream]] = {}
         self._last_size = (0, 0)
@@ -155,7 +163,8 @@ class Coder:
         }
         size = frame.eyes[0].size
         streams = self._streams.setdefault(size, {})
-        self._open(streams, contents)
+        step = self._depth_step(frame)
+        self._open(streams, contents, step)
         # A stream that was left for another size begins anew.
         wants_key, self._last_size = wants_key or size != self._last_size, size
         packets, took_ms = {}, 0.0
@@ -170,6 +179,8 @@ class Coder:
         looked_at = counted if self._encoded % LOOK_EVERY == 0 else ()
         before = {key: picture_from_linear(contents[key].drawn) for key in looked_at if contents[key].video_pixels}
         self._encoded += 1
+        error = _depth_error(self._coding, step)
+        frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, depth_error=error) for eye in frame.eyes))
         return CodedFrame(frame, packets, counted, {key: one.into for key, one in contents.items()}, before)
 
     def receive(self, coded: CodedFrame) -> bool:
@@ -202,17 +213,24 @@ class Coder:
         told = {name: median(values) if values else None for name, values in figures.items()}
         return {"codec": self._coding.codec, **told}
 
-    def _open(self, streams: dict[Key, Stream], contents: Mapping[Key, _Content]) -> None:
+    def _depth_step(self, frame: Frame) -> float:
+        if self._coding.depth == EXACT:
+            return STEP
+        return depth_step(_pixels_per_tangent(frame), self._age_s)
+
+    def _open(self, streams: dict[Key, Stream], contents: Mapping[Key, _Content], step: float) -> None:
         """Open the streams that are not open yet."""
         for key, content in contents.items():
             if key not in streams:
                 of_eye = sum(one.video_pixels for (eye, *_), one in contents.items() if eye == key[0])
-                streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1))
+                streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1), step)
 
-    def _stream(self, content: _Content, share: float) -> Stream:
+    def _stream(self, content: _Content, share: float, step: float) -> Stream:
         size, asked = content.drawn.shape[1::-1], self._coding
+        if content.coding == DEPTH and asked.depth == AS_VIDEO:
+            return _Video(DepthVideoEncoder(size, self._rate_hz, step), DepthVideoDecoder(size))
         if content.coding == DEPTH:
-            return _Alone(DepthEncoder(size).encode, DepthDecoder(size).decode)
+            return _Alone(DepthEncoder(size, step).encode, DepthDecoder(size).decode)
         if content.coding == VECTORS:
             channels = content.drawn.shape[2]
             return _Alone(VectorEncoder(size, channels).encode, VectorDecoder(size, channels).decode)
@@ -236,6 +254,19 @@ def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDA
 def _coding_in(frame: Frame, coding: str) -> str:
     """Return how a video is coded in this frame: light that an albedo will take from is kept."""
     return BRIGHT_VIDEO if coding == VIDEO and "light" in frame.eyes[0] else coding
+
+
+def _depth_error(coding: Coding, step: float) -> float:
+    """Return by how much depth may be wrong: half a step, and as video for 98 % of pixels two."""
+    return 2 * step if coding.depth == AS_VIDEO else step / 2
+
+
+def _pixels_per_tangent(frame: Frame) -> float:
+    """Return how densely the pictures are drawn: of both axes and eyes the most."""
+    return max(
+        max(size[0] / (right - left), size[1] / (up - down))
+        for size, (left, right, down, up) in ((eye.size, eye.view.fov.tangents) for eye in frame.eyes)
+    )
 
 
 def _milliseconds_since(started_ns: int) -> float:

@@ -165,7 +165,9 @@ class Loop:
 
         The head is read last, right before the first pass is dispatched, so that it is as recent as
         possible.
+        Errors: MachineError once the GPU's context is lost.
         """
+        self.compensator.gpu.check_not_lost()
         self._record_timings()
         frame = self._channel.newest(shown_ns)
         if frame is None:

@@ -132,8 +132,7 @@ class PipelineOptions(Declared):
     # "auto" is replaced by a number before a run is built, see run.guard.
     guard: Guard | str = guard_field(
         1.0,
-        "Draw this many times the field of view on the server, in tangents: 1.5, or 1.25x1.125 for the two axes; auto: "
-        "as the trace needs. The pixels grow by the product of both axes.",
+        " auto: as the trace needs.",
         beside=(_WIDE,),  # the other way to fill beyond the border
     )
     rendered_size: tuple[int, int] | None = rendered_size_field()
@@ -154,10 +153,16 @@ class PipelineOptions(Declared):
     coding: Coding = group(Coding)
     predict: str = option(
         "none",
-        f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; cav is short for "
-        "constant_velocity.",
+        f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
+        "and cav constant_velocity.",
     )
-    horizon_ms: float = option(100.0, "Milliseconds to predict ahead at most.", unit="ms", valid=Number())
+    horizon_ms: float | None = option(
+        None,
+        "Milliseconds to predict ahead at most; by default the predictor's own.",
+        kind=float,
+        unit="ms",
+        valid=Number(),
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.chooses_warp:
@@ -196,6 +201,11 @@ class PipelineOptions(Declared):
     def client_name(self) -> str:
         """The client whose abilities count; "" where anything goes."""
         return self.client or (PICTURE_CLIENT if self.chooses_warp else "")
+
+    @property
+    def horizon_ns(self) -> int | None:
+        """How far to predict ahead at most; None for the predictor's own."""
+        return None if self.horizon_ms is None else round(self.horizon_ms * 1e6)
 
     @property
     def guard_band(self) -> GuardBand:

@@ -9,7 +9,11 @@ from .options import TraceOptions as TraceOptions
 from .pose_source import PoseSource as PoseSource
 from .pose_source import RecordedSource as RecordedSource
 from .prediction import predict as predict
-from .prediction import predict_many as predict_many
+from .prediction_errors import ERROR_PERCENTILES as ERROR_PERCENTILES
+from .prediction_errors import PredictionErrors as PredictionErrors
+from .prediction_errors import move_errors as move_errors
+from .prediction_errors import signed_lead as signed_lead
+from .prediction_errors import turn_errors as turn_errors
 from .quaternions import angle_between as angle_between
 from .quaternions import conjugate as conjugate
 from .quaternions import rotate as rotate
@@ -28,10 +32,10 @@ from .trace_info import trace_as_json as trace_as_json
 from .track import SHORTEST_GAP_NS as SHORTEST_GAP_NS
 from .track import PoseTrack as PoseTrack
 from .track import Samples as Samples
-from .track_statistics import ERROR_PERCENTILES as ERROR_PERCENTILES
 from .track_statistics import LATENCIES_MS as LATENCIES_MS
 from .track_statistics import SPEED_PERCENTILES as SPEED_PERCENTILES
 from .track_statistics import Analysis as Analysis
 from .track_statistics import analyse as analyse
 from .track_statistics import error_row as error_row
+from .track_statistics import predictors_in_order as predictors_in_order
 from .walker import Walker as Walker

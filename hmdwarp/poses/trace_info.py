@@ -7,7 +7,8 @@ from typing import Any
 import attrs
 
 from .load import LoadedTrace
-from .track_statistics import ERROR_PERCENTILES, SPEED_PERCENTILES, Analysis
+from .prediction_errors import ERROR_PERCENTILES
+from .track_statistics import SPEED_PERCENTILES, Analysis
 
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
@@ -36,13 +37,14 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
             {
                 "latency_ms": row.latency_ms,
                 **{
-                    name: {"mean": mean, **_percentiles(values, ERROR_PERCENTILES)}
-                    for name, values, mean in zip(
-                        ("held", "constant_velocity", "constant_velocity_100_ms"),
-                        (row.held, row.cav, row.capped),
-                        row.mean,
-                        strict=True,
-                    )
+                    name: {
+                        "mean": errors.mean,
+                        **_percentiles(errors.percentiles, ERROR_PERCENTILES),
+                        "lead_share": errors.lead_share,
+                        "lead_p95": errors.lead,
+                        "lag_p95": errors.lag,
+                    }
+                    for name, errors in row.errors.items()
                 },
             }
             for row in figures.errors

@@ -188,6 +188,14 @@ class PoseTrack:
         q[share == 0] = self.orientation_xyzw[i[share == 0]]
         return Samples(asked, position, q / np.linalg.norm(q, axis=1, keepdims=True), origin)
 
+    def run_of(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return how many gaps and jumps lie before the last sample at each instant, (n,).
+
+        Instants with the same number have neither between their samples.
+        """
+        i = np.clip(np.searchsorted(self.time_ns, time_ns, side="right") - 1, 0, len(self) - 1)
+        return np.concatenate([[0], np.cumsum(self.broken)])[i]
+
     def without_repeats(self) -> PoseTrack:
         """Return the motion without repeated poses (of a tracker slower than the recorder).
 

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import quaternions
-from .prediction import HORIZON_NS, WINDOW_NS, predict_many
+from .prediction_errors import PredictionErrors, turn_errors
+from .predictors import Predictor, predictors
 from .sample import Origin
 from .track import PoseTrack
 
@@ -16,7 +17,8 @@ GRID_NS = 5 * _MS  # 200 Hz
 MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are sampled at evenly spaced instants
 LATENCIES_MS = (20, 50, 100, 200, 400, 600, 800)
 SPEED_PERCENTILES = (50, 95, 99, 99.9)
-ERROR_PERCENTILES = (50, 95, 99)
+# Known motion before each prediction that is counted: the window of constant_velocity.
+KNOWN_NS = 50 * _MS
 
 
 @attrs.frozen
@@ -29,17 +31,13 @@ class Gap:
 
 @attrs.frozen
 class ErrorRow:
-    """Angles in degrees between the head and its estimate from `latency_ms` before.
+    """Angles between the head and its predictions from `latency_ms` before.
 
-    Percentiles are ERROR_PERCENTILES. All values are NaN where the track is too short for the
-    latency.
+    All values are NaN where the track is too short for the latency.
     """
 
     latency_ms: int
-    held: tuple[float, ...]  # without prediction
-    cav: tuple[float, ...]  # constant angular velocity
-    capped: tuple[float, ...]  # constant angular velocity for at most 100 ms
-    mean: tuple[float, float, float]  # of held, cav and capped, in that order
+    errors: dict[str, PredictionErrors]  # by predictor, in the order of `predictors_in_order`
     count: int  # instants
 
 
@@ -97,21 +95,23 @@ def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
-    """Return the angles between the head at t and its estimates from t - latency."""
+    """Return the angles between the head at t and its predictions from t - latency."""
     latency = latency_ms * _MS
-    now = _instants(track, latency + WINDOW_NS, 0)
-    now = now[_joined(track, now - latency - WINDOW_NS, now)]
+    now = _instants(track, latency + KNOWN_NS, 0)
+    now = now[_joined(track, now - latency - KNOWN_NS, now)]
     truth = track.sample_many(now).orientation_xyzw
     then = now - latency
-    guesses = (
-        track.sample_many(then).orientation_xyzw,
-        predict_many(track, then, latency),
-        predict_many(track, then, min(latency, HORIZON_NS)),
-    )
-    errors = [np.degrees(quaternions.angle_between(guess, truth)) for guess in guesses]
-    held, cav, capped = (_percentiles(e, ERROR_PERCENTILES) for e in errors)
-    means = [float(e.mean()) if len(e) else float("nan") for e in errors]
-    return ErrorRow(latency_ms, held, cav, capped, (means[0], means[1], means[2]), len(now))
+    known = track.sample_many(then).orientation_xyzw
+    errors = {
+        one.name: turn_errors(known, truth, one.predict_many(track, then, latency).orientation_xyzw)
+        for one in predictors_in_order()
+    }
+    return ErrorRow(latency_ms, errors, len(now))
+
+
+def predictors_in_order() -> list[Predictor]:
+    """Return every predictor once, by how far it looks ahead."""
+    return sorted((one for one in predictors if not one.alias_of), key=lambda one: one.horizon_ns)
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:
@@ -127,13 +127,7 @@ def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.in
     """Return where neither end lies within a gap, and no gap or jump lies between."""
     if len(track) < 2:
         return np.zeros(len(start_ns), bool)
-    breaks = np.concatenate([[0], np.cumsum(track.broken)])
-
-    def last_sample(t: NDArray[np.int64]) -> NDArray[np.int64]:
-        return np.clip(np.searchsorted(track.time_ns, t, side="right") - 1, 0, len(track) - 1)
-
-    whole = breaks[last_sample(start_ns)] == breaks[last_sample(end_ns)]
-    return whole & (track.sample_many(end_ns).origin != Origin.HELD)
+    return (track.run_of(start_ns) == track.run_of(end_ns)) & (track.sample_many(end_ns).origin != Origin.HELD)
 
 
 def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tuple[float, ...]:

@@ -2,6 +2,7 @@ from .charts import Series as Series
 from .charts import binned as binned
 from .charts import time_series as time_series
 from .files import atomic as atomic
+from .files import refuse_source as refuse_source
 from .files import sync as sync
 from .files import write_bytes as write_bytes
 from .files import write_csv as write_csv

@@ -32,6 +32,12 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
     MachineError for a full disk, InputError for a place that cannot be written.
     """
     why = error.strerror or str(error)
+    if error.errno in (errno.EEXIST, errno.ENOTDIR):
+        return InputError(
+            f"{path}: cannot write, because a file is in the place of a folder: choose a folder, or a new name"
+        )
+    if error.errno == errno.EISDIR:
+        return InputError(f"{path}: cannot write, because it is a directory: expected the name of a file")
     if error.errno in _NO_ROOM:
         return MachineError(f"{path}: cannot write ({why}): make room or choose another folder")
     if error.errno in _FORBIDDEN | _NO_PLACE:
@@ -160,12 +166,18 @@ def write_stream(
     """
     if path.is_dir():
         raise InputError(f"{path} is a directory: expected the name of a file to write")
-    if source is not None and path.exists() and source.exists() and path.samefile(source):
-        raise InputError(f"{path} is the input itself: write to another file")
+    if source is not None:
+        refuse_source(path, source)
     text = None if binary else "utf-8"
     newline = None if binary else "\n"
     with atomic(path) as temporary, temporary.open("wb" if binary else "w", encoding=text, newline=newline) as stream:
         write(stream)
+
+
+def refuse_source(path: Path, source: Path) -> None:
+    """Raise InputError if a file to write is the one that is read, forced or not."""
+    if path.exists() and source.exists() and path.samefile(source):
+        raise InputError(f"{path} is the input itself: write to another file")
 
 
 def write_json(path: str | os.PathLike, value: Any) -> None:

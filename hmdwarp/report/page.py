@@ -22,6 +22,7 @@ Rows = Sequence[Mapping[str, Any]]
 EYES = ("left eye", "right eye")
 # (heading, column, unit)
 _MOTION_CHARTS = (
+    ("Age of the shown frame", "age_ms", "ms"),
     ("Angular speed of the head", "angular_speed_deg_s", "deg/s"),
     ("Linear speed of the head", "linear_speed_m_s", "m/s"),
 )

@@ -51,8 +51,8 @@ _OTHERS = (("#8a3b5c", "#e8a0bf", 3), ("#4d6b00", "#b9d94e", 3), ("#005f5f", "#5
 _REGIONS = (("#2b3440", "#eef1f4"), ("#7d8a99", "#94a1b0"), ("#c3ccd6", "#4a5563"))
 HATCHES = ("", "////", "")
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
-_MARKERS = {"none": "o", "interpolate": "s"}
-_MORE_MARKERS = ("^", "D", "v", "P", "X", "p", "<", ">", "h", "*")
+_MARKERS = {"none": "o", "interpolate": "s", "pyramid": "^", "memory+pyramid": "D"}
+_MORE_MARKERS = ("v", "P", "X", "p", "<", ">", "h", "*")
 
 
 def warp_of(spec: str) -> str:
@@ -118,7 +118,7 @@ def markers_of(fills: Iterable[str]) -> dict[str, str]:
     """Return a marker for each fill; unknown fills get theirs in the order of their names."""
     fills = set(fills)
     unknown = sorted(fills - set(_MARKERS))
-    chosen = {fill: _MARKERS[fill] for fill in sorted(fills & set(_MARKERS))}
+    chosen = {fill: marker for fill, marker in _MARKERS.items() if fill in fills}
     return chosen | {fill: _MORE_MARKERS[number % len(_MORE_MARKERS)] for number, fill in enumerate(unknown)}
 
 

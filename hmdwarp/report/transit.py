@@ -16,10 +16,12 @@ _RESPONSE = {
     "round_trip_ms": "the network, both ways",
     "decode_ms": "decoding of the shown frames",
     "warp_ms": "warp to lens, both eyes",
-    "total_ms": "response time (mean: the sum of these)",
-    "median_ms": "response time (median)",
-    "p95_ms": "response time (95th percentile)",
+    "total_ms": "{} (mean: the sum of these)",
+    "median_ms": "{} (median)",
+    "p95_ms": "{} (95th percentile)",
 }
+# With --response fixed a frame is as old as the latency says, whatever the stages took here.
+_WITH_STAGES = "the latency and this machine's stages on top"
 _FRAMES = {
     "skipped": "not drawn (the server was busy)",
     "unchanged": "not drawn (nothing would have changed)",
@@ -71,7 +73,8 @@ def response_rows(summary: Summary) -> Pairs:
     They add up to the mean response time; its median and 95th percentile follow.
     """
     response = (summary.get("link") or {}).get("response_ms") or {}
-    return [(part, f"{response[name]:.2f} ms") for name, part in _RESPONSE.items() if response.get(name)]
+    kind = "response time" if (summary.get("link") or {}).get("response") == "sum" else _WITH_STAGES
+    return [(part.format(kind), f"{response[name]:.2f} ms") for name, part in _RESPONSE.items() if response.get(name)]
 
 
 def frame_rows(summary: Summary) -> Pairs:
@@ -117,6 +120,6 @@ def transit_lines(summary: Summary) -> list[str]:
     counts = link.get("frames") or {}
     if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = [*coding_rows(summary), *(row for row in response_rows(summary) if row[0] == _RESPONSE["median_ms"])]
+        rows = [*coding_rows(summary), *(row for row in response_rows(summary) if row[0].endswith("(median)"))]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines

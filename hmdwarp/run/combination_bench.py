@@ -24,6 +24,7 @@ from ..pipeline.loop import Refresh
 from ..server.targets import TargetPool
 from .combinations import Case, Combination, frames_used, instants_of
 from .frame_rows import Row, stage_columns
+from .outside import OpenCvWarp
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .whole_pictures import WholePictures
@@ -31,6 +32,10 @@ from .whole_pictures import WholePictures
 # (case, warp, fill, refresh, eye): identifies a picture.
 Key = tuple[Case, str, str, int, int]
 EYES = (0, 1)
+# Seconds before each instant at which fills that remember are shown a refresh too. Instants are a
+# few seconds apart, so these fills get to know the recording about as a replay of all of it would
+# teach them.
+RUN_IN_S = (4.0, 3.0, 2.0, 1.0, 0.5)
 
 
 @attrs.frozen(eq=False)
@@ -79,8 +84,9 @@ class Comparison:
     """Compare the combinations of one batch side by side in the loop of one case.
 
     Only the measured refreshes are shown, spread evenly over the recording, plus the refresh before
-    each, which flicker needs; only frames that those use are drawn. Both eyes are timed; pictures
-    are measured for the left and right eye in turn. Nothing is timed while pictures are measured.
+    each, which flicker needs; only frames that those use are drawn. Fills that remember see some
+    more refreshes before each. Both eyes are timed; pictures are measured for the left and right
+    eye in turn. Nothing is timed while pictures are measured.
     """
 
     def __init__(
@@ -89,7 +95,7 @@ class Comparison:
         self._setup, self._case, self._pool, self._rounds = setup, case, pool, rounds
         self.measured = [Measured(combination) for combination in combinations]
         self._needs = needs_of(combination.plan for combination in combinations)
-        self._compensators = [setup.compensator(combination.plan) for combination in combinations]
+        self._compensators = [self._compensator_of(combination) for combination in combinations]
         self._whole = WholePictures(setup.server)
         self._targets = TargetPool(setup.gpu, setup.size)
         self._target = self._targets.acquire()
@@ -100,10 +106,11 @@ class Comparison:
         """Visit that many refreshes, calling step() after each. Free what was allocated here."""
         turns = {number: turn for turn, number in enumerate(instants_of(self._setup.schedule.count, instants))}
         before: list[Compared] = []
+        neighbours = {number - 1 for number in turns}
         try:
-            for number, refresh in refreshes(
-                self._setup, self._needs, {number - back for number in turns for back in (0, 1)}
-            ):
+            for number, refresh in refreshes(self._setup, self._needs, {*turns, *neighbours, *self._run_in(turns)}):
+                if number not in turns and number not in neighbours:
+                    self._teach(refresh)
                 if number in turns:
                     self._time(refresh)
                     self._measure(number, refresh, turns[number] % len(EYES), before)
@@ -112,8 +119,30 @@ class Comparison:
         finally:
             self._whole.close()
             self._targets.close()
+            for outside in self._compensators:
+                if isinstance(outside, OpenCvWarp):
+                    outside.close()
 
-    def _inputs(self, compensator: Compensator, refresh: Refresh) -> tuple[PassInputs, ...]:
+    def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp:
+        if combination.is_outside:
+            return OpenCvWarp(self._setup.gpu, combination.plan, self._setup.size)
+        return self._setup.compensator(combination.plan)
+
+    def _run_in(self, turns: Collection[int]) -> set[int]:
+        """Return the refreshes to show to fills that remember, none if there is no such fill."""
+        if not any(measured.combination.remembers for measured in self.measured):
+            return set()
+        rate_hz = self._setup.schedule.rate_hz
+        return {number - round(seconds * rate_hz) for number in turns for seconds in RUN_IN_S}
+
+    def _teach(self, refresh: Refresh) -> None:
+        for compensator, measured in zip(self._compensators, self.measured, strict=True):
+            if measured.combination.remembers:
+                for inputs in self._inputs(compensator, refresh):
+                    compensator.run(inputs)
+        self._setup.gpu.timer.collect()
+
+    def _inputs(self, compensator: Compensator | OpenCvWarp, refresh: Refresh) -> tuple[PassInputs, ...]:
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 
     def _truth(self, view: View, time_ns: int) -> Truth:
@@ -148,6 +177,7 @@ class Comparison:
     def _run(self, index: int, refresh: Refresh, *, timed: bool) -> None:
         compensator, measured = self._compensators[index], self.measured[index]
         self._last[index] = []
+        compensator.renew()
         for inputs in self._inputs(compensator, refresh):
             self._last[index].append(compensator.run(inputs))
             stages = self._setup.gpu.timer.collect()

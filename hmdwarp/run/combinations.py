@@ -11,6 +11,7 @@ from ..client.history import History
 from ..client.plan import Plan
 from ..frames import Needs
 from ..link import Link, LinkOptions, Pacer
+from .outside import OUTSIDE
 from .schedule import Schedule
 
 # For the compensators of one batch on a GPU; a software renderer may use part of the machine's
@@ -40,7 +41,18 @@ class Combination:
 
     warp: str
     fill: str
+    # Of one of run.outside.OUTSIDE: a plan that reads what it reads.
     plan: Plan
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether another library warps."""
+        return self.warp in OUTSIDE
+
+    @property
+    def remembers(self) -> bool:
+        """Whether its picture depends on earlier refreshes."""
+        return any(fill.entry.remembers for fill in self.plan.fills)
 
 
 def batches(
@@ -72,11 +84,10 @@ def batches(
 
 
 def _bytes(combination: Combination, rendered_size: Size, shown_size: Size) -> int:
-    plan = combination.plan
+    plan, rendered = combination.plan, rendered_size[0] * rendered_size[1]
     canvases = 1 + len(plan.fills) + len(plan.effect_passes) + plan.lens.is_pass
-    return (
-        2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * rendered_size[0] * rendered_size[1]
-    )
+    kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills)
+    return 2 * canvases * _COLOUR_BYTES * shown_size[0] * shown_size[1] + _OWN_BYTES * rendered + kept
 
 
 def instants_of(count: int, wanted: int) -> list[int]:

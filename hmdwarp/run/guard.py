@@ -95,7 +95,7 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
 def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) -> PoseSample:
     if options.predict == "none":
         return track.at(now_ns)
-    return predict(track, now_ns, now_ns + age_ns, options.predict, round(options.horizon_ms * 1e6))
+    return predict(track, now_ns, now_ns + age_ns, options.predict, options.horizon_ns)
 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:

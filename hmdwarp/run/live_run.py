@@ -135,7 +135,9 @@ def open_display(
     try:
         display = _desktop(wanted)
     except MachineError as error:
-        raise MachineError(f"neither headset nor window: {why}; and {error}") from error
+        raise MachineError(
+            f"neither headset nor window: {why}; and {error}; or show it nowhere: --source offscreen"
+        ) from error
     say(f"a window, as there is no headset: {_first_clause(why) if briefly else why}")
     return display
 

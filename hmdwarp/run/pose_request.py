@@ -48,7 +48,7 @@ def pose_request(
     """
 
     def predicted(now_ns: int) -> PoseSample:
-        return predict(known(now_ns), now_ns, now_ns + age_ns, options.predict, round(options.horizon_ms * 1e6))
+        return predict(known(now_ns), now_ns, now_ns + age_ns, options.predict, options.horizon_ns)
 
     predicts = predicted if options.predict != "none" else None
     return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6))

@@ -71,6 +71,7 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
+        "response": "fixed" if options.network.response is None else "sum",
         "response_ms": response_figures(log.responses),
         "timeline": log.timeline.as_list(),
     }

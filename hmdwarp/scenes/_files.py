@@ -13,7 +13,7 @@ from ..geometry import Pose
 from ._content import Body
 from ._draft import Draft
 from ._gltf_scene import GltfContent
-from ._hints import add_hints
+from ._hints import add_hints, check_size
 from ._mesh import Texture
 from ._mesh_files import drafts_of, is_closed, unreadable
 from ._notes import Notes
@@ -86,7 +86,8 @@ def _scene(
     """Return the scene of these drafts, put where the viewer stands."""
     if not drafts:
         raise SceneError(
-            f"{path}: no triangles in it; expected a mesh (a point cloud or an empty scene cannot be drawn)"
+            f"{path}: no triangles in it; expected a mesh, not points, lines or an empty scene:"
+            " make a surface of the points, or export the scene with its meshes"
         )
     standing = [draft for draft in drafts if not draft.look.material.head_locked]
     clouds = [draft.positions for draft in standing] or [np.array([STANDING - 1, STANDING + 1])]
@@ -96,6 +97,7 @@ def _scene(
         raise SceneError(
             f"{path}: all {sum(len(points) for points in clouds)} positions are the same point; export it again"
         )
+    check_size(path, low, high)
     solid = [draft for draft in standing if draft.is_surface] or standing
     triangles = Triangles.of([(draft.positions, draft.triangles) for draft in solid])
     add_hints(triangles, low, high, options.scale, options.up, notes)
@@ -142,6 +144,8 @@ def _place(
     eye, yaw = np.array(numbers[:3]), numbers[3]
     if is_inside(triangles, eye):
         notes.add(f"the viewpoint {options.viewpoint} lies inside an object")
+    elif np.linalg.norm(np.maximum(0, np.maximum(low - eye, eye - high))) > max(2 * float((high - low).max()), 3):
+        notes.add(f"the viewpoint {options.viewpoint} lies far outside the scene, which is hardly seen from there")
     return place_at(triangles, eye, yaw, high - low)
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SceneError
 from ._notes import Notes
 from ._rays import Triangles
 
@@ -12,6 +15,12 @@ Array = NDArray[np.float64]
 # Larger than a hall, which is rarely meant in metres; and smaller than a head moves, which goes
 # past it or through it.
 _LARGE_M, _SMALL_M = 50.0, 0.2
+# What a file in these units may hold: from a thing in the hand to a hall.
+_UNITS = (("a centimetre", 0.01), ("a millimetre", 0.001))
+_LIKELY_M = 0.05, 50.0
+# Beyond it squares of distances and inverse depths leave float32.
+_LARGEST_M = 1e9
+_LARGEST_SCALE = 1e6  # the most that --scene-scale takes
 _GROUND_SHARE, _THIN, _LEAST_THICK = 0.3, 0.02, 0.05
 
 
@@ -22,15 +31,34 @@ def add_hints(triangles: Triangles, low: Array, high: Array, scale: float, up: s
     """
     size = float((high - low).max())
     if scale == 1 and size > _LARGE_M:
-        unit, metres = ("a millimetre", 0.001) if size > 1000 else ("a centimetre", 0.01)
-        notes.add(f"{size:.3g} m across; if its unit is {unit}, use --scene-scale {metres:g}")
+        fits = [unit for unit in _UNITS if _LIKELY_M[0] <= unit[1] * size <= _LIKELY_M[1]] or _UNITS[-1:]
+        units = " or ".join(
+            f"{name}, --scene-scale {metres:g} makes it {_metres(metres * size)}" for name, metres in fits
+        )
+        notes.add(f"{_metres(size)} across; if its unit is {units}")
     if scale == 1 and size < _SMALL_M:
-        larger = 10 ** round(-np.log10(size))
+        larger = min(10 ** round(-np.log10(size)), _LARGEST_SCALE)
         notes.add(
-            f"{size:.3g} m across, and a head moves farther; --scene-scale {larger:g} makes it {larger * size:.3g} m"
+            f"{_metres(size)} across, and a head moves farther;"
+            f" --scene-scale {larger:g} makes it {_metres(larger * size)}"
         )
     if up == "y" and _stands_on_z(triangles, low, high):
         notes.add("its ground lies below the z axis, not the y axis; if z is up, use --scene-up z")
+
+
+def check_size(path: Path, low: Array, high: Array) -> None:
+    """Refuse a scene too large for float32: SceneError. low, high: corners in metres."""
+    size = float((high - low).max())
+    if size > _LARGEST_M:
+        raise SceneError(
+            f"{path}: {size:.3g} m across; expected at most {_LARGEST_M:.0e} m: say what its unit is by"
+            " --scene-scale, or export it again"
+        )
+
+
+def _metres(metres: float) -> str:
+    """Return a length in metres to three digits, in powers of ten only where zeros abound."""
+    return f"{float(f'{metres:.3g}'):.15g} m" if 1e-4 <= metres < 1e7 else f"{metres:.3g} m"
 
 
 def _stands_on_z(triangles: Triangles, low: Array, high: Array) -> bool:

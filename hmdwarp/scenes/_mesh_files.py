@@ -107,7 +107,7 @@ def unreadable(path: Path, error: Exception) -> SceneError:
     """Return the error for a file on whose contents a reader fell over."""
     reason = " ".join(str(error).split())[:120] or type(error).__name__
     kind = path.suffix.removeprefix(".").upper()
-    return SceneError(f"{path}: not a readable {kind} file ({type(error).__name__}: {reason}); export it again")
+    return SceneError(f"{path}: not a readable {kind} file ({reason}); export it again")
 
 
 def _missing_pictures(path: Path) -> list[tuple[str, str]]:

@@ -88,4 +88,5 @@ def numbered(names: list[str], asked: str, kind: str, flag: str, also: str = "")
     if asked.isdecimal() and int(asked) < len(names):
         return int(asked)
     known = ", ".join(f"{number} '{name}'" for number, name in enumerate(names)) or f"no {kind}"
-    raise InputError(f"{flag} '{asked}': the file has {known}{f'; or {also}' if also else ''}")
+    wanted = " or ".join(filter(None, ("one of them" if names else "", also)))
+    raise InputError(f"{flag} '{asked}': the file has {known}{f'; expected {wanted}' if wanted else ''}")

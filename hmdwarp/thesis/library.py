@@ -567,10 +567,14 @@ EXPERIMENTS: tuple[Experiment, ...] = (
 def experiments_named(names: Sequence[str]) -> tuple[Experiment, ...]:
     """Return the experiments of these names in the order of the page; all for no name.
 
+    A beginning stands for all that begin so: "ratings", or "fig28" for "fig28-30".
     Errors: UnknownNameError.
     """
-    known = {one.name: one for one in EXPERIMENTS}
+    known = [one.name for one in EXPERIMENTS]
+    chosen = set[str]()
     for name in names:
-        if name not in known:
-            raise unknown_name("experiment of the thesis", name, list(known))
-    return tuple(one for one in EXPERIMENTS if not names or one.name in names)
+        found = [name] if name in known else [one for one in known if name and one.startswith(name)]
+        if not found:
+            raise unknown_name("experiment of the thesis", name, known)
+        chosen.update(found)
+    return tuple(one for one in EXPERIMENTS if not names or one.name in chosen)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..link import Bandwidth, LinkOptions, StageTimes
-from ..link.codec import Coding
+from ..link.codec import EXACT, Coding
 from ..report import timeline_svg
 from ..run import RunOptions, figures
 from .picture_runs import HEADSET
@@ -28,7 +28,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             rate_hz=RATE_HZ,
             start_s=2.0,
             seconds=seconds,
-            coding=Coding(run.codec),
+            coding=Coding(run.codec, depth=EXACT),
             network=LinkOptions() if run.bandwidth_mbit is None else _limited(run.bandwidth_mbit),
             against="",
             metrics_every=10**6,

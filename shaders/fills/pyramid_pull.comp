@@ -1,13 +1,12 @@
 // Compute one level of the pyramid from the one below, or (FROM_PICTURE 1) the first one from the
 // shown picture.
 // In: colour and weight, inverse depth in 1/m and share of empty pixels of the level below. Out:
-// the same, of half the size.
+// the same, of half the size; 0 where no hole is near.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the restriction to the
 // farthest surface is this project's.
 #if FROM_PICTURE
-#define ROWS 4 // of a piece
-#include "lib/holes.glsl"
-layout(local_size_x = 64) in;
+#define ROWS 4 // of a piece; of a level, shown_size is that of the level
+#include "lib/hole_columns.glsl"
 #else
 #define ROWS 4
 #include "lib/rows.glsl"
@@ -24,110 +23,126 @@ const float LEAST = 1.0 / 1024.0;     // keeps weights from vanishing in half fl
 #if FROM_PICTURE
 layout(r32f) readonly uniform image2D below_depth;
 const float CRACKS = 1.0 / 1048576.0;
-
-Texel below(ivec2 p) {
-    vec4 colour = imageLoad(below_colour, p);
-    return Texel(colour.rgb, colour.a, or_nearest(imageLoad(below_depth, p).r), colour.a > 0.0 ? 0.0 : 1.0, colour.a);
-}
 #else
 layout(rgba32f) readonly uniform image2D below_depth;
-
-Texel below(ivec2 p) {
-    vec4 colour = imageLoad(below_colour, p);
-    vec3 depth = imageLoad(below_depth, p).rgb;
-    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g, depth.b);
-}
-#endif
-
-Texel found[16]; // the 4 x 4 below, row by row
-bool is_inside[16];
-
-// The upper half of one texel is the lower half of the next one in the column, so it is read once.
-void read_two_rows(int first, ivec2 from) {
-    for (int k = 0; k < 8; ++k) {
-        ivec2 p = from + ivec2(k % 4, k / 4);
-        found[first + k] = below(p);
-        is_inside[first + k] = all(lessThan(uvec2(p), uvec2(below_size)));
-    }
-}
-
-#if !FROM_PICTURE
 // Weight of a crack's border: next to nothing; applied at the second level
 uniform float crack_border;
 const float DEEP = 1.0 / 128.0;
+#endif
+
+// The four texels below from `from` on.
+Texels row_from(ivec2 from) {
+    ivec2 second = from + ivec2(1, 0), third = from + ivec2(2, 0), fourth = from + ivec2(3, 0);
+    mat4 colour = transpose(mat4(imageLoad(below_colour, from), imageLoad(below_colour, second),
+                                 imageLoad(below_colour, third), imageLoad(below_colour, fourth)));
+    Texels row;
+    row.red = colour[0];
+    row.green = colour[1];
+    row.blue = colour[2];
+    row.weight = colour[3];
+    vec4 depth;
+#if FROM_PICTURE
+    depth = vec4(imageLoad(below_depth, from).r, imageLoad(below_depth, second).r, imageLoad(below_depth, third).r,
+                 imageLoad(below_depth, fourth).r);
+    row.holes = vec4(lessThanEqual(row.weight, vec4(0.0)));
+    row.border = row.weight;
+#else
+    vec3 a = imageLoad(below_depth, from).rgb, b = imageLoad(below_depth, second).rgb;
+    vec3 c = imageLoad(below_depth, third).rgb, d = imageLoad(below_depth, fourth).rgb;
+    depth = vec4(a.r, b.r, c.r, d.r);
+    row.holes = vec4(a.g, b.g, c.g, d.g);
+    row.border = vec4(a.b, b.b, c.b, d.b);
+#endif
+    row.depth = vec4(or_nearest(depth.x), or_nearest(depth.y), or_nearest(depth.z), or_nearest(depth.w));
+    return row;
+}
+
+// Of the four from `from` on: the shares of empty pixels, and of what lies inside the picture.
+vec2 holes_of(Texels row, ivec2 from) {
+    vec4 inside = KERNEL * vec4(lessThan(uvec4(from.x, from.x + 1, from.x + 2, from.x + 3), uvec4(below_size.x)));
+    inside = uint(from.y) < uint(below_size.y) ? inside : vec4(0.0);
+    return vec2(dot(inside, row.holes), dot(inside, vec4(1.0)));
+}
 
 // The farthest of the sixteen that is not an outlier.
-float farthest_of_enough() {
-    vec4 depths[4], borders[4];
-    float all = 0.0, farthest = UNKNOWN;
-    for (int row = 0; row < 4; ++row) {
-        for (int x = 0; x < 4; ++x) {
-            Texel one = found[4 * row + x];
-            depths[row][x] = one.depth;
-            borders[row][x] = one.weight > 0.0 ? KERNEL[row] * KERNEL[x] * one.border : 0.0;
-        }
-        all += dot(borders[row], vec4(1.0));
-    }
-    for (int k = 0; k < 16; ++k) {
-        float depth = depths[k / 4][k % 4], beside = 0.0;
-        for (int row = 0; row < 4; ++row) beside += border_beside(depths[row], borders[row], depth);
-        farthest = borders[k / 4][k % 4] > 0.0 && is_enough(beside, all) ? min(farthest, depth) : farthest;
+float farthest_of_enough(Texels a, Texels b, Texels c, Texels d) {
+#if FROM_PICTURE
+    vec4 upper = min(mix(vec4(UNKNOWN), a.depth, greaterThan(a.weight, vec4(0.0))), mix(vec4(UNKNOWN), b.depth, greaterThan(b.weight, vec4(0.0))));
+    vec4 lower = min(mix(vec4(UNKNOWN), c.depth, greaterThan(c.weight, vec4(0.0))), mix(vec4(UNKNOWN), d.depth, greaterThan(d.weight, vec4(0.0))));
+    return least_of(min(upper, lower));
+#else
+    vec4 outer = KERNEL.x * KERNEL, inner = KERNEL.y * KERNEL;
+    vec4 in_a = outer * mix(vec4(0.0), a.border, greaterThan(a.weight, vec4(0.0)));
+    vec4 in_b = inner * mix(vec4(0.0), b.border, greaterThan(b.weight, vec4(0.0)));
+    vec4 in_c = inner * mix(vec4(0.0), c.border, greaterThan(c.weight, vec4(0.0)));
+    vec4 in_d = outer * mix(vec4(0.0), d.border, greaterThan(d.weight, vec4(0.0)));
+    float all = dot(in_a + in_b + in_c + in_d, vec4(1.0)), farthest = -1.0;
+    // The nearer a depth, the more is as far: from the farthest on until it is enough.
+    for (bool going = true; going;) {
+        farthest = min(min(next_nearer(a.depth, in_a, farthest), next_nearer(b.depth, in_b, farthest)),
+                       min(next_nearer(c.depth, in_c, farthest), next_nearer(d.depth, in_d, farthest)));
+        float beside = border_beside(a.depth, in_a, farthest) + border_beside(b.depth, in_b, farthest)
+                     + border_beside(c.depth, in_c, farthest) + border_beside(d.depth, in_d, farthest);
+        going = farthest < UNKNOWN && !is_enough(beside, all);
     }
     return farthest;
+#endif
 }
-#endif
 
-// Of the 4 x 4 texels below that a texel spans: the farthest surface.
-void pull(ivec2 texel) {
-    float farthest = UNKNOWN, holes = 0.0, inside = 0.0;
-    for (int k = 0; k < 16; ++k) {
-        float share = is_inside[k] ? KERNEL[k % 4] * KERNEL[k / 4] : 0.0;
-        inside += share;
-        holes += share * found[k].holes;
-#if FROM_PICTURE
-        farthest = found[k].weight > 0.0 ? min(farthest, found[k].depth) : farthest;
-#endif
-    }
-#if !FROM_PICTURE
-    farthest = farthest_of_enough();
-#endif
+// Of the 4 x 4 texels below that a texel spans: the farthest surface. holes, inside: sums of
+// holes_of.
+void pull(ivec2 texel, Texels a, Texels b, Texels c, Texels d, float holes, float inside) {
+    float farthest = farthest_of_enough(a, b, c, d);
     Sum sum = NOTHING;
-    for (int k = 0; k < 16; ++k) add(sum, found[k], holes > 0.0 ? KERNEL[k % 4] * KERNEL[k / 4] : 0.0, farthest);
+    add(sum, a, KERNEL.x * KERNEL, farthest);
+    add(sum, b, KERNEL.y * KERNEL, farthest);
+    add(sum, c, KERNEL.z * KERNEL, farthest);
+    add(sum, d, KERNEL.w * KERNEL, farthest);
     float weight = sum.weight > 0.0 ? clamp(GAIN * sum.weight, LEAST, 1.0) : 0.0;
     float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
     imageStore(level_colour, texel, vec4(sum.colour * over, weight));
 #if FROM_PICTURE
     // Cracks hide nothing: the next level only records that they exist.
-    holes = holes > 0.0 && weight > 0.0 ? CRACKS : holes;
+    holes = weight > 0.0 ? CRACKS : holes;
 #else
     sum.border *= holes >= DEEP * inside ? 1.0 : crack_border;
 #endif
     imageStore(level_depth, texel, vec4(as_stored(weight > 0.0 ? sum.depth * over : UNKNOWN), holes / inside, sum.border, 0.0));
 }
 
-#if FROM_PICTURE
-// The texels that span a piece: 6 x 4. Neighbouring pieces share some, and compute the same values.
-ivec2 first_texel() {
-    uint index = gl_GlobalInvocationID.x / uint(PIECE_WIDE), lane = gl_GlobalInvocationID.x % uint(PIECE_WIDE);
-    return index < piece_count && lane < 6u ? first_of_piece(int(pieces[index])) / 2 + ivec2(lane, 0) - 1 : level_size;
-}
-#else
-ivec2 first_texel() {
-    return first_pixel();
-}
-#endif
-
 void main() {
-    ivec2 texel = first_texel();
+#if FROM_PICTURE
+    ivec2 texel = first_of_column();
     if (texel.x >= level_size.x) return;
-    read_two_rows(8, 2 * texel - 1);
+#else
+    ivec2 texel = first_pixel();
+    if (texel.x >= level_size.x) return;
+#endif
+    // The upper half of one texel is the lower half of the next one in the column, so it is read
+    // once.
+    ivec2 from = 2 * texel - 1;
+    Texels a, b, c = row_from(from), d = row_from(from + ivec2(0, 1));
+    vec2 lower, upper = KERNEL.x * holes_of(c, from) + KERNEL.y * holes_of(d, from + ivec2(0, 1));
     for (int row = 0; row < ROWS; ++row, ++texel.y) {
         if (texel.y >= level_size.y) break;
-        for (int k = 0; k < 8; ++k) {
-            found[k] = found[k + 8];
-            is_inside[k] = is_inside[k + 8];
+        from = 2 * texel + ivec2(-1, 1);
+        a = c;
+        b = d;
+        c = row_from(from);
+        d = row_from(from + ivec2(0, 1));
+        vec2 of_c = holes_of(c, from), of_d = holes_of(d, from + ivec2(0, 1));
+        lower = upper;
+        upper = KERNEL.x * of_c + KERNEL.y * of_d;
+        vec2 all = lower + KERNEL.y * of_c + KERNEL.x * of_d;
+        bool counts = all.x > 0.0;
+#if !FROM_PICTURE
+        if (!counts) {
+            imageStore(level_colour, texel, vec4(0.0));
+            imageStore(level_depth, texel, vec4(0.0));
         }
-        read_two_rows(8, 2 * texel + ivec2(-1, 1));
-        if (texel.x >= 0 && texel.y >= 0) pull(texel);
+#endif
+        // llvmpipe runs the body of an `if` for all invocations if any needs it, that of a loop for
+        // none if none does.
+        for (; counts; counts = false) pull(texel, a, b, c, d, all.x, all.y);
     }
 }

@@ -4,8 +4,8 @@
 // this one; or the guesses.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the preference for the
 // farther one inside holes is this project's.
-#if INTO_PICTURE
-#define ROWS 4 // of a piece
+#if LISTED
+#define ROWS 4 // of a piece; of a level, shown_size is that of the level
 #include "lib/hole_columns.glsl"
 #else
 #define ROWS 4
@@ -16,68 +16,59 @@ layout(rgba16f) readonly uniform image2D above_colour;
 layout(rgba32f) readonly uniform image2D above_depth;
 uniform ivec2 above_size;
 
-Texel above(ivec2 p) {
-    vec4 colour = imageLoad(above_colour, p);
-    vec3 depth = imageLoad(above_depth, p).rgb;
-    return Texel(colour.rgb, colour.a, or_nearest(depth.r), depth.g, depth.b);
-}
+// Of a texel and the three nearest to its place, the farthest surface. holes is that of all four.
+struct Guess {
+    vec3 colour;
+    float weight, depth, holes, border;
+};
 
-// Interpolation from the level above: of the four nearest texels, the farthest surface. holes is
-// that of all four.
-Texel from_above(ivec2 texel) {
+Guess from_above(ivec2 texel) {
     ivec2 own = texel / 2, other = own + 2 * (texel & 1) - 1;
     other = clamp(other, ivec2(0), above_size - 1);
-    Texel a = above(own), b = above(ivec2(other.x, own.y)), c = above(ivec2(own.x, other.y)), d = above(other);
-    vec4 depths = vec4(a.depth, b.depth, c.depth, d.depth), shares = vec4(0.5625, 0.1875, 0.1875, 0.0625);
-    vec4 borders = shares * vec4(a.border, b.border, c.border, d.border);
-    float all = dot(borders, vec4(1.0)), farthest = UNKNOWN;
-    for (int k = 0; k < 4; ++k)
-        farthest = borders[k] > 0.0 && is_enough(border_beside(depths, borders, depths[k]), all) ? min(farthest, depths[k]) : farthest;
+    ivec2 beside = ivec2(other.x, own.y), over = ivec2(own.x, other.y);
+    mat4 colour = transpose(mat4(imageLoad(above_colour, own), imageLoad(above_colour, beside), imageLoad(above_colour, over),
+                                 imageLoad(above_colour, other)));
+    vec3 a = imageLoad(above_depth, own).rgb, b = imageLoad(above_depth, beside).rgb;
+    vec3 c = imageLoad(above_depth, over).rgb, d = imageLoad(above_depth, other).rgb;
+    vec4 depths = vec4(or_nearest(a.r), or_nearest(b.r), or_nearest(c.r), or_nearest(d.r));
+    Texels four = Texels(colour[0], colour[1], colour[2], colour[3], depths, vec4(a.g, b.g, c.g, d.g), vec4(a.b, b.b, c.b, d.b));
+    const vec4 shares = vec4(0.5625, 0.1875, 0.1875, 0.0625);
+    vec4 borders = shares * four.border;
+    float all = dot(borders, vec4(1.0)), farthest = -1.0;
+    for (bool going = true; going;) {
+        farthest = next_nearer(depths, borders, farthest);
+        going = farthest < UNKNOWN && !is_enough(border_beside(depths, borders, farthest), all);
+    }
     Sum sum = NOTHING;
-    add(sum, a, shares.x, farthest);
-    add(sum, b, shares.y, farthest);
-    add(sum, c, shares.z, farthest);
-    add(sum, d, shares.w, farthest);
-    float over = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
-    float holes = dot(vec4(a.holes, b.holes, c.holes, d.holes), shares);
-    return Texel(sum.colour * over, sum.weight > 0.0 ? 1.0 : 0.0, sum.weight > 0.0 ? sum.depth * over : UNKNOWN, holes, sum.border);
+    add(sum, four, shares, farthest);
+    float inverse = sum.weight > 0.0 ? 1.0 / sum.weight : 0.0;
+    return Guess(sum.colour * inverse, sum.weight > 0.0 ? 1.0 : 0.0, sum.weight > 0.0 ? sum.depth * inverse : UNKNOWN,
+                 dot(four.holes, shares), sum.border);
 }
 
 #if INTO_PICTURE
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
+#if WITH_DEPTH
 layout(r32f) writeonly uniform image2D filled_depth;
-
-ivec2 first_texel() {
-    return first_of_column();
-}
-
-ivec2 size_of_level() {
-    return shown_size;
-}
+#endif
 
 bool is_wanted(ivec2 pixel) {
     return pixel.y < shown_size.y && imageLoad(warped, pixel).a == 0.0;
 }
 
 void push(ivec2 pixel) {
-    Texel guess = from_above(pixel);
+    Guess guess = from_above(pixel);
     imageStore(filled, pixel, vec4(guess.colour, guess.weight));
+#if WITH_DEPTH
     imageStore(filled_depth, pixel, vec4(as_stored(guess.depth)));
+#endif
 }
 #else
 layout(rgba16f) uniform image2D level_colour;
 layout(rgba32f) uniform image2D level_depth;
 uniform ivec2 level_size;
 uniform float least_holes; // the share of holes from which on a level's background overrides the one below
-
-ivec2 first_texel() {
-    return first_pixel();
-}
-
-ivec2 size_of_level() {
-    return level_size;
-}
 
 // Texels with holes never read texels without holes below them.
 bool is_wanted(ivec2 texel) {
@@ -88,12 +79,12 @@ void push(ivec2 texel) {
     vec4 colour = imageLoad(level_colour, texel);
     vec3 depth = imageLoad(level_depth, texel).rgb;
     float own = or_nearest(depth.r);
-    Texel up = from_above(texel);
+    Guess up = from_above(texel);
     // If they are one surface, both count. Where the level above is mostly hole, its colours are
     // those of the hole's two sides, and the nearer side was not what was occluded.
-    float not_nearer = is_beside(own, up.depth), not_farther = is_beside(up.depth, own);
+    float not_nearer = is_beside(own, up.depth);
     float behind_counts = smoothstep(0.5 * least_holes, 1.5 * least_holes, up.holes);
-    float keep = mix(1.0, colour.a, not_nearer * not_farther) * mix(1.0, not_nearer, behind_counts);
+    float keep = mix(1.0, colour.a, are_same(vec4(own), up.depth).x) * mix(1.0, not_nearer, behind_counts);
     keep = colour.a == 0.0 || up.weight == 0.0 ? sign(colour.a) : keep;
     bool both_known = max(own, up.depth) < MOST_KNOWN;
     float both = keep == 1.0 ? own : both_known ? mix(up.depth, own, keep) : up.depth;
@@ -103,8 +94,13 @@ void push(ivec2 texel) {
 #endif
 
 void main() {
-    ivec2 p = first_texel(), size = size_of_level();
-    if (p.x >= size.x) return;
+#if LISTED
+    ivec2 p = first_of_column();
+    if (p.x >= shown_size.x) return;
+#else
+    ivec2 p = first_pixel();
+    if (p.x >= level_size.x) return;
+#endif
     // llvmpipe runs the body of an `if` for all pixels if any needs it, so a loop visits the
     // selected pixels of the column one by one.
     uint left = 0u;

@@ -22,6 +22,12 @@ float is_beside(float inverse_depth, float farthest) {
     return nearer < 100.0 ? 1.0 / (1.0 + squared * squared) : 0.0;
 }
 
+// The product of is_beside both ways, one of which is 1: how much the two are one surface.
+vec4 are_same(vec4 ones, float other) {
+    vec4 apart = abs(ones - other) / (depth_tolerance * (min(ones, vec4(other)) + depth_floor) + 1e-12), squared = apart * apart;
+    return mix(vec4(0.0), 1.0 / (1.0 + squared * squared), lessThan(apart, vec4(100.0)));
+}
+
 float as_stored(float inverse_depth) {
     return inverse_depth < MOST_KNOWN ? inverse_depth : -1.0;
 }

@@ -1,14 +1,14 @@
 // One level of the pyramid that `pyramid` fills holes from, and the combination of its texels: only
-// the background counts.
+// the background counts. Four texels of a row are one vector each of what they hold: arrays of
+// structures take llvmpipe twice as long.
 #include "lib/behind.glsl"
 
 // colour: the mean of the hole borders below a texel. weight: 0..1, 0 for nothing. depth: its
 // inverse depth, UNKNOWN if it has none.
 // holes: the share of empty pixels below the texel. border: the share of pixels below the texel
 // that border on holes and have that depth.
-struct Texel {
-    vec3 colour;
-    float weight, depth, holes, border;
+struct Texels {
+    vec4 red, green, blue, weight, depth, holes, border;
 };
 
 struct Sum {
@@ -17,14 +17,14 @@ struct Sum {
 };
 const Sum NOTHING = Sum(vec3(0.0), 0.0, 0.0, 0.0);
 
-// Add a texel with its share, reduced where it is nearer than the farthest that counts, or a
-// glimpse of something farther.
-void add(inout Sum sum, Texel texel, float share, float farthest) {
-    float beside = share * is_beside(texel.depth, farthest) * is_beside(farthest, texel.depth), counts = beside * texel.weight;
-    sum.colour += counts * texel.colour;
-    sum.depth += counts > 0.0 ? counts * texel.depth : 0.0;
-    sum.weight += counts;
-    sum.border += beside * texel.border;
+// Add four texels with their shares, reduced where they are nearer than the farthest that counts,
+// or a glimpse of something farther.
+void add(inout Sum sum, Texels texels, vec4 shares, float farthest) {
+    vec4 beside = shares * are_same(texels.depth, farthest), counts = beside * texels.weight;
+    sum.colour += vec3(dot(counts, texels.red), dot(counts, texels.green), dot(counts, texels.blue));
+    sum.depth += dot(counts, mix(vec4(0.0), texels.depth, greaterThan(counts, vec4(0.0))));
+    sum.weight += dot(counts, vec4(1.0));
+    sum.border += dot(beside, texels.border);
 }
 
 // A farthest surface must make up this share of all hole borders there: little on levels that see a
@@ -38,4 +38,14 @@ bool is_enough(float border, float of_all) {
 // The border weight, among four, at a depth.
 float border_beside(vec4 depths, vec4 borders, float depth) {
     return dot(borders, vec4(lessThanEqual(depths, vec4(nearest_beside(depth)))));
+}
+
+float least_of(vec4 four) {
+    return min(min(four.x, four.y), min(four.z, four.w));
+}
+
+// The farthest of four that borders on a hole and is nearer than `behind`; UNKNOWN for none.
+float next_nearer(vec4 depths, vec4 borders, float behind) {
+    bvec4 is_next = bvec4(uvec4(greaterThan(borders, vec4(0.0))) & uvec4(greaterThan(depths, vec4(behind))));
+    return least_of(mix(vec4(UNKNOWN), depths, is_next));
 }

@@ -3,6 +3,7 @@
 // the colours. The shader defines `order_of`, below 2^32 - 1 and different for every rendered
 // pixel, and its inverse `rendered_of`.
 #include "lib/scatter_sizes.glsl"
+#include "lib/warp_map.glsl"
 layout(std430, binding = 0) buffer Keys { uint key_of[]; }; // 0 = nothing landed, else 1 + the rank
 uint order_of(ivec2 rendered);
 ivec2 rendered_of(uint order);

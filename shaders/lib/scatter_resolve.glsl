@@ -4,6 +4,10 @@
 #include "lib/scatter_sizes.glsl"
 layout(rgba16f) readonly uniform image2D rendered_colour;
 layout(rgba16f) writeonly uniform image2D shown_colour;
+#ifdef WRITES_DEPTH
+layout(r32f) readonly uniform image2D rendered_inverse_depth;
+layout(r32f) writeonly uniform image2D shown_inverse_depth;
+#endif
 ivec2 winner(uint slot); // the rendered pixel, (-1, -1) for none
 
 // first: the lowest pixel of this invocation, inside the picture on x.
@@ -14,5 +18,10 @@ void resolve_all(ivec2 first) {
         ivec2 rendered = winner(uint(shown.y) * uint(shown_size.x) + uint(shown.x));
         vec4 colour = imageLoad(rendered_colour, max(rendered, ivec2(0)));
         imageStore(shown_colour, shown, rendered.x >= 0 ? colour : vec4(0.0));
+#ifdef WRITES_DEPTH
+        float depth = imageLoad(rendered_inverse_depth, max(rendered, ivec2(0))).r;
+        float ratio = (H * vec3(vec2(rendered) + 0.5, 1.0)).z + e.z * depth;
+        imageStore(shown_inverse_depth, shown, vec4(rendered.x >= 0 ? depth / ratio : -1.0));
+#endif
     }
 }

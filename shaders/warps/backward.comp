@@ -34,6 +34,9 @@ bool holds(float held, float expected) {
 // silhouettes behind the lens, where places are no centres.)
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
+#ifdef WRITES_DEPTH
+    found_inverse_depth = own;
+#endif
     vec3 q = base + parallax * own;
     vec2 p = q.xy / q.z;
     vec3 at_centre = base_at_centre(shown, base) + parallax * own;
@@ -53,6 +56,9 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
 #else
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     float own = imageLoad(client_inverse_depth, ivec2(shown)).r;
+#ifdef WRITES_DEPTH
+    found_inverse_depth = own;
+#endif
     vec3 q = base + parallax * own;
     vec2 p = q.xy / q.z;
     return own >= 0.0 && q.z > 0.0 && in_rendered(p) ? covered_average(p) : vec4(0.0);

@@ -34,16 +34,17 @@ bool joined(float before, float a, float b, float after, float limit) {
 // the eye.
 void bounds_of_cells(float r[SIDE * SIDE], ivec2 corner, out vec2 least[16], out vec2 most[16]) {
     vec2 place[25];
-    bool before[25];
+    uint before = 0u; // a bit each: Mesa's Zink makes no pipeline of an array of bool
     for (int k = 0; k < 25; ++k) {
         ivec2 at = ivec2(k % 5, k / 5);
         vec3 q = shown_point(clamp(vec2(corner + at) + 0.5, vec2(0.0), vec2(rendered_size)), r[(at.y + 1) * SIDE + at.x + 1]);
         place[k] = q.xy / q.z;
-        before[k] = q.z > 0.0;
+        before |= uint(q.z > 0.0) << uint(k);
     }
     for (int k = 0; k < 16; ++k) {
         int a = (k >> 2) * 5 + (k & 3);
-        bool all_before = before[a] && before[a + 1] && before[a + 5] && before[a + 6];
+        uint corners = before >> uint(a);
+        bool all_before = (corners & (corners >> 1u) & (corners >> 5u) & (corners >> 6u) & 1u) != 0u;
         least[k] = all_before ? min(min(place[a], place[a + 1]), min(place[a + 5], place[a + 6])) : vec2(0.0);
         most[k] = all_before ? max(max(place[a], place[a + 1]), max(place[a + 5], place[a + 6])) : vec2(shown_size);
     }

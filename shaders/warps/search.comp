@@ -60,6 +60,9 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
                 met = surface.known && facing > 1e-3 && found <= r + slack && found >= until - slack && found * parallax.z < 1.0;
                 found = max(found, 0.0);
                 p = start + found * along;
+#ifdef WRITES_DEPTH
+                found_inverse_depth = met ? found * base.z / (1.0 - found * parallax.z) : found_inverse_depth;
+#endif
                 place = colour_place(surface, p);
             }
             going = !met && until > last;

@@ -7,6 +7,7 @@
 // projection (Frobenius) onto rotations times scales.
 #include "lib/warp_map.glsl"
 #include "lib/gather.glsl"
+#include "lib/depth_beside.glsl"
 layout(std430, binding = 0) readonly buffer Plane { float plane_inverse_depth; };
 uniform vec2 middle, shown_per_tangent, rendered_per_tangent;
 vec2 from, to;
@@ -33,5 +34,8 @@ void take_similarity() {
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 p = to + around * (shown - from);
     vec4 colour = covered_average(p);
+#ifdef WRITES_DEPTH
+    found_inverse_depth = shown_depth_of(p);
+#endif
     return ahead && in_rendered(p) ? colour : vec4(0.0);
 }

@@ -144,6 +144,10 @@ vec4 average(vec2 p, vec2 sides, float expected, float most) {
     return sum + area.w * imageLoad(rendered_colour, corner + ivec2(1, 1));
 }
 
+#ifdef WRITES_DEPTH
+layout(r32f) writeonly uniform image2D shown_inverse_depth;
+#endif
+
 // base + e * inverse_depth: the rendered pixel (homogeneous) of a point at that inverse depth in
 // the shown view. Here H, e: shown -> rendered.
 vec4 fetched(uint key, vec3 base) {
@@ -171,7 +175,11 @@ void main() {
         int slot = shown.y * shown_size.x + shown.x;
         uint key = key_of[slot];
         key_of[slot] = 0u;
-        imageStore(shown_colour, shown, fetched(key, base + H[1] * float(row)));
+        vec4 colour = fetched(key, base + H[1] * float(row));
+        imageStore(shown_colour, shown, colour);
+#ifdef WRITES_DEPTH
+        imageStore(shown_inverse_depth, shown, vec4(colour.a > 0.0 ? uintBitsToFloat(key - 1u) : -1.0));
+#endif
     }
 }
 #endif

@@ -27,6 +27,7 @@ from hmdwarp.report import OutputFolder, validate_summary
 
 SMALL = BenchOptions(
     warps=("forward", "rotation", "backward"),
+    fills=("none", "interpolate"),
     latencies_ms=(100.0, 200.0),
     scenes=("planes",),
     recordings=("look-around",),
@@ -220,6 +221,42 @@ def test_fused_rows(full):
             assert set(row[figure]) == {"fused", "separate"}
     # One resample keeps more of the detail than two.
     assert fused["backward"]["sharpness"]["fused"] > fused["backward"]["sharpness"]["separate"] > 0
+
+
+def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
+    """Without latency every one of them shows the picture itself, to what bytes can tell."""
+    pytest.importorskip("cv2")
+    options = attrs.evolve(
+        SMALL, warps=("forward", "rotation:edge=clamp", "mesh:grid=64", "cv2.warpFrame"), latencies_ms=(0.0, 100.0),
+        budget_ms=1e4, grid=False, fused=False, out=tmp_path,
+    )  # fmt: skip
+    data = bench(options).data
+    still, late = ([row for row in data["rows"] if row["latency_ms"] == latency] for latency in (0.0, 100.0))
+    assert {row["warp"]: row["baseline"] for row in still} == {
+        "forward": "",
+        "rotation:edge=clamp": "most streamers",
+        "mesh:grid=64": "CloudXR.js",
+        "cv2.warpFrame": "OpenCV",
+    }
+    assert all(row["quality"]["psnr_db"]["mean"] > 48 for row in still)
+    (outside,) = (row for row in late if row["warp"] == "cv2.warpFrame")
+    assert outside["fill"] == "none" and outside["passes"] == [] and outside["time_ms"]["warp"]["median"] > 0
+    assert outside["lacks"] and data["choice"]["warp"] != "cv2.warpFrame"
+    # It moves each pixel to the nearest by its depth, as forward does: only bytes tell them apart.
+    forward = next(row for row in late if (row["warp"], row["fill"]) == ("forward", "none"))
+    assert outside["quality"]["psnr_db"]["mean"] == pytest.approx(forward["quality"]["psnr_db"]["mean"], abs=0.2)
+    page = (tmp_path / "bench.html").read_text(encoding="utf-8")
+    assert "CloudXR.js" in page and "OpenCV" in page
+
+
+def test_memory_has_seen_the_seconds_before_an_instant(tmp_path):
+    """A head that looks around sees again what it saw: memory knows it after the run-in alone."""
+    options = attrs.evolve(
+        SMALL, warps=("rotation",), fills=("pyramid", "memory+pyramid"), latencies_ms=(400.0,), seconds=None,
+        start_s=6.0, guard=1.0, instants=2, rounds=1, grid=False, fused=False, out=tmp_path,
+    )  # fmt: skip
+    alone, after_memory = bench(options).data["rows"]
+    assert after_memory["quality"]["flip"]["mean"] < alone["quality"]["flip"]["mean"]
 
 
 def test_without_latency_and_warp_the_panel_is_nearly_the_truth(tmp_path):

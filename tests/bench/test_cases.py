@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import attrs
 import pytest
 from hypothesis import given
@@ -9,14 +11,23 @@ from hypothesis import strategies as st
 from replays import small
 
 from hmdwarp.bench import BenchOptions, cases_of, combinations_of
-from hmdwarp.bench.cases import common_start_s, run_options, warps_of
+from hmdwarp.bench.cases import (
+    WITH_COMPLETE_FILLS,
+    common_start_s,
+    outside_notes,
+    pairs_of,
+    run_options,
+    warps_of,
+)
+from hmdwarp.client import Choice, parse_fills
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError
+from hmdwarp.errors import InputError, MachineError
 from hmdwarp.frames import Needs, Others
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import Combination, set_up_replay
 from hmdwarp.run.combination_bench import refreshes
 from hmdwarp.run.combinations import batches, frames_used, instants_of
+from hmdwarp.run.outside import OUTSIDE, missing
 from hmdwarp.scenes import load_scene
 
 
@@ -55,8 +66,33 @@ def test_a_text_alone_is_one_name():
 
 def test_all_registered_warps_by_default():
     found = warps_of(BenchOptions())
-    assert [text for text in found if ":" not in text] == warps.names()
-    assert set(found) - set(warps.names()) == {f"{warp.name}:{variant}" for warp in warps for variant in warp.variants}
+    more = {f"{warp.name}:{settings}" for warp in warps for settings in (*warp.variants, *warp.baselines)}
+    outside = [name for name in OUTSIDE if not missing(name)]
+    assert [text for text in found if ":" not in text] == [*warps.names(), *outside]
+    assert set(found) - set(warps.names()) - set(outside) == more
+
+
+def test_complete_fills_run_with_few_warps_where_none_was_named():
+    pairs = pairs_of(BenchOptions())
+    with_complete = {warp for warp, fill in pairs if fill == "pyramid"}
+    assert with_complete == set(WITH_COMPLETE_FILLS) == {warp for warp, fill in pairs if fill == "memory+pyramid"}
+    assert {warp for warp, fill in pairs if fill == "interpolate"} == set(warps_of(BenchOptions())) - set(OUTSIDE)
+    for named in (BenchOptions(warps=("shift",)), BenchOptions(fills=("none", "pyramid"))):
+        found = [(warp, fill) for warp, fill in pairs_of(named) if warp not in OUTSIDE]
+        assert found == [(warp, fill) for warp in warps_of(named) if warp not in OUTSIDE for fill in named.fills]
+
+
+def test_another_librarys_warp_has_no_fill_and_is_told_where_it_is_missing(monkeypatch):
+    pytest.importorskip("cv2")
+    options = BenchOptions(warps=("forward", "cv2.warpFrame"), fills=("pyramid",))
+    assert pairs_of(options) == [("forward", "pyramid"), ("cv2.warpFrame", "none")]
+    assert outside_notes(BenchOptions(lens="radial")) == ["cv2.warpFrame is left out: it has no lens."]
+    monkeypatch.setitem(sys.modules, "cv2", None)  # as if it were not installed
+    assert "cv2.warpFrame" not in warps_of(BenchOptions())
+    (note,) = outside_notes(BenchOptions())
+    assert "OpenCV is not installed" in note and "pip install 'hmdwarp[bench]'" in note
+    with pytest.raises(MachineError, match="cv2.warpFrame: OpenCV is not installed"):
+        warps_of(options)
 
 
 @pytest.mark.parametrize(
@@ -92,16 +128,16 @@ class _Pass:
 @attrs.frozen
 class _Plan:
     needs: Needs
-    fills: tuple[str, ...] = ()
+    fills: tuple[Choice, ...] = ()
     effect_passes: tuple[str, ...] = ()
     lens: _Pass = _Pass()
 
 
 def some(*needs: Needs) -> list[Combination]:
     return [
-        Combination(f"w{n}", fill, _Plan(need, () if fill == "none" else (fill,)))
+        Combination(f"w{n}", fill, _Plan(need, parse_fills(fill)))
         for n, need in enumerate(needs)
-        for fill in ("none", "other")
+        for fill in ("none", "interpolate")
     ]
 
 

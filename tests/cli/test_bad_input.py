@@ -155,7 +155,7 @@ def test_unknown_commands_and_options(arguments, command):
         ("--latency", "-1", "--latency -1 ms: expected a finite number of at least 0 ms"),
         ("--latency", "nan", "latency nan"),
         ("--latency", "inf", "--latency inf ms: expected a finite number"),
-        ("--latency", "soon", "--latency"),
+        ("--latency", "soon", "'--latency', 'soon'"),
         ("--latency", "20001", "longer than the trace 'still' (20.000 s)"),
         ("--size", "0x0", "'0x0'"),
         ("--size", "-1x5", "'-1x5'"),

@@ -46,6 +46,8 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--codec", "h264", "--crf", "20", "--bitrate", "3"), "not both"),
         (("--crf", "20"), "without a codec"),
         (("--bitrate", "5"), "without a codec"),
+        (("--depth-code", "exact"), "without a codec"),
+        (("--codec", "h264", "--depth-code", "lossy"), "expected exact, sixteenth or video"),
         (("--effects", "overlai"), "did you mean 'overlay'?"),
         (("--effects", "overlay,no-overlay"), "both forced and forbidden"),
         (("--mirrors", "scren"), "did you mean 'screen'?"),
@@ -87,7 +89,7 @@ def test_what_the_link_did_is_printed_where_it_did_something(command, tmp_path):
         .done()
         .out
     )
-    assert "lost on the network" in out and "Mbit/s" in out and "response time" in out
+    assert "lost on the network" in out and "Mbit/s" in out and "this machine's stages on top" in out
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

@@ -67,6 +67,21 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
         assert json.loads(str(data["time_ms"]))["warp"] > 0
 
 
+def test_the_input_is_never_overwritten(command, tmp_path):
+    write_frame(tmp_path / "frame.npz")
+    write_pose(tmp_path / "pose.json")
+    before = (tmp_path / "frame.npz").read_bytes()
+    frame = tmp_path / "frame.npz"
+    command("warp", frame, "--to", tmp_path / "pose.json", "--out", frame, "--force").refused("is the input itself")
+    assert frame.read_bytes() == before
+
+
+def test_a_picture_of_nothing_is_remarked_on(warp):
+    """Millimetres for metres: the frame was drawn more than a kilometre away."""
+    assert "check depth_m and position_m" in warp({"position_m": [1600.0, 0.0, 0.0]}).done().out
+    assert "check" not in warp(None, None, "--force").done().out
+
+
 def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
     """1 m wide at 1 m, 10 pixels: a pixel is 0.2 m on the plane 2 m away, so 0.4 m are 2 pixels."""
     warp(None, {"position_m": [0.4, 0.0, 0.0]}, out="out.png").done()

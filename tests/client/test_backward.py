@@ -31,6 +31,7 @@ def backward(
     pose: Pose,
     rendered_pose: Pose | None = None,
     settings: BackwardSettings | None = None,
+    depth_error: float = 0.0,
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees; all pictures bottom row first, (h, w[, 4])."""
     size, shown_size = rendered_depth.shape[::-1], client_depth.shape[::-1]
@@ -40,7 +41,7 @@ def backward(
     ):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, shown_size)
-    rendered = EyeImage(View(rendered_pose or Pose(), FOV), *textures[:2])
+    rendered = EyeImage(View(rendered_pose or Pose(), FOV), *textures[:2], depth_error=depth_error)
     warps.get("backward")(gpu, size, shown_size, settings).run(
         PassInputs(rendered, View(pose, FOV), client_inverse_depth=textures[2]), canvas
     )
@@ -178,3 +179,13 @@ def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
     assert decided.sum() > 30
     assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
     assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
+
+
+def test_depth_that_was_coded_coarsely_leaves_no_holes_where_the_frame_says_so(gpu):
+    """Half a step of 2^-7 is more than the test allows at 10 m: 0.03 * (0.1 + 0.02) per metre."""
+    size, depth, wrong = (13, 11), 0.1, 2.0**-8
+    own, coded = (np.full(size[::-1], value) for value in (depth, depth + wrong))
+    assert (backward(gpu, white(size), coded, own, Pose())[..., 3] == 0).all()
+    assert (backward(gpu, white(size), coded, own, Pose(), depth_error=wrong)[..., 3] == 1).all()
+    behind = np.full(size[::-1], depth + 3 * wrong)
+    assert (backward(gpu, white(size), behind, own, Pose(), depth_error=wrong)[..., 3] == 0).all()

@@ -26,6 +26,7 @@ WITH_TWIN_AT_PLACES = [
     "shift",
     "similarity",
     "rotation",
+    "rotation:edge=clamp",
     "planar",
     "backward",
     "environment",
@@ -48,7 +49,8 @@ def test_equals_the_lens_twin_before_the_warps_twin(gpu, name, headset, sizes):
         chosen = load_headset(headset)
         world = world_before(gpu, chosen, eye, 11 + eye, size)
         got = panel_of(gpu, world, name, chosen, eye, panel_size)
-        wanted = fused(world.asked(parse_warp(name).settings), twin_of(name), chosen, eye, panel_size)
+        choice = parse_warp(name)
+        wanted = fused(world.asked(choice.settings), twin_of(choice.entry.name), chosen, eye, panel_size)
         # Three looks per pixel, each of which may be a close call: three times the 10 % that a
         # single look is allowed.
         assert_equals_twin(got, wanted, 0.7)

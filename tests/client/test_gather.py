@@ -10,8 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from hmdwarp.client import PassInputs
-from hmdwarp.client.warps import warps
+from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
@@ -31,7 +30,8 @@ def warped(
     colour, inverse = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
     colour.write(picture.tobytes(), alignment=1)
     inverse.write(np.full(SIZE[::-1], depth, np.float32).tobytes(), alignment=1)
-    warp, canvas = warps.get(name)(gpu, SIZE, SIZE), Canvas(gpu.gl, SIZE)
+    choice = parse_warp(name)
+    warp, canvas = choice.entry(gpu, SIZE, SIZE, choice.settings), Canvas(gpu.gl, SIZE)
     warp.run(PassInputs(EyeImage(View(rendered or Pose(), FOV), colour, inverse), View(shown, fov)), canvas)
     gpu.gl.memory_barrier()
     out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(SIZE[1], SIZE[0], 4)
@@ -74,6 +74,26 @@ def test_a_step_without_a_turn_keeps_the_picture_bit_for_bit(gpu, name):
     q = np.array([0.1, -0.2, 0.3, 0.9])
     picture, out = warped(gpu, name, Pose((1.5, -0.3, 2.0), q), 0.5, seed=1, rendered=Pose((0.2, 0.1, 0), q))
     assert np.array_equal(out, picture)
+
+
+def test_a_clamped_edge_goes_on_beyond_the_border(gpu):
+    """A quarter turn of the view's width: what was not rendered has the border's colour, and what
+    is behind the rendered eye stays empty.
+    """
+    half = math.atan(0.5) / 2
+    pose = Pose(orientation_xyzw=(0, -math.sin(half), 0, math.cos(half)))
+    picture, empty = warped(gpu, "rotation", pose, 0.5, seed=4)
+    _, clamped = warped(gpu, "rotation:edge=clamp", pose, 0.5, seed=4)
+    inside = empty[..., 3] > 0
+    assert 0.1 < 1 - inside.mean() < 0.5
+    assert (clamped[..., 3] == 1).all() and np.array_equal(clamped[inside], empty[inside])
+    # A turn to the right about the vertical: rows far from the middle are looked up a little
+    # nearer to it or farther, so each is a mean of two pixels of the right border.
+    right = picture[:, -1, :3].astype(float)
+    beyond = clamped[..., :3][~inside].astype(float)
+    assert (beyond >= right.min(axis=0) - 2.0**-10).all() and (beyond <= right.max(axis=0) + 2.0**-10).all()
+    back = Pose(orientation_xyzw=(0, 1, 0, 0))
+    assert (warped(gpu, "rotation:edge=clamp", back, 0.5)[1] == 0).all()
 
 
 def test_none_ignores_the_turn_too(gpu):

@@ -94,6 +94,37 @@ def test_every_setting_equals_the_twin(gpu, spec, seed):
     assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
 
 
+@pytest.mark.parametrize("spec", ["mesh:grid=2", "mesh:grid=9", "mesh:grid=17,ring=0.1", "mesh:grid=30,ring=0"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_grid_coarser_than_the_picture_equals_the_twin(gpu, spec, seed):
+    world = World(gpu, seed + 40, (67, 53), SIZES[seed])
+    got, wanted = world.warp(gpu, spec), world.reference(spec)
+    decided = ~wanted.undecided
+    assert decided.mean() > 0.9
+    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
+    assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
+
+
+@pytest.mark.parametrize("spec", ["mesh:grid=64", "mesh:grid=512", "mesh:grid=13,ring=0"])
+def test_a_grid_is_stretched_across_edges(gpu, spec):
+    """Where `mesh` has a hole there is the colour of one side, the other, or between: no hole."""
+    out = Scene(gpu, block(), Pose((0.2, 0, 0))).warp(spec)
+    assert (out[2:-2, 2:-4, 3] == 1).all()
+    blue = out[18:30, :, 2]
+    assert (blue == 1).any(axis=1).all() and (blue == 0).any(axis=1).all()
+
+
+def test_a_ring_takes_along_what_is_beside_an_edge(gpu):
+    """Two pixels (0.03 of 64) left of the square vertices lie on it, and move by its 12.8 pixels to
+    the left, not by the wall's 1.6.
+    """
+    scene = Scene(gpu, block(), Pose((0.2, 0, 0)))
+    place = {ring: 64 * scene.warp(f"mesh:grid=64,ring={ring}")[24, 10, 0] for ring in (0, 0.03)}
+    # The middle of shown pixel 10; half a pixel for a cell that is stretched or snapped.
+    assert place[0.03] == pytest.approx(10.5 + 12.8, abs=0.5)
+    assert place[0] == pytest.approx(10.5 + 1.6, abs=0.5)
+
+
 @pytest.mark.parametrize("spec", CUTS)
 def test_an_edge_reveals_a_hole_and_each_surface_keeps_its_own_pixels(gpu, spec):
     """20 cm to the right a square at 0.5 m moves 12.8 pixels to the left of where infinity stays,
@@ -222,7 +253,18 @@ def test_reach_bounds_how_far_depth_moves_a_point():
 
 
 @pytest.mark.parametrize(
-    "spec", ["mesh:cut=edges", "mesh:steepest_deg=90", "mesh_adaptive:block=3", "mesh_adaptive:tolerance=-1"]
+    "spec",
+    [
+        "mesh:cut=edges",
+        "mesh:steepest_deg=90",
+        "mesh:grid=1",
+        "mesh:grid=2000",
+        "mesh:grid=64,cut=vertex",
+        "mesh:grid=64,ring=0.6",
+        "mesh:ring=0.1",
+        "mesh_adaptive:block=3",
+        "mesh_adaptive:tolerance=-1",
+    ],
 )
 def test_settings_that_mean_nothing_are_refused(spec):
     with pytest.raises(InputError):

@@ -34,7 +34,7 @@ from hmdwarp.client import (
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.warps import warps
+from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.geometry import Fov, Pose, View
@@ -90,7 +90,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     assert list(dict.fromkeys(stages)) == order and stages == sorted(stages, key=order.index), "in this order"
     chain, depth = (
         len(parse_fills(fill)),
-        plan.writes(SHOWN_DEPTH) and any(step.name == "shown depth" for step in plan.steps),
+        plan.warps_twice,
     )
     assert stages.count("fill") == chain + depth and all(stages.count(stage) == 1 for stage in order if stage != "fill")
     assert set(stages) | set(left_out) == {"client_depth", "warp", "fill", "lens", *effects.names()}
@@ -109,8 +109,10 @@ def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
     entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
     wanted = {name for entry in entries for name in entry.reads if name in readable_names()}
-    if any(step.name == "shown depth" for step in plan.steps):
+    if plan.warps_twice:
         wanted.add("rendered.inverse_depth")
+    elif plan.makes_shown_depth:
+        wanted |= set(plan.warp.depth_reads or ()) & set(readable_names())
     assert set(plan.layers) == wanted
 
 
@@ -255,10 +257,15 @@ def geometry(gpu):
 def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     """What warp and fills need by themselves, and the shown depth where a fill reads it."""
     costs = Costs(gpu, monkeypatch)
-    warp = warps.get(choice[0])(gpu, RENDERED_SIZE, SHOWN_SIZE)
-    chain = parse_fills(choice[1])
-    made = [warp, *(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry) for one in chain)]
-    if any(SHOWN_DEPTH in one.entry.reads for one in chain):
+    chain, warp_type = parse_fills(choice[1]), warps.get(choice[0])
+    reads_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
+    beside = reads_depth and warp_type.depth_reads is not None
+    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside))
+    made = [warp]
+    for k, one in enumerate(chain):
+        read = any(SHOWN_DEPTH in after.entry.reads for after in chain[k + 1 :])
+        made.append(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry, depth_read=read))
+    if reads_depth and not beside:
         made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
     for one in made:
         one.close()
@@ -277,11 +284,13 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     costs = Costs(gpu, monkeypatch)
     compensator = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE, geometry)
     # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
-    # warp, and one more after each fill that writes one, where anybody reads it; the client's depth
-    # once.
+    # warp, and one more after each fill that writes one, where anybody reads it (or the fill has no
+    # other way); the client's depth once.
     canvases = 2 * (1 + len(chain) + (lens != "none"))
     has_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
-    depths = 2 * (1 + sum(SHOWN_DEPTH in one.entry.writes for one in chain)) if has_depth else 0
+    writing = [one for one in chain if SHOWN_DEPTH in one.entry.writes]
+    kept = [one for one in writing if plan.reads_depth_after(one) or not one.entry.drops_depth]
+    depths = 2 * (1 + len(kept)) if has_depth else 0
     assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths + plan.draws_client_depth
     assert len(costs.made["framebuffer"]) == own_counts["framebuffer"] + canvases
     assert len(costs.made["buffer"]) == own_counts["buffer"]

@@ -1,6 +1,6 @@
 """The inverse depth of the shown picture.
 
-Rendered depth seen from the shown eye, carried along by whichever warp is planned.
+Written beside the colour by warps that can, else carried along by a second run.
 """
 
 from __future__ import annotations
@@ -11,16 +11,19 @@ from reference.shown_depth import shown_depth
 from worlds import World, read, twin_of
 
 from hmdwarp.client import Carry, ShownDepth, parse_warp, pictures_read
-from hmdwarp.client.warps import warps
-from hmdwarp.gpu import SCALAR, allocate
+from hmdwarp.client.warps import Output, warps
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
 CARRYING = [warp.name for warp in warps if warp.carries]
+BESIDE = [warp.name for warp in warps if warp.depth_reads is not None]
 SIZE = (67, 53)
 
 
 def depth_of(gpu, world: World, name: str) -> np.ndarray:
     choice = parse_warp(name)
     world.bring(gpu, choice.entry)
+    if choice.entry.depth_reads is not None:
+        return _beside(gpu, world, name)[1]
     warp = choice.entry(gpu, world.size, world.shown_size, choice.settings)
     depth = ShownDepth(
         gpu, Carry(warp), pictures_read(choice.entry.needs(choice.settings)), world.size, world.shown_size
@@ -33,6 +36,49 @@ def depth_of(gpu, world: World, name: str) -> np.ndarray:
         thing.close()
     into.release()
     return found
+
+
+def _beside(gpu, world: World, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Colour and depth of one run."""
+    choice = parse_warp(name)
+    world.bring(gpu, choice.entry)
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(depth=True))
+    canvas, into = Canvas(gpu.gl, world.shown_size), allocate(gpu.gl, world.shown_size, SCALAR)
+    warp.run_with_depth(world.inputs(choice.entry), canvas, into)
+    gpu.gl.memory_barrier()
+    found = read(canvas.texture), read(into)[..., 0]
+    for thing in (canvas, into):
+        thing.release()
+    warp.close()
+    return found
+
+
+@pytest.mark.parametrize("name", BESIDE)
+def test_the_depth_beside_it_leaves_the_colour_as_it_is(gpu, name):
+    """An invocation may handle fewer rows then and round elsewhere: within the twin's bound."""
+    world = World(gpu, 7, SIZE)
+    got, plain, bound = _beside(gpu, world, name)[0], world.warp(gpu, name), world.reference(name)
+    decided = ~bound.undecided
+    assert np.array_equal(got[..., 3][decided], plain[..., 3][decided])
+    assert (np.abs(got - plain).max(axis=-1) <= 2 * bound.tolerance)[decided].all()
+
+
+def test_a_run_for_something_else_leaves_the_depth_alone(gpu):
+    """Effects have the same warp carry pictures of theirs after the depth was written."""
+    world, choice = World(gpu, 8, SIZE), parse_warp("iterative")
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(depth=True))
+    canvas, into = Canvas(gpu.gl, world.shown_size), allocate(gpu.gl, world.shown_size, SCALAR)
+    warp.run_with_depth(world.inputs(choice.entry), canvas, into)
+    gpu.gl.memory_barrier()
+    before = read(into)
+    nothing = allocate(gpu.gl, world.size, COLOUR)
+    nothing.write(bytes(8 * world.size[0] * world.size[1]))
+    Carry(warp).along(world.inputs(choice.entry), lambda image: nothing, canvas)
+    gpu.gl.memory_barrier()
+    assert (read(canvas.texture) == 0).all() and np.array_equal(read(into), before)
+    for thing in (canvas, into, nothing):
+        thing.release()
+    warp.close()
 
 
 @pytest.mark.parametrize("name", CARRYING)

@@ -285,3 +285,30 @@ def test_drivers_are_asked_at_the_same_time(probe, monkeypatch):
     probe(f"""touch "$0.$4"; while [ "$(ls "$0".* | wc -l)" -lt 3 ]; do sleep 0.05; done; echo '{answer}'""")
     found = {finding.name: finding.detail for finding in doctor.examine()}
     assert [found[name] for name in ("OpenGL", "OpenXR loader", "desktop window")] == ["together"] * 3
+
+
+# --- devices ------------------------------------------------------------------------------------
+
+
+def test_the_devices_are_listed_with_what_draws_on_each():
+    found = doctor.devices()
+    if found.state is State.OPTIONAL:
+        pytest.skip(f"EGL lists no devices here: {found.detail}")
+    assert found.detail.startswith("0: ") and "HMDWARP_EGL_DEVICE chooses another" in found.detail
+    assert [one["index"] for one in found.facts["devices"]] == list(range(len(found.facts["devices"])))
+
+
+def test_a_device_that_crashes_is_named_after_those_that_did_not(monkeypatch):
+    good = {"index": 0, "file": "/dev/dri/card0", "renderer": "Some GPU"}
+    answers(monkeypatch, stage="device 1", devices=[good], error="died", message="ended with status -11")
+    found = doctor.devices()
+    assert found.state is State.OPTIONAL
+    assert found.detail == "0: Some GPU at /dev/dri/card0; ended with status -11, at device 1"
+
+
+def test_a_device_that_is_not_there_is_told_with_the_list(monkeypatch):
+    monkeypatch.setenv("HMDWARP_EGL_DEVICE", "99")
+    (found,) = doctor.opengl()
+    assert found.state is State.MISSING
+    assert "HMDWARP_EGL_DEVICE=99 names no device here, expected one of 0: " in found.detail
+    assert found.remedy.startswith("unset HMDWARP_EGL_DEVICE")

@@ -8,12 +8,14 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import attrs
 import moderngl
 import numpy as np
 import pytest
+from commands import hmdwarp
 
-from hmdwarp.errors import MachineError
-from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, context, download, upload
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, context, download, egl, reset_status_of, upload
 
 
 def works(gpu: Gpu) -> bool:
@@ -108,13 +110,92 @@ def test_what_a_gpu_says_of_itself(gpu):
 @pytest.mark.parametrize("display", ["", ":99"])
 def test_a_machine_without_opengl_is_told_what_to_install(monkeypatch, display):
     def refuse(**settings):
-        raise Exception(f"no {settings.get('backend', 'window')} today")  # moderngl raises bare Exception
+        raise Exception(f"no {'egl' if 'context' in settings else 'window'} today")  # moderngl raises bare Exception
 
     monkeypatch.setattr(moderngl, "create_context", refuse)
     monkeypatch.setenv("DISPLAY", display)
     with pytest.raises(
-        MachineError, match=r"no OpenGL 4\.3 here \(egl: no egl today.*libegl1.*hmdwarp doctor"
+        MachineError, match=r"no OpenGL 4\.3 here \(egl: device 0: no egl today.*libegl1.*hmdwarp doctor"
     ) as caught:
         context.create_context()
     assert ("window system: no window today" in str(caught.value)) == bool(display)
     assert "\n" not in str(caught.value)
+
+
+# --- devices -------------------------------------------------------------------------------------
+
+
+def test_a_device_is_chosen_by_number_or_by_a_part_of_its_name(monkeypatch, gpu):
+    names = {device.index: egl.renderer_of(device, context.WANTED) for device in egl.devices()}
+    assert works(gpu), "asking leaves the context current that was"
+    for index, name in names.items():
+        monkeypatch.setenv(egl.VARIABLE, str(index))
+        with Gpu() as chosen:
+            assert chosen.renderer == name and works(chosen)
+    monkeypatch.setenv(egl.VARIABLE, names[0].upper())
+    if list(names.values()).count(names[0]) == 1:
+        with Gpu() as chosen:
+            assert chosen.renderer == names[0]
+    assert works(gpu)
+
+
+@pytest.mark.parametrize("wanted", ["99", "Voodoo 2"])
+def test_a_device_that_is_not_there_is_refused_with_the_list(monkeypatch, gpu, wanted):
+    monkeypatch.setenv(egl.VARIABLE, wanted)
+    with pytest.raises(InputError, match=rf"^HMDWARP_EGL_DEVICE={wanted} names no device here.* 0: .+: give") as caught:
+        Gpu()
+    assert "\n" not in str(caught.value)
+    assert works(gpu)
+
+
+def test_a_name_that_fits_two_devices_is_refused(monkeypatch):
+    """A device twice stands for two GPUs of one kind."""
+    only = egl.devices()[0]
+    monkeypatch.setattr(egl, "devices", lambda: [only, attrs.evolve(only, index=1)])
+    monkeypatch.setenv(egl.VARIABLE, egl.renderer_of(only, context.WANTED))
+    with pytest.raises(InputError, match=r"names 2 devices here, expected one of 0: .+; 1: "):
+        Gpu()
+
+
+# --- a context that is lost ----------------------------------------------------------------------
+
+
+def lose(monkeypatch, reason: int = 0x8253) -> None:
+    """From now on the driver's own function says that it has reset the GPU.
+
+    At the lowest layer, because nothing resets llvmpipe.
+    """
+    monkeypatch.setattr(context, "reset_status_of", lambda gl: lambda: reason)
+
+
+def test_a_context_that_lives_says_so(gpu):
+    gpu.check_not_lost()
+    assert reset_status_of(gpu.gl)() == 0
+
+
+@pytest.mark.parametrize(
+    ("reason", "words"), [(0x8253, "too long"), (0x8254, "another program"), (0x8255, "why"), (0x92BB, "0x92bb")]
+)
+def test_a_lost_context_is_one_plain_error(monkeypatch, reason, words):
+    lose(monkeypatch, reason)
+    with pytest.raises(MachineError, match=rf"was reset, .* lost \(.*{words}.*start again") as caught, Gpu():
+        raise RuntimeError("what a driver says once its context is gone")
+    assert "\n" not in str(caught.value)
+    with pytest.raises(MachineError), Gpu():
+        pass
+
+
+COMMANDS = {
+    "replay": ("replay", "look-around", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--quiet"),
+    "bench": ("bench", "look-around", "--size", "48x40", "--instants", "1", "--warp", "none", "--quiet"),
+    "live": ("live", "--source", "offscreen", "--trace", "look-around", "--size", "48x40", "--frames", "5"),
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+def test_a_command_whose_context_is_lost_ends_with_3_and_leaves_nothing(monkeypatch, tmp_path, command):
+    lose(monkeypatch)
+    done = hmdwarp(*command, "--out", tmp_path / "out")
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "was reset" in done.stderr.splitlines()[-1]
+    assert not (tmp_path / "out").exists()

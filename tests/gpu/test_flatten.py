@@ -80,7 +80,7 @@ def test_messages_of_several_compilers_are_translated(tmp_path):
         ("0:4(14): error: `foo' undeclared", "a.glsl:2(14): error: `foo' undeclared"),  # Mesa
         (
             '0(5) : error C1503: undefined variable "foo"',
-            'main.comp:3 : error C1503: undefined variable "foo"',
+            'main.comp:3: error C1503: undefined variable "foo"',
         ),  # NVIDIA
         (
             "ERROR: 0:2: 'foo' : undeclared identifier",
@@ -90,6 +90,25 @@ def test_messages_of_several_compilers_are_translated(tmp_path):
         ("0:99(1): error", "0:99(1): error"),  # beyond the text: left alone
         ("error: linking failed", "error: linking failed"),
         ("10:4 and 20(4)", "10:4 and 20(4)"),  # not a position in string 0
+        (
+            "0(3) : error C7011: implicit cast from 0(4) to 0:4",
+            "a.glsl:1: error C7011: implicit cast from 0(4) to 0:4",
+        ),
+        # Recorded with an NVIDIA GeForce GTX 960M, driver 418.87, as moderngl hands it over.
+        (
+            "GLSL Compiler failed\n\ncompute_shader\n==============\n"
+            '0(3) : error C1503: undefined variable "uvl"\n0(5) : error C1503: undefined variable "uvl"\n',
+            "GLSL Compiler failed\n\ncompute_shader\n==============\n"
+            'a.glsl:1: error C1503: undefined variable "uvl"\nmain.comp:3: error C1503: undefined variable "uvl"\n',
+        ),
+        # Recorded with Mesa 22.3.6.
+        (
+            "compute_shader\n==============\n0:5(21): error: `missing' undeclared\n"
+            "0:5(14): error: `return' with wrong type error, in function `bad' returning float\n",
+            "compute_shader\n==============\nmain.comp:3(21): error: `missing' undeclared\n"
+            "main.comp:3(14): error: `return' with wrong type error, in function `bad' returning float\n",
+        ),
+        ("(0) : error C5145: must write to gl_Position", "(0) : error C5145: must write to gl_Position"),
     ]:
         assert flat.translate(message) == wanted
 

@@ -82,6 +82,41 @@ def test_a_draw_whose_stages_do_not_fit_is_refused(gpu, shaders):
         Draw(gpu.gl, "a.vert", "a.frag", {})
 
 
+class LinkingFails:
+    """A context whose driver compiles both stages and then says `message`."""
+
+    def __init__(self, message: str) -> None:
+        self._message = message
+
+    def program(self, **_):
+        raise moderngl.Error(self._message)
+
+
+@pytest.mark.parametrize(
+    ("message", "first", "told"),
+    [
+        # NVIDIA finds undefined functions when it links, in both stages (recorded).
+        (
+            'GLSL Linker failed\n\nVertex info\n-----------\n0(3) : error C3002: call to undefined function "a"\n'
+            'Fragment info\n-------------\n0(3) : error C3002: call to undefined function "b"\n',
+            "a.vert",
+            ['a.vert:2: error C3002: call to undefined function "a"', 'a.frag:2: error C3002: call to undefined'],
+        ),
+        ("Vertex info\n-----------\n(0) : error C5145: must write to gl_Position\n", "a.vert", ["(0) : error C5145"]),
+        # Mesa names no stage.
+        ("GLSL Linker failed\n\nProgram\n=======\nerror: v\n", "a.frag", ["error: v"]),
+    ],
+)  # fmt: skip
+def test_what_a_linker_says_is_translated_by_the_stage_it_stands_under(shaders, message, first, told):
+    """Recorded messages: the driver that writes them is not here."""
+    for stage in ("vert", "frag"):
+        (shaders / f"a.{stage}").write_text("//\n//\nvoid main() {}\n", encoding="utf-8")
+    with pytest.raises(ShaderError) as caught:
+        Draw(LinkingFails(message), "a.vert", "a.frag", {})
+    assert str(caught.value).startswith(f"{first}: ")
+    assert all(line in str(caught.value) for line in told)
+
+
 # --- uniforms -----------------------------------------------------------------------------------
 
 UNIFORMS = """

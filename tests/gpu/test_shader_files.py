@@ -68,7 +68,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
                 _compile_all(gpu, spec, libraries)
         for spec in every_fill():
             for choice in parse_fills(spec):
-                choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu)).close()
+                for read in (True, False):
+                    choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu), depth_read=read).close()
         carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
         ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
         _compile_effects(gpu, Tools(carry, 1))
@@ -91,12 +92,13 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
     """As the plan may ask for it.
 
-    For the shown view, through each lens, with and without scan-out.
+    For the shown view with and without its depth, through each lens, with and without scan-out.
     """
     choice = parse_warp(spec)
     for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
-            choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout)).close()
+            for depth in [False, True] if lens is None and choice.entry.depth_reads is not None else [False]:
+                choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout, depth)).close()
 
 
 def _compile_effects(gpu: Gpu, tools: Tools) -> None:
@@ -238,6 +240,20 @@ def test_reading_what_is_writeonly_is_noticed():
     assert read_though_writeonly(block + "uint c = a[1];\n}") == ["a"]
     assert read_though_writeonly(block + "atomicAdd(b, 1u);\n}") == ["b"]
     assert not read_though_writeonly(block + "a[b0[1]] = 0u; // b\n    if (x) b = 1u;\n    else b = 2u;\n}")
+
+
+ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_there_is_no_array_of_bool(name):
+    """Zink over lavapipe makes no pipeline of one (Mesa 22.3), and crashes where it should run."""
+    assert not ARRAY_OF_BOOL.search(re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8")))
+
+
+def test_an_array_of_bool_is_noticed():
+    assert ARRAY_OF_BOOL.search("    bool before[25];") and ARRAY_OF_BOOL.search("bool[2] both = bool[](a, b);")
+    assert not ARRAY_OF_BOOL.search("bool is_full = any[0] > 0.0;")
 
 
 # --- the reader of this test --------------------------------------------------------------------

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from properties import ONE_FIXTURE_FOR_ALL
+from worlds import every_compared
 
 import hmdwarp.gpu.shaders
-from hmdwarp.client import every_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import Compute
 from hmdwarp.resources import folder
@@ -150,10 +150,10 @@ def random_world(
     return Setting(gpu, depth, shown, rendered=rendered)
 
 
-# Defaults and variants; of the other words mesh:cut=vertex still has a pixel in one of 200 such
-# worlds that its twin does not mark as undecided though rounding decides it. The hard cases and the
-# contract hold for it.
-@pytest.mark.parametrize("name", every_warp())
+# Defaults, variants and baselines; of the other words mesh:cut=vertex still has a pixel in one of
+# 200 such worlds that its twin does not mark as undecided though rounding decides it. The hard
+# cases and the contract hold for it.
+@pytest.mark.parametrize("name", every_compared())
 @settings(max_examples=12, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(
     seed=st.integers(0, 2**32 - 1),

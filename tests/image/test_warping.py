@@ -496,6 +496,20 @@ def test_checked_gives_linear_colour_with_coverage():
     assert (rgba[0, 2] == 0).all()
 
 
+@pytest.mark.parametrize("background", [0.0, np.nan, np.inf])
+def test_negative_depth_before_a_background_is_refused_too(background):
+    depth = np.full((4, 5), -2.0)
+    depth[0] = background
+    with pytest.raises(InputError, match="negate it"):
+        warp_image(np.zeros((4, 5, 3), np.uint8), depth, view(), view())
+
+
+def test_a_view_of_swapped_parts_is_refused():
+    swapped = View(view().fov, view().pose)
+    with pytest.raises(InputError, match="rendered is a View of Fov, Pose: expected View"):
+        warp_image(np.zeros((4, 5, 3), np.uint8), np.ones((4, 5)), swapped, view())
+
+
 def test_depth_that_is_negative_everywhere_is_refused_not_taken_for_holes():
     """OpenGL's z of visible points is negative; single values of a camera may be."""
     with pytest.raises(InputError, match="metres along -z, which are above 0: negate it"):

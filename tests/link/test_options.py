@@ -5,6 +5,7 @@ meant.
 from __future__ import annotations
 
 import attrs
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -34,7 +35,8 @@ def test_each_text_says_what_it_should(tmp_path):
     assert LinkOptions.of({"delay_trace": trace}).delay.delays_ms == (5, 7)
     assert LinkOptions.of({"loss": "p=0.02,r=0.3"}).loss == GilbertElliott(0.02, 0.3)
     assert LinkOptions.of({"loss": "r=0.3, bad=0.9, p=0.02, good=0.1"}).loss == GilbertElliott(0.02, 0.3, 0.1, 0.9)
-    assert LinkOptions.of({"loss": "0.25"}).loss == GilbertElliott(0.25, 0.75)
+    assert next(LinkOptions.of({"loss": "1"}).loss.samples(np.random.default_rng(0))), "the first frame too"
+    assert LinkOptions.of({"loss": "0.25"}).loss == GilbertElliott(0, 1, good=0.25)
     assert LinkOptions.of({"bandwidth": "50"}).bandwidth == Bandwidth(50, 250)
     assert LinkOptions.of({"bandwidth": "2.5,queue=100"}).bandwidth == Bandwidth(2.5, 100)
     assert not any(

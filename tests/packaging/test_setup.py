@@ -178,6 +178,15 @@ def test_another_name_of_a_tool_will_do(machine, tmp_path, tools):
     assert machine.missing_tools() == {}
 
 
+def test_a_driver_is_there_where_its_file_is(machine, tmp_path):
+    with machine.TOOLS.open("a", encoding="utf-8") as file:
+        file.write(f'[files]\nchromium = ["{tmp_path}/icd.d/lvp_icd*.json"]\n')
+    assert "chromium" in machine.missing_tools()
+    (tmp_path / "icd.d").mkdir()
+    (tmp_path / "icd.d" / "lvp_icd.x86_64.json").touch()
+    assert "chromium" not in machine.missing_tools()
+
+
 def test_without_rights_the_line_to_type_is_printed_and_set_up_goes_on(machine, tmp_path, monkeypatch, capfd):
     (tmp_path / "known").write_text("xvfb\nglslang-tools\nchromium\n", encoding="utf-8")
     monkeypatch.setattr(os, "geteuid", lambda: 1000)

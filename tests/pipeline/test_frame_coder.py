@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -11,7 +14,7 @@ from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import BRIGHT_VIDEO, DEPTH, PACKED, VECTORS, VIDEO, layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download, upload
-from hmdwarp.link.codec import Coding
+from hmdwarp.link.codec import DEPTH_CODES, Coding
 from hmdwarp.pipeline import Coder, Reads
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
@@ -22,6 +25,7 @@ VIEWS = [View(Pose((x, 1.6, 1.0)), Fov.symmetric(1.0, 0.8)) for x in (-0.03, 0.0
 # Everything that a server can draw beside the picture.
 EVERYTHING = Needs(**{layer.name: layer.something for layer in layers if layer.drawn_by})
 DRAWN = [layer.name for layer in layers if layer.formats]
+DEEP = [name for name in DRAWN if DEPTH in layers.get(name).coded_as()]
 
 
 def reads_of(*names: str) -> Reads:
@@ -64,13 +68,13 @@ def content(rng: np.random.Generator, coding: str, size: tuple[int, int], like: 
     return rng.integers(0, 65536, like.shape).astype(like.dtype)
 
 
-def check(coding: str, before: np.ndarray, after: np.ndarray) -> None:
+def check(coding: str, before: np.ndarray, after: np.ndarray, depth_error: float) -> None:
     assert after.shape == before.shape
     if coding == PACKED:
         assert (after == before).all()
     elif coding == DEPTH:
         assert ((after == -1) == (before == -1)).all() and ((after == 0) == (before == 0)).all()
-        assert np.abs(after - before).max() <= 2.0**-11
+        assert np.abs(after - before).max() <= depth_error
     elif coding == VECTORS:
         assert (after[..., 3] == before[..., 3]).all() and (after[before[..., 3] == 0] == 0).all()
         # Half a step, and the half float that the texture rounds it to.
@@ -90,11 +94,14 @@ def check(coding: str, before: np.ndarray, after: np.ndarray) -> None:
         assert np.abs(levels[0] - levels[1]).max() <= 3.2
 
 
-@pytest.mark.parametrize("name", DRAWN)
-def test_what_arrives_is_what_was_drawn_within_the_bound_of_its_coding(server, name):
-    """Everything that passes read is overwritten before it is decoded: nothing slips by."""
+@pytest.mark.parametrize(("name", "depth"), [*((name, "exact") for name in DRAWN), *product(DEEP, DEPTH_CODES[1:])])
+def test_what_arrives_is_what_was_drawn_within_the_bound_of_its_coding(server, name, depth):
+    """Everything that passes read is overwritten before it is decoded: nothing slips by.
+
+    A video bounds no pixel of noise; that what is no depth stays so is checked all the same.
+    """
     layer, reads, rng = layers.get(name), reads_of(name), np.random.default_rng(7)
-    coder = Coder(Coding("h264", crf=1), 60)
+    coder = Coder(Coding("h264", crf=1, depth=depth), 60, 0.2)
     for number in range(3):
         frame = server.draw_frame(VIEWS, number, SIZE, needs=reads.needs)
         parts = [part for _, each, data in reads.contents(frame) for part in each.coded(data)]
@@ -105,18 +112,19 @@ def test_what_arrives_is_what_was_drawn_within_the_bound_of_its_coding(server, n
             upload(texture, before[-1])
         coded = coder.encode(frame, reads, wants_key=False)
         assert {key[1] for key in coded.packets} == {name} and len(coded.packets) == len(parts)
-        assert coded.is_key == (number == 0) or not {VIDEO, BRIGHT_VIDEO} & set(layer.coded_as())
+        videos = {VIDEO, BRIGHT_VIDEO, *([DEPTH] if depth == "video" else [])}
+        assert coded.is_key == (number == 0) or not videos & set(layer.coded_as())
         for texture, _ in parts:
             upload(texture, np.full_like(download(texture), 3))
         assert coder.receive(coded)
         for (texture, coding), drawn in zip(parts, before, strict=True):
-            check(coding, drawn, download(texture))
+            check(coding, drawn, download(texture), math.inf if depth == "video" else coded.frame.eyes[0].depth_error)
         server.recycle(frame)
 
 
 def test_a_frame_is_undecodable_until_each_of_its_streams_has_its_key_frame(server):
     reads = reads_of("colour", "cube", "inverse_depth")
-    coder = Coder(Coding("h264"), 60)
+    coder = Coder(Coding("h264"), 60, 0.2)
     frames = [server.draw_frame(VIEWS, number, SIZE, needs=reads.needs) for number in range(4)]
     coded = [coder.encode(frame, reads, wants_key=number == 3) for number, frame in enumerate(frames)]
     assert [one.is_key for one in coded] == [True, False, False, True]
@@ -127,11 +135,27 @@ def test_a_frame_is_undecodable_until_each_of_its_streams_has_its_key_frame(serv
         server.recycle(frame)
 
 
+@pytest.mark.parametrize("depth", DEPTH_CODES)
+def test_a_frame_says_how_wrong_its_depth_may_be(server, depth):
+    """Frames of planes; half a step of 2^-10 at most for the exact code, more for the others."""
+    reads, coder = reads_of("inverse_depth"), Coder(Coding("h264", depth=depth), 60, 0.2)
+    for number in range(3):
+        frame = server.draw_frame(VIEWS, number, SIZE, needs=reads.needs)
+        before = [download(eye.inverse_depth) for eye in frame.eyes]
+        coded = coder.encode(frame, reads, wants_key=False)
+        assert coder.receive(coded) and frame.eyes[0].depth_error == 0
+        for drawn, eye in zip(before, coded.frame.eyes, strict=True):
+            assert eye.depth_error >= 2.0**-11 and (eye.depth_error == 2.0**-11) == (depth == "exact")
+            wrong = np.abs(download(eye.inverse_depth) - drawn)
+            assert (wrong <= eye.depth_error).mean() >= (0.98 if depth == "video" else 1)
+        server.recycle(coded.frame)
+
+
 def test_a_bit_rate_is_that_of_an_eye_however_many_videos_it_has(server):
     """Noise, which costs as much as it is given; the first frame costs more."""
     rng, totals = np.random.default_rng(1), []
     for names in (("colour",), ("colour", "cube"), ("colour", "peeled")):
-        reads, coder, sizes = reads_of(*names), Coder(Coding("h264", bitrate_mbit=3.0), 60), []
+        reads, coder, sizes = reads_of(*names), Coder(Coding("h264", bitrate_mbit=3.0), 60, 0.2), []
         for number in range(16):
             frame = server.draw_frame(VIEWS[:1], number, SIZE, needs=reads.needs)
             for _, layer, data in reads.contents(frame):
@@ -169,14 +193,14 @@ def test_what_no_plan_reads_is_neither_coded_nor_counted(server, plans, names):
     """Frames carry it all, as where other plans run on them."""
     reads = Reads.of(plans)
     frame = server.draw_frame(VIEWS, 0, SIZE, needs=EVERYTHING)
-    coded = Coder(Coding("h264"), 60).encode(frame, reads, wants_key=False)
+    coded = Coder(Coding("h264"), 60, 0.2).encode(frame, reads, wants_key=False)
     assert {name for _, name, _ in coded.packets} == {place[1] for place, _, _ in reads.contents(frame)} == names
     server.recycle(frame)
 
 
 def test_of_peeled_surfaces_those_that_are_read_are_coded(server):
     frame = server.draw_frame(VIEWS, 0, SIZE, needs=Needs(peeled=3))
-    coder = Coder(Coding("h264"), 60)
+    coder = Coder(Coding("h264"), 60, 0.2)
     coded = coder.encode(frame, Reads.of([plan("layered:layers=2")]), wants_key=False)
     assert sum(name == "peeled" for _, name, _ in coded.packets) == 2 * 2
     server.recycle(frame)

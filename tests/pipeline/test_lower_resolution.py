@@ -8,6 +8,7 @@ import pytest
 from replays import contents, each_refresh, run, small
 
 from hmdwarp.client.warps import warps
+from hmdwarp.errors import InputError
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import LiveOptions, live
@@ -33,6 +34,11 @@ def test_the_resolution_is_lowered_where_frames_were_dropped(tmp_path):
     assert sum(told["frames"].values()) == lowering["frames"]["drawn"]
     assert told["frames"]["1"] < 10, "0.42 of the pixels are 37 Mbit/s"
     assert lowering["response_ms"]["queue_ms"] < dropping["response_ms"]["queue_ms"]
+
+
+def test_without_a_limit_there_is_nothing_to_lower_for(tmp_path):
+    with pytest.raises(InputError, match="nothing can be overloaded; give --bandwidth or --response sum"):
+        run(tmp_path, network=network("resolution", {}), seconds=0.1)
 
 
 def test_given_times_are_in_proportion_to_the_pixels(tmp_path):

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import Origin, PoseTrack, predict, predict_many
+from hmdwarp.poses import Origin, PoseTrack, predict
 from hmdwarp.poses.predictors import predictors
 
 from .traces import head
@@ -38,7 +38,7 @@ def truth(t_ns: int) -> Pose:
 @given(st.integers(60 * MS, 1000 * MS), st.integers(1, 100 * MS))
 def test_a_constant_velocity_is_predicted_exactly(now, ahead):
     track = steady()
-    sample = predict(track, now, now + ahead, horizon_ns=10**12)
+    sample = predict(track, now, now + ahead, "constant_velocity", horizon_ns=10**12)
     assert sample.origin is Origin.PREDICTED
     assert sample.time_ns == now + ahead
     # Angles of 0.08 rad over 50 ms, known to 1e-16, carried on over at most 111 ms: a few 1e-16 per
@@ -49,10 +49,10 @@ def test_a_constant_velocity_is_predicted_exactly(now, ahead):
 def test_the_horizon_caps_the_prediction():
     track = steady()
     now = int(track.time_ns[50])
-    far = predict(track, now, now + 800 * MS)
+    far = predict(track, now, now + 800 * MS, "constant_velocity")
     assert far.pose.isclose(truth(now + 100 * MS), atol=1e-14)
     assert far.time_ns == now + 800 * MS
-    assert predict(track, now, now + 800 * MS, horizon_ns=0).origin is Origin.HELD
+    assert predict(track, now, now + 800 * MS, "constant_velocity", horizon_ns=0).origin is Origin.HELD
 
 
 @pytest.mark.parametrize("method", predictors.names())
@@ -85,23 +85,25 @@ def test_a_known_instant_is_looked_up():
     assert predict(track, now, int(track.time_ns[38]) + 5).origin is Origin.INTERPOLATED
 
 
-def test_nothing_is_predicted_within_a_gap_or_across_a_jump():
+@pytest.mark.parametrize("method", predictors.names())
+def test_nothing_is_predicted_within_a_gap_or_across_a_jump(method):
     track = head(100)
     late = track.time_ns + np.where(np.arange(100) > 50, 900 * MS, 0)
     gapped = track.evolve(time_ns=late)
     within = int(late[50]) + 300 * MS
-    assert predict(gapped, within, within + 50 * MS).origin is Origin.HELD
+    assert predict(gapped, within, within + 50 * MS, method).origin is Origin.HELD
     after = int(late[51])
-    assert predict(gapped, after, after + 50 * MS).origin is Origin.HELD
+    assert predict(gapped, after, after + 50 * MS, method).origin is Origin.HELD
     jumped = track.evolve(jumps=(50,))
     at = int(track.time_ns[52])
-    only_after = predict(jumped, at, at + 50 * MS)
+    only_after = predict(jumped, at, at + 50 * MS, method)
     alone = predict(
         track.evolve(
             time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]
         ),
         at,
         at + 50 * MS,
+        method,
     )
     assert only_after.pose.isclose(alone.pose, atol=0)
 
@@ -113,21 +115,37 @@ def test_repeated_poses_do_not_slow_the_prediction_down():
     now = int(track.time_ns[61])  # repeats the pose of sample 60
     # The window runs from sample 60 back, at the true velocity; the pose is carried on from now, 5
     # ms late.
-    assert predict(held, now, now + 50 * MS).pose.isclose(truth(int(track.time_ns[60]) + 50 * MS), atol=1e-14)
+    assert predict(held, now, now + 50 * MS, "constant_velocity").pose.isclose(
+        truth(int(track.time_ns[60]) + 50 * MS), atol=1e-14
+    )
 
 
-def test_a_head_at_rest_stays():
+@pytest.mark.parametrize("method", predictors.names())
+def test_a_head_at_rest_stays(method):
     track = head(100)
     still = np.minimum(np.arange(100), 50)
     rested = track.evolve(position_m=track.position_m[still], orientation_xyzw=track.orientation_xyzw[still])
     now = int(track.time_ns[80])
-    assert predict(rested, now, now + 50 * MS).pose.isclose(track.pose(50), atol=0)
+    assert predict(rested, now, now + 50 * MS, method).pose.isclose(track.pose(50), atol=0)
 
 
 @given(st.integers(200 * MS, 900 * MS), st.sampled_from([20 * MS, 100 * MS]))
 def test_many_at_once_are_exact_for_a_constant_velocity_too(now, ahead):
-    q = predict_many(steady(), np.array([now]), ahead)[0]
-    assert Pose(truth(now + ahead).position_m, q).isclose(truth(now + ahead), atol=1e-14)
+    found = predictors.get("constant_velocity").predict_many(steady(), np.array([now]), ahead)
+    assert found.time_ns.tolist() == [now + ahead]
+    assert Pose(found.position_m[0], found.orientation_xyzw[0]).isclose(truth(now + ahead), atol=1e-14)
+
+
+@pytest.mark.parametrize("method", [one.name for one in predictors])
+def test_many_at_once_are_the_single_ones_where_samples_lie(method):
+    """On a steady head; elsewhere `constant_velocity` measures from sample to sample instead."""
+    track, one = steady(), predictors.get(method)
+    now = track.time_ns[20:90:7]
+    for ahead in (20 * MS, 100 * MS, 400 * MS):
+        found = one.predict_many(track, now, ahead)
+        for k, instant in enumerate(now.tolist()):
+            single = predict(track, instant, instant + ahead, method)
+            assert Pose(found.position_m[k], found.orientation_xyzw[k]).isclose(single.pose, atol=1e-14)
 
 
 def test_bad_arguments():

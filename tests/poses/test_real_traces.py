@@ -148,12 +148,13 @@ def test_speeds_are_those_published_for_the_one_file_that_is_a_whole_set(real_tr
 def test_prediction_helps_as_published(real_traces, name):
     """Halved up to 100 ms, and never worse than none in the mean once capped."""
     errors = {r.latency_ms: r for r in analyse(load_trace(real_traces / name).track).errors}
-    assert all(errors[ms].mean[1] < 0.55 * errors[ms].mean[0] for ms in (20, 50, 100))
-    assert all(row.mean[2] < row.mean[0] for row in errors.values())
+    means = {ms: {name: one.mean for name, one in row.errors.items()} for ms, row in errors.items()}
+    assert all(means[ms]["constant_velocity"] < 0.55 * means[ms]["none"] for ms in (20, 50, 100))
+    assert all(mean["constant_velocity"] < mean["none"] for mean in means.values())
     # One person moves up to twice as much as the 264 of the set together (p50 / p95 / p99 with no
     # prediction, degrees).
     for ms, wanted in {20: (0.61, 2.3, 3.9), 100: (2.8, 10.9, 18.3), 400: (10.5, 38.7, 61.5)}.items():
-        assert np.all(np.abs(np.log2(np.array(errors[ms].held) / wanted)) < 1)
+        assert np.all(np.abs(np.log2(np.array(errors[ms].errors["none"].percentiles) / wanted)) < 1)
 
 
 @pytest.mark.parametrize("name", KNOWN)

@@ -99,7 +99,9 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     assert [one["taken"] for one in data["segments"]].count(True) == 1 and len(data["segments"]) == 2
     assert {one["kind"] for one in data["defects"]} == {one.kind for one in load_trace(two).defects}
     short = json.loads(run("info", write(tmp_path / "s.csv", rows(head(10))), "--json"))
-    assert short["errors_deg"][-1]["held"] == {"mean": None, "p50": None, "p95": None, "p99": None}
+    assert list(short["errors_deg"][-1]) == ["latency_ms", "none", "constant_velocity", "cautious"]
+    figures = ("mean", "p50", "p95", "p99", "lead_share", "lead_p95", "lag_p95")
+    assert short["errors_deg"][-1]["none"] == dict.fromkeys(figures)
 
 
 def test_info_on_a_track_too_short_for_the_table(tmp_path):

@@ -27,9 +27,10 @@ def test_a_steady_turn():
     assert np.allclose(figures.angular_speed_deg_s, 60, rtol=2e-7)
     assert np.allclose(figures.linear_speed_m_s, 0.5, rtol=2e-7)
     for row in figures.errors:
-        assert np.allclose(row.held, 0.06 * row.latency_ms, rtol=1e-6)
-        assert max(row.cav) < 1e-4
-        assert np.allclose(row.capped, 0.06 * max(row.latency_ms - 100, 0), rtol=1e-6, atol=1e-4)
+        held, ahead = row.errors["none"], row.errors["constant_velocity"]
+        assert np.allclose(held.percentiles, 0.06 * row.latency_ms, rtol=1e-6)
+        assert held.lag == pytest.approx(0.06 * row.latency_ms, rel=1e-6) and held.lead == held.lead_share == 0
+        assert np.allclose(ahead.percentiles, 0.06 * max(row.latency_ms - 100, 0), rtol=1e-6, atol=1e-4)
 
 
 def test_rate_duration_gaps_and_jumps():
@@ -56,7 +57,7 @@ def test_nothing_is_measured_across_a_gap():
     )
     figures = analyse(track)
     assert np.allclose(figures.angular_speed_deg_s, 30, rtol=1e-6)
-    assert all(np.allclose(r.held, 0.03 * r.latency_ms, rtol=1e-6) for r in figures.errors)
+    assert all(np.allclose(r.errors["none"].percentiles, 0.03 * r.latency_ms, rtol=1e-6) for r in figures.errors)
 
 
 @pytest.mark.parametrize("latency_ms", [20, 100, 400])
@@ -69,23 +70,22 @@ def test_the_error_table_by_another_route(latency_ms):
     speed = (then * before.inv()).as_rotvec() / 0.05
     guesses = [
         then,
-        Rotation.from_rotvec(speed * latency_ms / 1e3) * then,
         Rotation.from_rotvec(speed * min(latency_ms / 1e3, 0.1)) * then,
     ]
     row = error_row(track, latency_ms)
     assert row.count == len(grid)
-    for guess, found, mean in zip(guesses, (row.held, row.cav, row.capped), row.mean, strict=True):
+    for guess, found in zip(guesses, (row.errors["none"], row.errors["constant_velocity"]), strict=True):
         errors = np.degrees((guess.inv() * now).magnitude())
         # float seconds are good to 4e-15 s and the turn is at most 400 deg/s; predictions magnify
         # by up to 9.
-        assert np.allclose(found, np.percentile(errors, ERROR_PERCENTILES), rtol=0, atol=1e-9)
-        assert mean == pytest.approx(errors.mean(), abs=1e-9)
+        assert np.allclose(found.percentiles, np.percentile(errors, ERROR_PERCENTILES), rtol=0, atol=1e-9)
+        assert found.mean == pytest.approx(errors.mean(), abs=1e-9)
 
 
 def test_too_short_for_a_latency_is_nan_not_a_guess():
     figures = analyse(head(10))
     assert [r.count > 0 for r in figures.errors] == [ms + 50 <= 150 for ms in LATENCIES_MS]
-    assert np.isnan(figures.errors[-1].held).all()
+    assert all(np.isnan(one.percentiles).all() for one in figures.errors[-1].errors.values())
     alone = analyse(PoseTrack([0], np.zeros((1, 3)), [[0, 0, 0, 1.0]]))
     assert np.isnan(alone.angular_speed_deg_s).all()
 

@@ -65,6 +65,18 @@ class RaysInRendered:
         """(..., 2) pixels."""
         return self.start + r[..., None] * self.along
 
+    def shown_depth(self, r: Array, r_error: Array) -> tuple[Array, Array]:
+        """The inverse depth, for the shown eye, of the points at inverse depth r on the rays.
+
+        One over the length to them along the shown axis; and how far a float32 evaluation may be
+        off: by r's own error, and by rounding lead, r ahead and their quotient.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            nearer = 1 - r * self.ahead_m
+            depth = r * self.lead / nearer
+            rounding = 8 * FLOAT32_UNIT * (np.abs(depth) * (1 + np.abs(r * self.ahead_m / nearer)) + np.abs(r / nearer))
+            return depth, np.abs(self.lead) / nearer**2 * r_error + rounding
+
     def place_error(self, r: Array, r_error: Array) -> Array:
         """(...) pixels by which a float32 evaluation of place() may be off."""
         run = np.abs(self.along).max(axis=-1)

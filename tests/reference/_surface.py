@@ -9,6 +9,7 @@ import itertools
 
 import attrs
 import numpy as np
+from scipy import ndimage
 
 from reference._rays import FLOAT32_UNIT, Array
 
@@ -72,6 +73,42 @@ def surface(inverse_depth: Array, steepest: tuple[float, float], *, cut_by_slope
     if not found:
         return Surface(np.zeros((0, 3, 3)), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, bool))
     return Surface(*(np.array(column) for column in zip(*found, strict=True)))
+
+
+# 1/m: 0.01 of openwarp's clip depth, which goes by 2 from the plane at 0.1 m to that at 20 m, and
+# evenly in inverse depth.
+GRID_STEP = 0.01 / 2 * (1 / 0.1 - 1 / 20)
+
+
+def grid_surface(inverse_depth: Array, side: int, ring: float) -> Surface:
+    """All triangles of a grid of vertices from border to border, by cells from the bottom left.
+
+    What is nearest around each pixel is a maximum filter of the whole picture.
+    """
+    depth = np.nan_to_num(known_depth(inverse_depth))
+    reach = [int(ring > 0) and max(int(np.floor(ring * n + 0.5)), 1) for n in depth.shape]
+    slanted = [int(ring > 0) and max(int(np.floor(2**0.5 * ring * n + 0.5)), 1) for n in depth.shape]
+    around = np.zeros([2 * far + 1 for far in np.maximum(reach, slanted)], bool)
+    y, x = (n // 2 for n in around.shape)
+    for up, right in ((0, 0), (reach[0], 0), (0, reach[1]), slanted):
+        around[y + up, x + right] = around[y - up, x - right] = True
+    nearest = ndimage.maximum_filter(depth, footprint=around, mode="nearest")
+    stepped = np.where(nearest - depth > GRID_STEP, nearest, depth)
+    unsure = np.abs(nearest - depth - GRID_STEP) <= 4 * FLOAT32_UNIT * (nearest + GRID_STEP)
+    rows, columns = (
+        np.searchsorted(np.arange(1, n + 1) * (side - 1), np.arange(side) * n, side="right").clip(max=n - 1)
+        for n in depth.shape
+    )
+    at = np.stack(np.meshgrid(*(np.linspace(0, n, side) for n in depth.shape[::-1])), axis=-1)
+    points = np.concatenate([at, stepped[np.ix_(rows, columns)][..., None]], axis=-1)
+    doubtful = unsure[np.ix_(rows, columns)]
+    cells = [np.s_[y : side - 1 + y, x : side - 1 + x] for y, x in CORNERS]
+    of_half = [[cells[k] for k in half] for half in HALVES]
+    corners = np.stack([np.stack([points[cell] for cell in half], axis=2) for half in of_half], axis=2)
+    count = 2 * (side - 1) ** 2
+    owner = np.full((count, 2), np.nan)
+    by_half = np.stack([np.logical_or.reduce([doubtful[cell] for cell in half]) for half in of_half], axis=2)
+    return Surface(corners.reshape(count, 3, 3), owner, np.ones((count, 2)), by_half.ravel())
 
 
 def _joins(depth: Array, steepest: tuple[float, float], cut_by_slope: bool, sign: int) -> Joins:

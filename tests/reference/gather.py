@@ -74,17 +74,22 @@ def _middle_bound(inputs: TwinInputs, r: float, moved: Array, past: float) -> Ar
 def rotation(inputs: TwinInputs) -> ReferencePicture:
     """Each shown pixel's direction, looked up in the rendered picture."""
     shown = inputs.shown
+    clamped = inputs.settings is not None and inputs.settings.edge == "clamp"
     return _through_infinity(
-        inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov)
+        inputs, View(Pose(inputs.rendered.pose.position_m, shown.pose.orientation_xyzw), shown.fov), clamped
     )
 
 
-def _through_infinity(inputs: TwinInputs, shown: View) -> ReferencePicture:
+def _through_infinity(inputs: TwinInputs, shown: View, clamped: bool = False) -> ReferencePicture:
     size, rendered = inputs.size, inputs.rendered
     far = np.zeros(inputs.shape)
     pixels, _, _ = project(inputs.directions(shown), np.zeros(3), far, rendered, size)
     bound = inputs.map_error(WarpMap.between(shown, inputs.shown_size, rendered, size), far)
-    return sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+    if not clamped:
+        return sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+    # In a picture that repeats its border the place is the same one, moved inwards; moving two
+    # places to the nearest of a box never takes them apart, so the bound holds.
+    return sample_covered(inputs.colour, np.clip(pixels, 0.5, np.array(size) - 0.5), bound, inputs.sampler_pixels)
 
 
 def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
@@ -145,7 +150,8 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     bound = inputs.map_error(WarpMap.between(shown, shown_size, rendered, size), own)
     if settings.test == "off":
         looked = sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
-        return attrs.evolve(looked, undecided=(looked.undecided & known) | inputs.near_another_pixel())
+        unsure = (looked.undecided & known) | inputs.near_another_pixel()
+        return attrs.evolve(looked, undecided=unsure, inverse_depth=(own, np.zeros(own.shape)))
     at, agree, undecided = _where_depth_agrees(
         inputs.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
     )
@@ -156,7 +162,7 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known
     undecided = (undecided & known & ~outside) | edge | inputs.near_another_pixel()
-    return ReferencePicture(looked.colour, looked.tolerance, undecided)
+    return ReferencePicture(looked.colour, looked.tolerance, undecided, (own, np.zeros(own.shape)))
 
 
 def _where_depth_agrees(

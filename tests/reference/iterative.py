@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 
 from hmdwarp.geometry import WarpMap
@@ -43,7 +44,8 @@ def iterative(inputs: TwinInputs) -> ReferencePicture:
     moved = np.abs(change) * length
     met = found.known & (moved <= settings.converged)
     unsure |= found.known & (np.abs(moved - settings.converged) <= 2 * length * r_error + 16 * FLOAT32_UNIT * moved)
-    return _coloured(inputs, rays, r, met, np.where(found.connected, pixels, found.centre), pixels, error, unsure)
+    looked = _coloured(inputs, rays, r, met, np.where(found.connected, pixels, found.centre), pixels, error, unsure)
+    return attrs.evolve(looked, inverse_depth=rays.shown_depth(r, r_error))
 
 
 def _coloured(

@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from hmdwarp.geometry import View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, project
-from reference._surface import OVERLAP, Surface, known_depth, surface
+from reference._surface import OVERLAP, Surface, grid_surface, known_depth, surface
 from reference.picture import ReferencePicture, TwinInputs, sample_covered
 
 # The rasteriser moves corners to 1/256 of a pixel (GL asks for 1/16, all that exists has 1/256 and
@@ -31,6 +31,8 @@ LEAST_ALPHA = 0.5
 
 def mesh(inputs: TwinInputs) -> ReferencePicture:
     """The nearest triangle on each shown ray, and the rendered colour where it is hit."""
+    if inputs.settings.grid:
+        return _hit(inputs, grid_surface(inputs.inverse_depth, inputs.settings.grid, inputs.settings.ring))
     return _seen(inputs, inputs.settings.cut)
 
 
@@ -83,12 +85,23 @@ def _seen(inputs: TwinInputs, cut: str, tolerance: float = 0.0, overlap: float =
     rendered, size = inputs.rendered, inputs.size
     limits = _steepest(rendered, size, inputs.settings.steepest_deg)
     triangles = surface(inputs.inverse_depth, limits, cut_by_slope=cut != "vertex")
+    return _hit(inputs, triangles, limits if cut != "slope" else None, tolerance, overlap)
+
+
+def _hit(
+    inputs: TwinInputs,
+    triangles: Surface,
+    sheets_beyond: tuple[float, float] | None = None,
+    tolerance: float = 0.0,
+    overlap: float = 0.0,
+) -> ReferencePicture:
+    """What the rays hit of these triangles; sheets_beyond: the steepest that is no sheet."""
 
     def hits(offset: tuple[float, float], grown: float = 0.0, reach: float = 0.0) -> _Hits:
         found = _hits(inputs, triangles, np.array(offset), grown, reach)
-        if cut != "slope":
+        if sheets_beyond is not None:
             return _nearest_first(
-                _coloured(inputs.colour, _without_sheets(inputs, triangles, found, limits, np.array(offset)))
+                _coloured(inputs.colour, _without_sheets(inputs, triangles, found, sheets_beyond, np.array(offset)))
             )
         return _nearest_first(_coloured(inputs.colour, found.coloured_by_owner(triangles)))
 

@@ -134,12 +134,14 @@ class ReferencePicture:
     """colour (h, w, 4) with coverage in alpha, bottom row first.
 
     Tolerance (h, w), absolute, for the three colours; undecided (h, w): pixels whose coverage or
-    source a rounding error within the bound may change.
+    source a rounding error within the bound may change. inverse_depth (h, w): in the shown view,
+    where the warp finds one by itself, and how far it may be off; None where it does not.
     """
 
     colour: Array
     tolerance: Array
     undecided: NDArray[np.bool_]
+    inverse_depth: tuple[Array, Array] | None = None
 
 
 def sample_covered(

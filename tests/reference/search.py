@@ -121,5 +121,8 @@ def _coloured(inputs: TwinInputs, rays: RaysInRendered, hits: _Hits, unsure: Boo
     edge = hits.some & near_edge(pixels, inputs.size, error)
     beside = np.abs(rays.lead) <= 1e-5
     return ReferencePicture(
-        looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside
+        looked.colour,
+        looked.tolerance,
+        (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside,
+        rays.shown_depth(hits.r, 2 * r_error),
     )

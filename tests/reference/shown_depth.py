@@ -19,9 +19,16 @@ LARGEST_HALF = 65504.0
 
 
 def shown_depth(inputs: TwinInputs, twin: Callable[[TwinInputs], ReferencePicture]) -> ReferencePicture:
-    """The warp's answer on pictures that hold in red what inverse depth in 1/m each pixel has for
-    the shown eye; coverage 0: not known.
+    """In red, with coverage in alpha: the depth that the warp finds by itself, if it does.
+
+    Else its answer on pictures that hold in red what inverse depth in 1/m each pixel has for the
+    shown eye; coverage 0: not known.
     """
+    itself = twin(inputs)
+    if itself.inverse_depth is not None:
+        depth, tolerance = itself.inverse_depth
+        covered = itself.colour[..., 3:]
+        return attrs.evolve(itself, colour=covered * np.dstack([depth] * 3 + [covered[..., 0]]), tolerance=tolerance)
     own = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
     swapped = attrs.evolve(
         inputs,

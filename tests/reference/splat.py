@@ -31,7 +31,7 @@ def splat(inputs: TwinInputs) -> ReferencePicture:
     together, or which ones agree in depth.
     """
     nearest, depth_error, undecided = _met(inputs)
-    return _fetched(inputs, nearest, depth_error, undecided)
+    return attrs.evolve(_fetched(inputs, nearest, depth_error, undecided), inverse_depth=(nearest, depth_error))
 
 
 # --- depth forward ------------------------------------------------------------------------------

@@ -76,14 +76,17 @@ def test_every_chart_takes_its_colours_from_the_page_and_shares_no_ids():
         seen |= ids
 
 
-def test_every_point_has_its_name_and_fills_their_key():
+def test_the_front_and_baselines_have_names_and_all_warps_and_fills_a_key():
+    rows = some_rows(traces=("walk",), latencies=(200.0,))
+    rows += [a_row("mesh:grid=64", fill, "walk", baseline="CloudXR.js") for fill in ("none", "pyramid")]
+    (case,) = cases(rows)
     for measure in ("flip", "psnr_db"):
-        found = words(pareto_chart(one_case(), measure))
-        # The fills of one warp that nearly coincide share a name.
-        assert [name for name in WARPS if found.count(name) not in (1, 2)] == [] and sum(
-            found.count(name) for name in WARPS
-        ) > 20
-        assert {"fill none", "fill interpolate"} <= set(found)
+        found = words(pareto_chart(case, measure))
+        front = {row["warp"] for row in case.front(measure)}
+        # Once in the list of colours, and once beside a point, however many points it has there.
+        assert {name: found.count(name) for name in WARPS} == {name: 1 + (name in front) for name in WARPS}
+        assert found.count("mesh:grid=64") == found.count("(CloudXR.js)") == 1
+        assert {"fill none", "fill interpolate", "fill pyramid"} <= set(found)
 
 
 def test_the_front_is_filled_bold_and_in_words():
@@ -95,7 +98,8 @@ def test_the_front_is_filled_bold_and_in_words():
     assert [name for name in best if f"{name} with fill interpolate" not in pareto_text(case)] == []
     hollow = len(re.findall(r"<use [^>]*fill: none|<use [^>]*fill-opacity: 0", text))
     filled = len(re.findall(r"<use [^>]*fill: var\(--warp", text))
-    assert (filled, hollow >= len(case.rows) - len(best)) == (len(best), True)
+    # The list of colours is filled too.
+    assert (filled, hollow >= len(case.rows) - len(best)) == (len(best) + len(WARPS), True)
 
 
 def test_the_same_data_give_the_same_chart():
@@ -123,7 +127,7 @@ def test_odd_values_can_be_drawn():
         ]
         (case,) = cases([*rows, a_row("backward")])
         for measure in ("flip", "psnr_db"):
-            assert words(pareto_chart(case, measure)).count("mesh") == 1
+            assert words(pareto_chart(case, measure)).count("mesh") == 2
     nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in ("holes", "edges", "elsewhere")}
     assert "forward" in words(regions_chart(cases([a_row(regions=nothing, fill="none")])[0]))
     flat = [{"warp": "mesh", "axis": "x", "offset": x, "flip": 0.0, "psnr_db": 100.0} for x in (-1.0, 0.0, 1.0)]

@@ -45,6 +45,13 @@ def test_fits_and_no_number_is_cut(width, warps):
         assert all(part in text for part in re.split(r"(?<=[:,])", name))
 
 
+def test_a_baseline_is_marked_with_its_system():
+    rows = [a_row("mesh"), a_row("mesh:grid=64", baseline="CloudXR.js")]
+    assert "mesh:grid=64 (CloudXR.js)" in printed(rows, 140)
+    assert "| `mesh:grid=64` (CloudXR.js) |" in markdown_table(rows)
+    assert "| `mesh` |" in markdown_table(rows)
+
+
 def test_columns_are_dropped_in_order_and_named():
     rows = some_rows()
     wide, narrow = printed(rows, 100), printed(rows, 70)

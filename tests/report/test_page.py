@@ -97,7 +97,7 @@ def test_everything_is_on_the_page():
     ]
     wanted += [f"{summary['quality']['psnr_db']['mean']:.2f}", f"{summary['time_ms']['total']['p95']:.2f}", "★"]
     assert [word for word in wanted if word not in page.text] == []
-    assert page.tags.count("img") == 12 and page.tags.count("svg") == 6
+    assert page.tags.count("img") == 12 and page.tags.count("svg") == 7
 
 
 def test_nothing_is_fetched():
@@ -163,7 +163,7 @@ def test_without_baseline_worst_frames_notes_or_any_measurement():
     )
     page = Page(text)
     assert "★" not in page.text and "Worst frames" not in page.text and "<h2>Notes</h2>" not in text
-    assert page.text.count("not measured") == 4 and "–" in page.text
+    assert page.text.count("not measured") == 5 and "–" in page.text
 
 
 def test_the_same_run_gives_the_same_page():
@@ -240,7 +240,7 @@ class TestInChromium:
     def test_whole_quiet_and_alone(self, width, dark, tmp_path):
         found, console = in_chromium(render(), tmp_path, width=width, dark=dark)
         assert console == "" and found["faults"] == [] and found["requests"] == []
-        assert len(found["images"]) == 12 and len(found["charts"]) == 6
+        assert len(found["images"]) == 12 and len(found["charts"]) == 7
         for complete, natural_width, natural_height, shown_width, shown_height in found["images"]:
             assert complete and natural_width > 0 and natural_height > 0 and shown_width > 50 and shown_height > 50
         assert all(w > 200 and h > 80 for w, h in found["charts"])

@@ -78,6 +78,7 @@ def test_with_neither_both_reasons_are_told(absent):
     assert told.startswith("neither headset nor window: no OpenXR runtime: ")
     assert absent in told
     assert "and no window: neither DISPLAY nor WAYLAND_DISPLAY is set" in told
+    assert told.endswith("or show it nowhere: --source offscreen")
     assert caught.value.exit_status == 3
 
 

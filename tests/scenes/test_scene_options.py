@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import InputError
+from hmdwarp.errors import InputError, SceneError
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import SceneOptions, load_scene
 
@@ -102,7 +102,7 @@ def test_cameras_are_noted_where_none_is_taken_and_known_ones_named_where_anothe
     glb = with_cameras()
     notes = glb.load(tmp_path, options=FREE).notes
     assert "thing.glb: has cameras: 'front', 'side'; --viewpoint NAME takes one" in notes
-    with pytest.raises(InputError, match="viewpoint 'back': the file has 0 'front', 1 'side'; or X,Y,Z"):
+    with pytest.raises(InputError, match="the file has 0 'front', 1 'side'; expected one of them or X"):
         glb.load(tmp_path, options=SceneOptions(viewpoint="back"))
 
 
@@ -126,7 +126,7 @@ def test_an_animation_is_chosen_by_name_or_number(tmp_path, asked, speed):
 
 
 def test_an_unknown_animation_is_refused_with_the_known_ones(tmp_path):
-    with pytest.raises(InputError, match="animation 'fall': the file has 0 'slide', 1 'rise'; or none"):
+    with pytest.raises(InputError, match="the file has 0 'slide', 1 'rise'; expected one of them or none"):
         two_animations().load(tmp_path, options=SceneOptions(animation="fall"))
 
 
@@ -222,11 +222,22 @@ def test_a_viewpoint_inside_a_thing_is_taken_and_said(tmp_path):
     assert scene.notes == ("thing.glb: the viewpoint 0,1.6,0 lies inside an object",)
 
 
+def test_a_viewpoint_far_outside_is_taken_and_said(tmp_path):
+    scene = boxes(ROOM).load(tmp_path, options=SceneOptions(viewpoint="100,100,100"))
+    assert scene.notes == (
+        "thing.glb: the viewpoint 100,100,100 lies far outside the scene, which is hardly seen from there",
+    )
+
+
 @pytest.mark.parametrize(
     ("factor", "said"),
     [
-        (1000.0, "thing.glb: 6e+03 m across; if its unit is a millimetre, use --scene-scale 0.001"),
-        (100.0, "thing.glb: 600 m across; if its unit is a centimetre, use --scene-scale 0.01"),
+        (1000.0, "thing.glb: 6000 m across; if its unit is a millimetre, --scene-scale 0.001 makes it 6 m"),
+        (
+            100.0,
+            "thing.glb: 600 m across; if its unit is a centimetre, --scene-scale 0.01 makes it 6 m"
+            " or a millimetre, --scene-scale 0.001 makes it 0.6 m",
+        ),
         (0.001, "thing.glb: 0.006 m across, and a head moves farther; --scene-scale 100 makes it 0.6 m"),
         (1 / 60, "thing.glb: 0.1 m across, and a head moves farther; --scene-scale 10 makes it 1 m"),
     ],
@@ -238,6 +249,13 @@ def test_units_other_than_metres_are_noticed_and_left_alone(tmp_path, factor, sa
     assert np.ptp(vertices(scene)[:, 0]) == pytest.approx(6 * factor, rel=1e-5)
     right = glb.load(tmp_path, options=SceneOptions(scale=1 / factor, viewpoint="0,1.6,0"))
     assert right.notes == () and np.ptp(vertices(right)[:, 0]) == pytest.approx(6, rel=1e-5)
+
+
+def test_a_scene_beyond_float32_is_refused(tmp_path):
+    """Squares of distances overflow float32 at 1e19 m, so that a drawing would fail in mid-run."""
+    huge = boxes(cube((-1e29, -1e29, -1e29), (1e29, 1e29, 1e29)))
+    with pytest.raises(SceneError, match="2e\\+29 m across; expected at most 1e\\+09 m.*--scene-scale"):
+        huge.load(tmp_path, options=IN_PLACE)
 
 
 def test_a_ground_below_the_z_axis_is_noticed_and_left_alone(tmp_path):

@@ -16,7 +16,7 @@ from commands import hmdwarp
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from scipy.stats import binomtest
+from scipy.stats import binomtest, norm
 
 from hmdwarp.cli.study.power import power as command
 from hmdwarp.errors import InputError
@@ -25,6 +25,7 @@ from hmdwarp.study.analysis import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
 from hmdwarp.study.power import (
     differences,
+    expected_difference,
     people_for,
     planned_model,
     power_of,
@@ -120,7 +121,7 @@ def test_power_is_that_of_the_signed_rank_test():
     )
     (share,) = found.at[0].found.values()
     assert 0.82 < share.value < 0.90
-    assert found.true_effect == pytest.approx({design.families[0].comparisons[0]: 1.0}, abs=0.03)
+    assert found.true_effect == pytest.approx({design.families[0].comparisons[0]: 1.0})
     assert found.complete_share == 1
 
 
@@ -147,7 +148,34 @@ def test_the_ends_of_the_scale_take_power():
     for one, share in found.at[0].found.items():
         assert share.value < found.at[0].unlimited[one].value - 0.1
         assert found.true_effect[one] < 0.75 * found.planned[one]
-    assert any("the scale's ends and steps leave" in text for text in sentences(found, 0.8))
+    assert any("on a scale without ends and steps, and is" in text for text in sentences(found, 0.8))
+
+
+def test_the_true_difference_is_that_of_all_people_however_few_are_simulated():
+    """By hand on a scale of two answers, 0 and 1: the share of ratings above 0.5."""
+    coin = attrs.evolve(GRADE, least=0.0, most=1.0, step=1.0)
+    design = attrs.evolve(DESIGN, scales=(coin,), sickness=None)
+    model = planned_model(design, coin, 0.5, 1.0)
+    (few, many) = (power_of(model, design, coin, [n], studies=10, seed=n) for n in (3, 40))
+    assert few.true_effect == many.true_effect and few.planned == many.planned
+    means = model.ratings["grade"].means[DESIGN.parts[0].name]
+    for one in design.families[0].comparisons:
+        assert few.planned[one] == pytest.approx(0.5, abs=1e-12)
+        share = {name: norm.cdf(mean - 0.5) for name, mean in means.items()}  # latent_sd is 1 where --sd is 1
+        assert few.true_effect[one] == pytest.approx(share[one.baseline] - share[one.better], abs=1e-12)
+
+
+def test_the_true_difference_counts_drift_and_carry_over_as_simulated_people_do():
+    """4 standard errors of 16,000 people, whose differences spread by 0.71."""
+    model = with_effect(attrs.evolve(load_model("quick"), dropout=0.0), DESIGN, GRADE, 0.5)
+    design = attrs.evolve(DESIGN, sickness=None)
+    population = Population(model, design, DESIGN.parts[0].name)
+    cohort = population.of(range(16_000), 1)
+    for one in design.families[0].comparisons:
+        for latent in (False, True):
+            values = differences(cohort, GRADE, one, latent=latent)
+            true = expected_difference(population, GRADE, one, latent=latent)
+            assert values.mean() == pytest.approx(true, abs=4 * values.std() / np.sqrt(len(values)))
 
 
 def test_more_people_find_more_and_dropouts_cost():
@@ -249,7 +277,7 @@ def test_a_model_of_one_scale_plans_that_scale(two_scales, tmp_path):
         ({"n": "12-40"}, "--n 12-40: expected a range like 6..40"),
         ({"n": "0"}, "expected numbers of people, from 1 to 1000"),
         ({"n": "6..1001"}, "expected numbers of people, from 1 to 1000"),
-        ({"n": "9..5"}, "expected numbers of people, from 1 to 1000"),
+        ({"n": "9..5"}, "--n 9..5: runs backwards: expected the smaller number first, 5..9"),
         ({"effect": float("nan")}, "--effect nan"),
         ({"effect": 1.0, "sd": 0.0}, "--sd 0: expected a number above 0"),
         ({"sd": 1.0}, "expected --effect and --sd"),

@@ -75,6 +75,12 @@ def test_names_are_unique_and_in_the_order_of_the_page():
     assert experiments_named([]) == EXPERIMENTS
 
 
+def test_a_beginning_stands_for_all_that_begin_so():
+    names = [one.name for one in experiments_named(("ratings", "fig28"))]
+    assert "fig28-30" in names and len([one for one in names if one.startswith("ratings")]) > 1
+    assert all(one.startswith(("ratings", "fig28")) for one in names)
+
+
 def test_an_unknown_name_is_refused_with_the_nearest():
     with pytest.raises(UnknownNameError, match="unknown experiment of the thesis 'figg27': did you mean 'fig27'"):
         experiments_named(["figg27"])

@@ -7,6 +7,7 @@ from typing import Any
 
 import attrs
 
+from ...errors import InputError
 from ...options import option, same_as
 from ...study.measure_options import MeasureOptions
 
@@ -30,3 +31,15 @@ def pilot_field() -> Any:
 def simulated_field() -> Any:
     """Return the field that chooses simulated sessions."""
     return option(False, "Simulated sessions instead of those of participants.")
+
+
+def origin_of(pilot: bool, simulated: bool) -> str:
+    """Return whose sessions the options choose: one of store.ORIGINS.
+
+    Errors: InputError for both.
+    """
+    from ...study.store import PERSON, PILOT, SIMULATED
+
+    if pilot and simulated:
+        raise InputError("--pilot and --simulated: their data lie apart and are never mixed: one after the other")
+    return PILOT if pilot else SIMULATED if simulated else PERSON

@@ -7,15 +7,14 @@ from pathlib import Path
 import attrs
 import typer
 
-from ...errors import InputError
 from ...options import Declared, force_field, option, out_field
 from .._options import QUIET, Said, takes
-from ._options import pilot_field, simulated_field, store_field, study_field
+from ._options import origin_of, pilot_field, simulated_field, store_field, study_field
 
 
 @attrs.frozen
 class ExportCommand(Declared):
-    """An export. Errors: InputError for pilots mixed with simulated sessions."""
+    """An export."""
 
     study: str = study_field()
     out: Path = out_field(attrs.NOTHING, "A new folder for the tables and the BIDS data set.")
@@ -29,10 +28,6 @@ class ExportCommand(Declared):
         None, "Write ratings.parquet; by default where pyarrow is installed.", kind=bool, off="--no-parquet"
     )
 
-    def __attrs_post_init__(self) -> None:
-        if self.pilot and self.simulated:
-            raise InputError("--pilot and --simulated: they are never mixed in one table; export one after the other")
-
 
 @takes(ExportCommand, QUIET)
 def export(said: Said) -> None:
@@ -40,11 +35,11 @@ def export(said: Said) -> None:
     from ...study.design import load_design
     from ...study.export import ExportOptions
     from ...study.export import export as run
-    from ...study.store import PERSON, PILOT, SIMULATED, Store, folder_to_read
+    from ...study.store import Store, folder_to_read
     from .._show import steps
 
     wanted = ExportCommand.of(said)
-    origin = PILOT if wanted.pilot else SIMULATED if wanted.simulated else PERSON
+    origin = origin_of(wanted.pilot, wanted.simulated)
     design = load_design(wanted.study, checked=False)
     with Store(folder_to_read(design, wanted.store, origin), study=design.name) as data:
         contents = data.contents(pilot=wanted.pilot)

@@ -7,32 +7,20 @@ from pathlib import Path
 import attrs
 import typer
 
-from ...errors import InputError
 from ...options import Declared, group
 from ...study.measure_options import MeasureOptions
 from .._options import QUIET, Said, takes
-from ._options import simulated_field, store_field, study_field
+from ._options import origin_of, simulated_field, store_field, study_field
 
 
 @attrs.frozen
 class MeasureCommand(Declared):
-    """A study, and how to measure it. Errors: InputError for pilots with simulated sessions."""
+    """A study, and how to measure it."""
 
     study: str = study_field()
     store: Path | None = store_field()
     simulated: bool = simulated_field()
     options: MeasureOptions = group(MeasureOptions)
-
-    def __attrs_post_init__(self) -> None:
-        if self.options.pilot and self.simulated:
-            raise InputError("--pilot and --simulated: their data lie apart; measure one after the other")
-
-    @property
-    def origin(self) -> str:
-        """Whose sessions are measured."""
-        from ...study.store import PERSON, PILOT, SIMULATED
-
-        return PILOT if self.options.pilot else SIMULATED if self.simulated else PERSON
 
 
 @takes(MeasureCommand, QUIET)
@@ -44,9 +32,10 @@ def measure(said: Said) -> None:
     from .._show import steps
 
     wanted, quiet = MeasureCommand.of(said), said["quiet"]
+    origin = origin_of(wanted.options.pilot, wanted.simulated)
     design = load_design(wanted.study, checked=False)  # only its name is needed
     with (
-        Store(folder_to_read(design, wanted.store, wanted.origin), study=design.name) as data,
+        Store(folder_to_read(design, wanted.store, origin), study=design.name) as data,
         steps("refreshes", quiet=quiet) as (progress, screen),
     ):
         found = measure_study(data, wanted.options, progress, *([] if quiet else [screen.print]))

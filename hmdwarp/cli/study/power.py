@@ -125,6 +125,8 @@ def _counts(text: str, design: Design) -> list[int]:
         counts = sorted({int(one) for one in text.split(",")})
     elif found := re.fullmatch(r"(\d+)\.\.(\d+)", text):
         least, most = int(found[1]), int(found[2])
+        if least > most:
+            raise InputError(f"--n {text}: runs backwards: expected the smaller number first, {most}..{least}")
         if most > many:
             raise InputError(f"--n {text}: {wanted}")
         step = lcm(*(len(rows_for(design, part.name)) for part in design.parts))

@@ -10,7 +10,7 @@ import typer
 
 from ...options import Declared, option
 from .._options import Said, takes
-from ._options import pilot_field, store_field, study_field
+from ._options import origin_of, pilot_field, simulated_field, store_field, study_field
 
 
 @attrs.frozen
@@ -21,6 +21,7 @@ class WithdrawOptions(Declared):
     code: str = option(attrs.NOTHING, "The participant's code.", positional=True, metavar="CODE")
     store: Path | None = store_field()
     pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
     yes: bool = option(False, "Erase without confirmation.")
 
 
@@ -55,12 +56,13 @@ def _where(options: WithdrawOptions) -> tuple[Path, str | None]:
     """Return folder and name of the study; with --store a broken study file does not matter."""
     from ...errors import InputError
     from ...study.design import load_design
-    from ...study.store import PERSON, PILOT, store_folder
+    from ...study.store import store_folder
 
+    origin = origin_of(options.pilot, options.simulated)
     try:
         design = load_design(options.study, checked=False)
     except InputError:
         if options.store is None:
             raise
         return options.store, None
-    return store_folder(design, options.store, PILOT if options.pilot else PERSON), design.name
+    return store_folder(design, options.store, origin), design.name

@@ -12,35 +12,16 @@ from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ..carry import as_image
 from ..effects import ShownPass
+from ..warps import Output
 from ..warps.iterative import Iterative
 from .closing import Closing
 
 if TYPE_CHECKING:
     from ...frames import EyeImage
-    from ...gpu.shaders import Compute
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
-
-
-class _DeepIterative(Iterative):
-    """`iterative` that also writes the inverse depth of each shown pixel, -1 in holes."""
-
-    def prepare(self) -> None:
-        super().prepare()
-        self.shown_inverse_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
-
-    def gather(self, path: str, **defines: object) -> Compute:
-        return super().gather(path, WRITES_DEPTH=1, **defines)
-
-    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
-        self.shown_inverse_depth.bind_to_image(2, read=False, write=True)
-        super().run_gather(program, inputs, into, shown_inverse_depth=2, **uniforms)
-
-    def close(self) -> None:
-        super().close()
-        self.shown_inverse_depth.release()
 
 
 class Reflections(ShownPass):
@@ -60,8 +41,8 @@ class Reflections(ShownPass):
         glossy = GLOSSY in self.parts
         self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
-        self._deep = _DeepIterative(gpu, self.rendered_size, shown) if glossy else None
-        self._warp = self._deep or Iterative(gpu, self.rendered_size, shown)
+        self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
+        self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
         self._plain = [allocate(gpu.gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1)]
@@ -79,7 +60,10 @@ class Reflections(ShownPass):
                 "reflections are compensated, but this frame has no layer of them; frames from a scene have it"
             )
         seen = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, reflection.seen), others=())
-        self._warp.run(seen, self._seen)
+        if self._seen_depth is None:
+            self._warp.run(seen, self._seen)
+        else:
+            self._warp.run_with_depth(seen, self._seen, self._seen_depth)
         self.gpu.barrier()
         self._closing.run(self._seen.texture)
         free = iter(self._plain)
@@ -101,8 +85,8 @@ class Reflections(ShownPass):
 
     def _draw(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         read = {"picture": picture.colour.texture, "surface": self._surface.texture}
-        if self._deep is not None:
-            read["seen_inverse_depth"] = self._deep.shown_inverse_depth
+        if self._seen_depth is not None:
+            read["seen_inverse_depth"] = self._seen_depth
         for unit, texture in enumerate(read.values(), start=1):
             texture.bind_to_image(unit, read=True, write=False)
         into.bind_for_writing()
@@ -118,4 +102,6 @@ class Reflections(ShownPass):
     def close(self) -> None:
         for owner in (self._warp, self._closing):
             owner.close()
+        if self._seen_depth is not None:
+            self._seen_depth.release()
         release_all(self._seen, self._surface, *self._plain)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
@@ -72,6 +72,7 @@ class Memory(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     source = "this project's; keyframes as in Mark et al. 1997, Post-Rendering 3D Warping, chosen by what they cover"
     Settings = MemorySettings
+    remembers = True
 
     def prepare(self) -> None:
         wide, high = self.rendered_size
@@ -102,6 +103,9 @@ class Memory(Fill):
         for one in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[one.slot]
             self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
+
+    def renew(self) -> None:
+        self._last.clear()
 
     def _learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
@@ -134,6 +138,10 @@ class Memory(Fill):
         self._keeper.close()
         self._seeds.release()
         release_all(*self._slots)
+
+    @classmethod
+    def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
+        return min(settings.frames * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

@@ -85,13 +85,18 @@ class Pyramid(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     source = "Gortler et al. 1996, The Lumigraph (push-pull); the preference for the background is this project's"
     complete = True
+    drops_depth = True
     Settings = PyramidSettings
 
     def prepare(self) -> None:
         shaders = self.gpu.shaders
         self._first_pull, self._pull = (shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=k) for k in (1, 0))
-        self._last_push, self._push = (shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=k) for k in (1, 0))
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
+        deep = int(self.depth_read)
+        self._last_push = shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=1, LISTED=1, WITH_DEPTH=deep)
+        self._first_push, self._push = (
+            shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=0, LISTED=k) for k in (1, 0)
+        )
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True)
         size = self.shown_size
         self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
@@ -110,14 +115,11 @@ class Pyramid(Fill):
             self._push_one(below, above)
         picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
         into.colour.bind_for_writing(_FILLED)
-        into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
         self._read_above(self._last_push, self._levels[0])
-        uniforms = {
-            "warped": _SECOND[0],
-            "filled": _FILLED,
-            "filled_depth": _FILLED_DEPTH,
-            "shown_size": self.shown_size,
-        }
+        uniforms = {"warped": _SECOND[0], "filled": _FILLED, "shown_size": self.shown_size}
+        if self.depth_read:
+            into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+            uniforms["filled_depth"] = _FILLED_DEPTH
         self._last_push.uniforms.set(**uniforms)
         self._pieces.run(self._last_push)
 
@@ -127,8 +129,8 @@ class Pyramid(Fill):
         picture.colour.texture.bind_to_image(_FIRST[0], read=True, write=False)
         picture.depth.bind_to_image(_FIRST[1], read=True, write=False)
         self._write_level(self._first_pull, self.shown_size, first)
-        self._first_pull.uniforms.set(shown_size=self.shown_size)
-        self._pieces.run(self._first_pull)
+        self._first_pull.uniforms.set(shown_size=first.size)
+        self._pieces.run_coarse(self._first_pull)
         for below, level in zip(self._levels, self._levels[1:], strict=False):
             below.bind(_FIRST)
             self._write_level(self._pull, below.size, level)
@@ -147,11 +149,17 @@ class Pyramid(Fill):
         program.uniforms.set(below_size=below_size, level_size=level.size, **units, **self._limits(level))
 
     def _push_one(self, level: _Level, above: _Level) -> None:
+        first = level is self._levels[0]
+        program = self._first_push if first else self._push
         level.bind(_SECOND, write=True)
-        self._read_above(self._push, above)
+        self._read_above(program, above)
         uniforms = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
-        self._push.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **uniforms)
-        self._push.run(*level.size)
+        program.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **uniforms)
+        if first:
+            program.uniforms.set(shown_size=level.size)
+            self._pieces.run_coarse(program)
+            return
+        program.run(*level.size)
         self.gpu.barrier()
 
     def _read_above(self, program: Compute, above: _Level) -> None:

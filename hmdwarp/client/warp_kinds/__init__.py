@@ -2,21 +2,24 @@
 
 from .composite import CompositeWarp, DepthPicture
 from .gather import GatherWarp, bind_rendered_colour
+from .grid_mesh import GridMesh
 from .guesses import DepthGuesses, no_pieces, piece_list
 from .homography import HomographyWarp
 from .mesh import MeshWarp, steepest
 from .plane import PlaneWarp
 from .scatter import OrderedScatter, ScatterWarp, check_room
 from .seeds import Seeds
-from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
+from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE, depth_limits
 
 __all__ = [
     "DEPTH_FLOOR",
     "DEPTH_TOLERANCE",
+    "depth_limits",
     "CompositeWarp",
     "DepthGuesses",
     "DepthPicture",
     "GatherWarp",
+    "GridMesh",
     "HomographyWarp",
     "MeshWarp",
     "OrderedScatter",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
 
 _COLOUR = 0  # texture unit
+_RENDERED_DEPTH, _SHOWN_DEPTH = 4, 5  # image units
 
 
 class GatherWarp(Warp):
@@ -30,25 +31,32 @@ class GatherWarp(Warp):
     It returns the colour of the shown pixel at `shown`. `base + parallax * inverse_depth` is the
     rendered pixel (homogeneous) of a point at that inverse depth in the shown view.
 
+    Where WRITES_DEPTH is defined, `gathered` leaves in `found_inverse_depth` the inverse depth of
+    what it returns, in the shown view.
+
     The shader samples by `sampled(p)` of lib/gather.glsl, which uses the sampler or image loads,
     whichever is faster. If the shader defines PREPARE as the name of a function before it includes
     OUTPUT, that function runs once before the loop over rows, for copies of uniforms.
     """
 
     kind = "gather"
+    depth_reads: ClassVar[tuple[str, ...] | None] = ("rendered.inverse_depth",)
     fuses = True
     scans_out = True
     rows: ClassVar[int] = 8  # pixels of one column per invocation; 4 suits heavy shaders
+    rows_with_depth: ClassVar[int] = 0  # the same where the depth is written too; 0: as many
 
     def gather(self, path: str, **defines: object) -> Compute:
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
         if lens is None:
-            defines |= {"ROWS": self.rows}
+            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
         else:
             defines |= {"LENS": lens.library, **lens.library_defines()}
         if self.output.scanout:
             defines |= {"SCANOUT": 1}
+        if self.output.depth:
+            defines |= {"WRITES_DEPTH": 1}
         return self.gpu.shaders.compute(
             path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines
         )
@@ -63,6 +71,9 @@ class GatherWarp(Warp):
         self.bind_colour(inputs, _COLOUR, maps)
         into.bind_for_writing()
         self.set_sizes(program)
+        if self.depth_into is not None:
+            self.depth_into.bind_to_image(_SHOWN_DEPTH, read=False, write=True)
+            program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
         if self.output.lens is not None:
             bind_texels(program, self.picture(inputs))
@@ -70,6 +81,15 @@ class GatherWarp(Warp):
                 panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
             )
         program.run(*into.size)
+
+    def bind_beside(self, program: Compute, inputs: PassInputs) -> None:
+        """Bind what lib/depth_beside.glsl reads, if the shown depth is written."""
+        if self.depth_into is None:
+            return
+        inputs.rendered.inverse_depth.bind_to_image(_RENDERED_DEPTH, read=True, write=False)
+        to_shown = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
+        ratio = np.append(to_shown.H[2], to_shown.e[2])
+        program.uniforms.set(rendered_inverse_depth=_RENDERED_DEPTH, depth_ratio=ratio)
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:
         """Return the texture that the shader samples."""

@@ -16,8 +16,14 @@ class HomographyWarp(GatherWarp):
 
     reads = ("rendered.colour",)
 
+    @property
+    def clamps(self) -> bool:
+        """Whether the outermost pixels of the rendered picture go on beyond its border."""
+        return False
+
     def prepare(self) -> None:
-        self._program = self.gather("warps/rotation.comp")
+        self._program = self.gather("warps/rotation.comp", CLAMP=int(self.clamps))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.bind_beside(self._program, inputs)
         self.run_gather(self._program, inputs, into)

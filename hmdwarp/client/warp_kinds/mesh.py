@@ -13,15 +13,16 @@ import numpy as np
 
 from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
-from ...gpu.scopes import drawing_into
-from ...gpu.textures import COLOUR, Canvas, allocate, release_all
+from ...gpu.textures import release_all
 from ..warps import COLOUR_BYTES, DEPTH_BYTES, Warp
 from .gather import bind_rendered_colour
+from .mesh_target import MeshTarget
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...gpu.shaders import Compute
+    from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
 VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound
@@ -107,9 +108,7 @@ class MeshWarp(Warp):
                 self._pieces.program, [], index_buffer=None if self.adaptive else self._corners, index_element_size=2
             ),
         ]
-        self._colour = allocate(gl, self.shown_size, COLOUR)
-        self._depth = gl.depth_renderbuffer(self.shown_size)
-        self._framebuffer = gl.framebuffer([self._colour], self._depth)
+        self._target = MeshTarget(self.gpu, self.shown_size)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
@@ -126,7 +125,7 @@ class MeshWarp(Warp):
         self._make_cells(forward, rendered.view)
         bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
         self._draw(forward, shown, rendered.view)
-        into.copy_from(self._framebuffer)
+        self._target.copy_to(into)
 
     def _make_cells(self, forward: WarpMap, rendered: View) -> None:
         named = {
@@ -162,7 +161,6 @@ class MeshWarp(Warp):
         self.gpu.barrier()
 
     def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
-        gl = self.gpu.gl
         back = WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
         named = {
             "H": forward.H,
@@ -177,21 +175,19 @@ class MeshWarp(Warp):
             "rendered_parallax": back.e,
             "overlap": overlap(self.merging.get("tolerance", 0.0)),
         }
-        with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
-            self._framebuffer.clear(depth=0.0)
-            gl.depth_func = ">"  # larger depth values are nearer
+        with self._target.drawing():
             for draw, array, calls, count in zip(
                 (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
             ):
                 draw.uniforms.set_declared(**named)
                 array.render_indirect(calls, moderngl.TRIANGLES, count=count)
-            gl.depth_func = "<"
 
     def _steepest(self, rendered: View) -> tuple[float, float]:
         return steepest(rendered, self.rendered_size, self.settings.steepest_deg)
 
     def close(self) -> None:
-        release_all(*self._arrays, self._corners, *self._buffers, self._framebuffer, self._colour, self._depth)
+        release_all(*self._arrays, self._corners, *self._buffers)
+        self._target.close()
 
 
 def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:

@@ -31,6 +31,7 @@ class PlaneWarp(GatherWarp):
         self._median.uniforms.set(rendered_inverse_depth=1)
         self._median.run(1)
         self.gpu.gl.memory_barrier(moderngl.SHADER_STORAGE_BARRIER_BIT)
+        self.bind_beside(self._gather, inputs)
         self.run_gather(self._gather, inputs, into, **self.own_uniforms(inputs))
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
@@ -38,4 +39,5 @@ class PlaneWarp(GatherWarp):
         return {}
 
     def close(self) -> None:
+        super().close()
         self._plane.release()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import moderngl
 
@@ -18,8 +18,13 @@ if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
-RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_COLOUR = 1, 2, 0  # image units
-_UNITS = {"rendered_colour": RENDERED_COLOUR, "rendered_inverse_depth": RENDERED_DEPTH, "shown_colour": SHOWN_COLOUR}
+SHOWN_COLOUR, RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_DEPTH = range(4)  # image units
+_UNITS = {
+    "rendered_colour": RENDERED_COLOUR,
+    "rendered_inverse_depth": RENDERED_DEPTH,
+    "shown_colour": SHOWN_COLOUR,
+    "shown_inverse_depth": SHOWN_DEPTH,
+}
 LONGEST_SIDE = 2**14  # a rank has 15 bits for a row and 15 for a column, one of each to spare
 
 
@@ -28,6 +33,7 @@ class ScatterWarp(Warp):
 
     kind = "scatter"
     reads = ("rendered.colour", "rendered.inverse_depth")
+    depth_reads: ClassVar[tuple[str, ...] | None] = ("rendered.inverse_depth",)
 
     def forward_map(self, inputs: PassInputs) -> WarpMap:
         """Return the map from rendered to shown pixels."""
@@ -42,6 +48,13 @@ class ScatterWarp(Warp):
         inputs.rendered.colour.bind_to_image(RENDERED_COLOUR, read=True, write=False)
         inputs.rendered.inverse_depth.bind_to_image(RENDERED_DEPTH, read=True, write=False)
         into.bind_for_writing(SHOWN_COLOUR)
+        if self.depth_into is not None:
+            self.depth_into.bind_to_image(SHOWN_DEPTH, read=False, write=True)
+
+    @property
+    def depth_defines(self) -> dict[str, object]:
+        """Defines of the shader that writes the shown pixels."""
+        return {"WRITES_DEPTH": 1} if self.output.depth else {}
 
     def set(self, program: Compute, **more: object) -> None:
         """Set the sizes, the image units, and those of `more` that the program declares."""
@@ -73,8 +86,9 @@ class OrderedScatter(ScatterWarp):
             raise InputError(
                 f"a rendered picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
             )
-        path, defines = f"warps/{self.name}.comp", self.defines()
-        self._scatter, self._resolve = (self.gpu.shaders.compute(path, PASS=k, **defines) for k in range(2))
+        path, defines, shaders = f"warps/{self.name}.comp", self.defines(), self.gpu.shaders
+        self._scatter = shaders.compute(path, PASS=0, **defines)
+        self._resolve = shaders.compute(path, PASS=1, **defines, **self.depth_defines)
         self._keys = self.empty_keys()
 
     def defines(self) -> dict[str, object]:
@@ -101,6 +115,7 @@ class OrderedScatter(ScatterWarp):
         return rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def close(self) -> None:
+        super().close()
         self._keys.release()
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import attrs
 
 from ...frames import Needs
+from ...gpu.textures import SCALAR, allocate
 from ..settings import NoSettings
 
 if TYPE_CHECKING:
+    import moderngl
+
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
@@ -30,6 +34,8 @@ class Output:
     lens: LensPass | None = None
     # Whether rows light up one after the other, from PassInputs.shown to PassInputs.shown_last.
     scanout: bool = False
+    # Whether run_with_depth() will be called: the inverse depth is written beside the colour.
+    depth: bool = False
 
 
 class Warp(ABC):
@@ -50,12 +56,18 @@ class Warp(ABC):
     Settings: ClassVar[type] = NoSettings
     # Settings that trade accuracy for time; the bench runs them beside the defaults.
     variants: ClassVar[tuple[str, ...]] = ()
+    # Settings with which it does what a published or shipped system does, and the name of that. The
+    # bench runs and marks them too.
+    baselines: ClassVar[Mapping[str, str]] = {}
     fuses: ClassVar[bool] = False  # Whether it can write the panel in one resample.
     scans_out: ClassVar[bool] = False  # Whether it can give every row a view of its own.
     resamples: ClassVar[bool] = False  # Whether its result is a resample even for an unmoved head.
     # Whether it scatters, sorts or shares between pixels. Without, each shown pixel looks something
     # up by itself, which clients without compute shaders can do too.
     needs_compute: ClassVar[bool] = True
+    # What it reads to write the shown inverse depth beside the colour; None for a warp that runs a
+    # second time for it, see client/carry.py.
+    depth_reads: ClassVar[tuple[str, ...] | None] = None
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
     # Whether it stands for no compensation at all: no effect is compensated beside it unless it is
@@ -79,6 +91,9 @@ class Warp(ABC):
             "rendered_pixel": rendered_pixel,
             "shown_size": tuple(shown_size),
         }
+        # Where the inverse depth of this run goes: by run() into one pixel that nobody reads.
+        self._no_depth = allocate(gpu.gl, (1, 1), SCALAR) if self.output.depth else None
+        self.depth_into = self._no_depth
         self.prepare()
 
     @abstractmethod
@@ -89,8 +104,19 @@ class Warp(ABC):
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Write the shown view's colour and coverage into `into` (rgba16f, shown_size)."""
 
-    def close(self) -> None:  # noqa: B027 (most warps own no buffers)
-        """Free the buffers, if any."""
+    def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
+        """Run, and write r32f: the inverse depth of what is shown, in the shown view, -1 in holes.
+
+        For a warp that has depth_reads and was made for an output with depth.
+        """
+        self.depth_into = depth
+        self.run(inputs, into)
+        self.depth_into = self._no_depth
+
+    def close(self) -> None:
+        """Free what the warp owns."""
+        if self._no_depth is not None:
+            self._no_depth.release()
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:

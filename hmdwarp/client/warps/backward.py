@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import attrs
 
 from ...errors import PlanError
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, depth_limits
 from . import warps
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ class Backward(GatherWarp):
     )
     source = "McMillan and Bishop 1995 (the map); Williams 1978 (the depth test)"
     Settings = BackwardSettings
+    depth_reads = ("client.inverse_depth",)
     scans_out = False  # the client's depth is drawn for one instant
 
     def prepare(self) -> None:
@@ -64,6 +65,5 @@ class Backward(GatherWarp):
         tested: dict[str, object] = {}
         if self._tests:
             inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-            limits = {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
-            tested = {"rendered_inverse_depth": 1, **limits}
+            tested = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
         self.run_gather(self._program, inputs, into, client_inverse_depth=2, **tested)

@@ -34,6 +34,7 @@ class Environment(GatherWarp):
     source = "Chen 1995, QuickTime VR; Greene 1986, Environment Mapping (the cube)"
     resamples = True
     carries = False
+    depth_reads = None
 
     def prepare(self) -> None:
         self._program = self.gather("warps/environment.comp")

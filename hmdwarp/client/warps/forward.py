@@ -13,6 +13,7 @@ from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 if TYPE_CHECKING:
     from ...geometry import WarpMap
     from ...gpu.context import Gpu
+    from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
 
@@ -52,7 +53,7 @@ class Forward(ScatterWarp):
                 f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most "
                 f"{MOST_PIXELS} pixels"
             )
-        self._path = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
+        self._path: _OnePass | _Portable = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
@@ -69,7 +70,12 @@ class Forward(ScatterWarp):
         self.bind(inputs, into)
         self._path.run(self.forward_map(inputs), into)
 
+    def depth_pass(self, words: int) -> Compute | None:
+        """Return the pass that reads the shown depth out of keys, if it is wanted."""
+        return self.gpu.shaders.compute("warps/forward_depth.comp", WORDS=words) if self.output.depth else None
+
     def close(self) -> None:
+        super().close()
         self._path.close()
 
 
@@ -93,6 +99,7 @@ class _Portable:
         check_room(warp.gpu, warp.name, warp.shown_size, KEY_BYTES, _TIE_HEADER)
         self._quads = -(-warp.shown_size[0] * warp.shown_size[1] // 4)
         self._keys = gl.buffer(reserve=16 * self._quads)
+        self._depth = warp.depth_pass(1)
         self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
 
     def run(self, forward: WarpMap, into: Canvas) -> None:
@@ -109,6 +116,9 @@ class _Portable:
                 program.program.run_indirect(self._ties)
             else:
                 program.program.run(*groups)
+        if self._depth is not None:
+            self._warp.set(self._depth)
+            self._depth.run(*self._warp.shown_size)
 
     def close(self) -> None:
         self._keys.release()
@@ -123,7 +133,7 @@ class _OnePass:
         self._nearest, self._resolve = (
             warp.gpu.shaders.compute("warps/forward_atomic64.comp", PASS=k) for k in range(2)
         )
-        self._keys = warp.empty_keys(words=2)
+        self._keys, self._depth = warp.empty_keys(words=2), warp.depth_pass(2)
 
     def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
@@ -131,6 +141,10 @@ class _OnePass:
             self._warp.gpu.barrier()
             self._warp.set(program, H=forward.H, e=forward.e)
             program.run(*size)
+            if program is self._nearest and self._depth is not None:
+                self._warp.gpu.barrier()
+                self._warp.set(self._depth)
+                self._depth.run(*self._warp.shown_size)
 
     def close(self) -> None:
         self._keys.release()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, Seeds
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, Seeds, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ class Iterative(GatherWarp):
     Settings = IterativeSettings
     variants = ("seed=rotation", "slanted=3")
     rows = 4
+    rows_with_depth = 3  # with four, Mesa no longer unrolls the loop: 47 ms instead of 40 on llvmpipe
 
     def prepare(self) -> None:
         chosen = self.settings
@@ -87,7 +88,7 @@ class Iterative(GatherWarp):
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         wide, high = self.rendered_size
         surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
-        surface |= {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor}
+        surface |= depth_limits(self.settings, inputs.rendered)
         cells = {}
         if self._seeds is not None:
             self._seeds.find(inputs, surface)
@@ -95,5 +96,6 @@ class Iterative(GatherWarp):
         self.run_gather(self._program, inputs, into, most_pixels=self.settings.converged, **surface, **cells)
 
     def close(self) -> None:
+        super().close()
         if self._seeds is not None:
             self._seeds.close()

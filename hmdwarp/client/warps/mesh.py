@@ -1,20 +1,26 @@
-"""The rendered picture as a mesh with a vertex at every pixel."""
+"""The rendered picture as a mesh with a vertex at every pixel, or on a grid."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
-from ..warp_kinds import MeshWarp
-from . import warps
+from ..warp_kinds import GridMesh, MeshWarp
+from . import COLOUR_BYTES, DEPTH_BYTES, warps
+
+if TYPE_CHECKING:
+    from ...gpu.textures import Canvas
+    from ..inputs import PassInputs
 
 STEEPEST_DEG = 85.0
+MOST_VERTICES = 1024  # a side: a vertex's index times the picture's side stays below 2^24
+RING = 0.005  # of the picture, as openwarp has it
 
 
 @attrs.frozen
 class MeshSettings:
-    """Where the mesh is cut."""
+    """Where the mesh is cut; or, with a grid, how it is stretched."""
 
     # How sheets between two surfaces are found.
     cut: Literal["slope", "vertex", "both"] = attrs.field(
@@ -22,14 +28,27 @@ class MeshSettings:
     )
     # Planes seen at up to this angle from facing stay whole.
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
+    # Vertices on each axis of a mesh that is stretched across edges; 0 for one at each pixel, cut.
+    grid: int = 0
+    # Share of the picture at which a grid's vertex looks around itself for a nearer surface to lie
+    # on; 0 for its own depth.
+    ring: float = attrs.field(default=RING, validator=[attrs.validators.ge(0), attrs.validators.le(0.5)])
+
+    def __attrs_post_init__(self) -> None:
+        if self.grid != 0 and not 2 <= self.grid <= MOST_VERTICES:
+            raise ValueError(f"grid is {self.grid}: expected 2 to {MOST_VERTICES} vertices a side, or 0 for none")
+        if self.grid and (self.cut, self.steepest_deg) != ("slope", STEEPEST_DEG):
+            raise ValueError(f"grid={self.grid} is stretched across edges: leave out cut and steepest_deg, or the grid")
+        if not self.grid and self.ring != RING:
+            raise ValueError(f"ring is {self.ring:g}, but only a grid has one: give grid too, or leave it out")
 
 
 @warps.register
 class Mesh(MeshWarp):
-    """A mesh with one vertex a pixel.
+    """A mesh with one vertex a pixel, or with a grid of fewer.
 
     Sheets between surfaces are cut by slope before they are drawn, by vertex identity after, or by
-    either.
+    either; those of a grid are not cut.
     """
 
     name = "mesh"
@@ -38,11 +57,46 @@ class Mesh(MeshWarp):
         "surfaces are seen in the rendered picture and are smooth from one pixel to the next, up to one bilinear "
         "resample"
     )
-    gets_wrong = "what was hidden is a hole; every edge is half a pixel wide of the truth; slow where triangles are"
-    source = "Mark, McMillan and Bishop 1997, Post-Rendering 3D Warping; Mark 1999 (thesis), 3.3"
+    gets_wrong = (
+        "what was hidden is a hole; every edge is half a pixel wide of the truth; slow where triangles are; with a "
+        "grid, edges are off by up to a cell, and what was hidden shows colours stretched from beside it"
+    )
+    source = (
+        "Mark, McMillan and Bishop 1997, Post-Rendering 3D Warping; Mark 1999 (thesis), 3.3; the grid: openwarp in "
+        "Huzaifa et al. 2021, ILLIXR"
+    )
     Settings = MeshSettings
+    baselines = {"grid=64": "CloudXR.js", "grid=512": "ILLIXR openwarp"}
     adaptive = False
 
     @property
     def cuts(self) -> tuple[bool, bool]:
         return self.settings.cut != "vertex", self.settings.cut != "slope"
+
+    def prepare(self) -> None:
+        chosen = self.settings
+        if chosen.grid:
+            self._grid = GridMesh(self.gpu, self.rendered_size, self.shown_size, chosen.grid, chosen.ring)
+        else:
+            super().prepare()
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        if self.settings.grid:
+            self._grid.run(inputs, into)
+        else:
+            super().run(inputs, into)
+
+    def close(self) -> None:
+        if self.settings.grid:
+            self._grid.close()
+        else:
+            super().close()
+
+    @classmethod
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
+        if not settings.grid:
+            return super().bytes_moved(rendered_pixels, shown_pixels, settings)
+        # Seven depths for each vertex, or its own alone; the shown colour and depth as those of a
+        # whole mesh; of the rendered colour what is shown.
+        depths = (7 if settings.ring else 1) * settings.grid**2
+        return depths * DEPTH_BYTES + shown_pixels * (3 * COLOUR_BYTES + 3 * DEPTH_BYTES)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...gpu.textures import tiles
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class Search(GatherWarp):
         wide, high = self.rendered_size
         chosen = self.settings
         surface = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
-        surface |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
+        surface |= depth_limits(chosen, inputs.rendered)
         self.run_gather(
             self._program, inputs, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
         )
@@ -99,4 +99,5 @@ class Search(GatherWarp):
             self.gpu.barrier()
 
     def close(self) -> None:
+        super().close()
         self._bounds.release()

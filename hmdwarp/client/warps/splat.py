@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from ...geometry import WarpMap
-from ..warp_kinds import ScatterWarp
+from ..warp_kinds import ScatterWarp, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
 
 if TYPE_CHECKING:
@@ -54,14 +54,15 @@ class Splat(ScatterWarp):
     Settings = SplatSettings
 
     def prepare(self) -> None:
-        self._cover, self._fetch = (self.gpu.shaders.compute("warps/splat.comp", PASS=k) for k in range(2))
+        self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0)
+        self._fetch = self.gpu.shaders.compute("warps/splat.comp", PASS=1, **self.depth_defines)
         self._keys = self.empty_keys()
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)
         self._keys.bind_to_storage_buffer(0)
         s = self.settings
-        limits = {"depth_tolerance": s.tolerance, "depth_floor": s.floor, "reach": float(s.reach), "overlap": s.overlap}
+        limits = {**depth_limits(s, inputs.rendered), "reach": float(s.reach), "overlap": s.overlap}
         backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
@@ -77,6 +78,7 @@ class Splat(ScatterWarp):
         return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
 
     def close(self) -> None:
+        super().close()
         self._keys.release()
 
 

@@ -6,7 +6,6 @@ import math
 import struct
 import zlib
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +14,7 @@ from .codecs import Codec, codecs
 from .coding import check_quality
 from .holes import covered
 from .packed_layers import pack, unpack
+from .packet import Packet
 from .stream import ColourDecoder, ColourEncoder
 from .transfer import bytes_from_light, light_from_bytes, stops_of
 from .undecodable import Undecodable
@@ -27,22 +27,6 @@ _CHECKED_FROM = 4
 # A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.
 _STEPS = 254
 _COVERED = np.float16(1).view(np.uint16)
-
-
-@attrs.frozen
-class Packet:
-    """One picture on the network."""
-
-    # 0 for the first of its stream.
-    number: int
-    # Whether it can be decoded without those before it.
-    key: bool
-    data: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
-
-    @property
-    def size_bytes(self) -> int:
-        """The size of all of it."""
-        return len(self.data)
 
 
 class Encoder:
@@ -119,7 +103,6 @@ class Decoder:
     def __init__(self, codec: str | Codec, size: tuple[int, int]) -> None:
         self.size = size
         self._colour = ColourDecoder(_coding(codec), size)
-        self._next: int | None = None  # None: wait for a key frame
 
     def decode(self, packet: Packet) -> NDArray[np.float16]:
         """Return the picture as the client sees it: as encoded, coverage within 1/508.
@@ -127,14 +110,9 @@ class Decoder:
         Errors: Undecodable for damaged bytes, and for every picture from a missing one to the next
         key frame.
         """
-        if packet.key:
-            self._colour.restart()
-        elif packet.number != self._next:
-            self._next = None
-            raise Undecodable(f"frame {packet.number} builds on one that never came")
+        self._colour.begin(packet.number, packet.key)
         stops, empty, packed, video = _parts(packet.data)
-        colour = self._colour.decode(video)
-        self._next = packet.number + 1
+        colour = self._colour.decode(video, packet.number)
         coverage = unpack(packed)
         out = np.empty((*coverage.shape, 4), np.float16)
         out[..., :3] = light_from_bytes(colour, stops)

@@ -5,17 +5,19 @@ from __future__ import annotations
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, names_in, option
+from ...options import Declared, names_in, one_of, option
 
 _CRFS = (0, 51)
+# Codes of depth: without loss at fixed steps, at steps of a sixteenth of a pixel, or as video.
+EXACT, SIXTEENTH, AS_VIDEO = DEPTH_CODES = ("exact", "sixteenth", "video")
 
 
 @attrs.frozen
 class Coding(Declared):
     """Codec and quality. With neither crf nor bitrate_mbit, the codec's own quality.
 
-    Errors: InputError for a quality or a rate without a codec, for both together, or for one out of
-    bounds.
+    Errors: InputError for a quality, a rate or a code of depth without a codec, for quality and
+    rate together, or for one out of bounds.
     """
 
     # A name of codecs.
@@ -25,10 +27,24 @@ class Coding(Declared):
         None, "Bit rate of one eye's videos together, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
     )
 
+    depth: str = option(
+        AS_VIDEO,
+        "How depth is coded: video (lightest; slow to encode), sixteenth (no pixel moves by more than 1/16 for a "
+        "walking head), exact (within 2^-11 per metre).",
+        name="depth_code",
+        valid=one_of(*DEPTH_CODES),
+        limits=", ".join(DEPTH_CODES),
+    )
+
     def __attrs_post_init__(self) -> None:
         if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):
             found = f"--crf {self.crf}" if self.crf is not None else f"--bitrate {self.bitrate_mbit:g} Mbit/s"
             raise InputError(f"{found} without a codec: nothing is encoded; choose one with --codec, or leave it out")
+        if self.codec == "none" and self.depth != AS_VIDEO:
+            raise InputError(
+                f"--depth-code {self.depth} without a codec: nothing is encoded; choose one with --codec, or leave "
+                "it out"
+            )
         check_quality(self.crf, self.bitrate_mbit)
 
 

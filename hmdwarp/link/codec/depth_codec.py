@@ -2,23 +2,23 @@
 
 The code of a pixel: 0 is infinitely far, 65535 no depth, and k between them the inverse depths in
 ((k - 1) step, k step], decoded as (k - 1/2) step. So infinite and missing depths are exact, and
-every other value is within step / 2. step is 2^-10 per metre, up to 64 per metre (16 mm from the
-eye); for a picture with nearer things it is doubled until they fit.
+every other value is within step / 2. step is a power of 2, and reaches up to 65534 steps; for a
+picture with nearer things it is doubled until they fit.
 
-Equal steps of inverse depth, not of depth: an error of step / 2 moves a warped pixel by focal
-length * step / 2 * the eye's translation, the same for every pixel. At 700 pixels per unit of
-tangent and 0.2 m that is 0.07 pixels.
+Equal steps of inverse depth, not of depth: see depth_step.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .grey_codec import GreyDecoder, GreyEncoder
 
+# 1/m: up to 64 per metre, which is 16 mm from the eye.
 STEP = 2.0**-10
-_EXPONENT = -10
 NO_DEPTH = 65535
 _MOST = NO_DEPTH - 1
 
@@ -26,18 +26,20 @@ _MOST = NO_DEPTH - 1
 class DepthEncoder:
     """Packs the inverse depth of one eye's frames, of `size` (w, h).
 
+    step: 1/m; the power of 2 at or below it is taken.
+
     Errors: MachineError if this PyAV lacks FFV1.
     """
 
-    def __init__(self, size: tuple[int, int]) -> None:
-        self._grey = GreyEncoder(size, "depth")
+    def __init__(self, size: tuple[int, int], step: float = STEP) -> None:
+        self._grey, self._exponent = GreyEncoder(size, "depth"), math.frexp(step)[1] - 1
 
     def encode(self, inverse_depth: NDArray[np.float32]) -> bytes:
         """Pack (h, w) float32 in 1/m; below 0 is no depth.
 
         The rows may run either way. Errors: ValueError for NaN or infinity.
         """
-        return self._grey.encode(*codes_of(inverse_depth))
+        return self._grey.encode(*codes_of(inverse_depth, self._exponent))
 
 
 class DepthDecoder:
@@ -54,21 +56,27 @@ class DepthDecoder:
         return inverse_depth_of(*self._grey.decode(data))
 
 
-def codes_of(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.uint16], int]:
-    """Return the code of each pixel and the exponent of the step.
-
-    Errors: as DepthEncoder.encode.
-    """
+def checked(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
+    """Return the inverse depths and the largest. Errors: as DepthEncoder.encode."""
     values = np.asarray(inverse_depth, np.float32)
     largest = float(values.max(initial=0))
     if not np.isfinite(largest):
         raise ValueError(f"inverse depth {largest}: expected finite numbers, below 0 for no depth")
-    exponent = _EXPONENT
+    return values, largest
+
+
+def codes_of(inverse_depth: NDArray[np.float32], least: int) -> tuple[NDArray[np.uint16], int]:
+    """Return the code of each pixel and the exponent of the step, no smaller than `least`.
+
+    Errors: as DepthEncoder.encode.
+    """
+    values, largest = checked(inverse_depth)
+    exponent = least
     while largest > _MOST * 2.0**exponent:
         exponent += 1
     # A power of 2: nothing is rounded.
     codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)
-    if exponent > _EXPONENT:
+    if exponent > least:
         # A value too small for float32 beside an extremely near one.
         codes[(values > 0) & (codes == 0)] = 1
     codes[values < 0] = NO_DEPTH

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
+T = TypeVar("T", np.uint8, np.uint16)
 
-def covered(colour: NDArray[np.uint8], hole: NDArray[np.bool_]) -> NDArray[np.uint8]:
+
+def covered(colour: NDArray[T], hole: NDArray[np.bool_]) -> NDArray[T]:
     """Return the picture with each hole coloured like the covered pixel before it in its row.
 
     At the start of a row, like the first covered one after it; a row of holes like the one before

@@ -1,15 +1,16 @@
-"""One stream of colour pictures through a video codec, by PyAV.
+"""One stream of pictures through a video codec, by PyAV.
 
 A picture in, its bytes out at once; and back.
 
-8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of BT.709,
-limited range (luma 16 to 235): which every hardware decoder supports. Both ends state this instead
-of trusting defaults, which differ between programs. The values are sRGB-encoded, and the stream is
-tagged so.
+Colour: 8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of
+BT.709, limited range (luma 16 to 235): which every hardware decoder supports. Both ends state this
+instead of trusting defaults, which differ between programs. The values are sRGB-encoded, and the
+stream is tagged so.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -35,23 +36,32 @@ def coded_size(size: tuple[int, int]) -> tuple[int, int]:
     return width, height
 
 
-class ColourEncoder:
-    """Encode pictures of one size, each before the next goes in.
+def padded(picture: NDArray[Any], size: tuple[int, int]) -> NDArray[Any]:
+    """Return the picture with its last row and column repeated up to `size` (w, h)."""
+    height, width = picture.shape[:2]
+    if (width, height) == size:
+        return np.ascontiguousarray(picture)
+    more = ((0, size[1] - height), (0, size[0] - width), *[(0, 0)] * (picture.ndim - 2))
+    return np.pad(picture, more, mode="edge")
 
-    crf: constant quality, lower is better; or bitrate_mbit: that many Mbit/s, kept to within 4
-    pictures. Errors: MachineError if the encoder is missing or does not open.
+
+class VideoEncoder:
+    """Encode frames of one size and pixel format, each before the next goes in.
+
+    options: of the encoder, beside the codec's own. Errors: MachineError if the encoder is missing
+    or does not open.
     """
 
     def __init__(
-        self, codec: Codec, size: tuple[int, int], rate_hz: float, crf: int | None, bitrate_mbit: float | None
+        self, codec: Codec, size: tuple[int, int], rate_hz: float, pixels: str, options: Mapping[str, str]
     ) -> None:
         import av
 
         codec.check()
-        self.size, self._codec = size, codec
+        self.size, self._codec = coded_size(size), codec
         context: Any = av.CodecContext.create(codec.encoder, "w")
-        context.width, context.height = coded_size(size)
-        context.pix_fmt = "yuv420p"
+        context.width, context.height = self.size
+        context.pix_fmt = pixels
         rate = max(Fraction(rate_hz).limit_denominator(1001), Fraction(1, 1001))
         context.framerate, context.time_base = rate, 1 / rate
         context.gop_size = 2**30  # key frames come on request
@@ -59,7 +69,7 @@ class ColourEncoder:
         context.thread_count = codec.threads
         context.color_range, context.color_trc = _LIMITED, _SRGB
         context.colorspace = context.color_primaries = _BT709
-        context.options = {**codec.options, **_quality(codec, rate_hz, crf, bitrate_mbit)}
+        context.options = {**codec.options, **options}
         try:
             context.open()
         except (OSError, ValueError, av.FFmpegError) as error:
@@ -68,12 +78,11 @@ class ColourEncoder:
         self._context: Any = context
         self._pts = 0
 
-    def encode(self, picture: NDArray[np.uint8], key: bool) -> tuple[bytes, bool]:
-        """Return (bytes, whether it is a key frame) of (h, w, 3) uint8 sRGB. key: force one."""
+    def encode(self, frame: Any, key: bool) -> tuple[bytes, bool]:
+        """Return (bytes, whether it is a key frame) of a PyAV frame. key: force one."""
         import av
         from av.video.frame import PictureType
 
-        frame = _to_yuv(picture, coded_size(self.size))
         frame.pts, frame.time_base = self._pts, self._context.time_base
         frame.pict_type = PictureType.I if key else PictureType.NONE
         self._pts += 1
@@ -89,34 +98,73 @@ class ColourEncoder:
         return bytes(packets[0]), bool(packets[0].is_keyframe)
 
 
-class ColourDecoder:
-    """Decode bytes into pictures of `size`."""
+class VideoDecoder:
+    """Decode the bytes of a VideoEncoder for pictures of `size`.
 
-    def __init__(self, codec: Codec, size: tuple[int, int]) -> None:
+    what: what they are, for errors.
+    """
+
+    def __init__(self, codec: Codec, size: tuple[int, int], what: str) -> None:
         import av
 
         codec.check()
-        self.size = size
+        self._size, self._what = coded_size(size), what
         context = av.CodecContext.create(codec.decoder, "r")
         # Frame threads would delay pictures.
         context.thread_type, context.thread_count = "SLICE", 2
         self._context: Any = context
+        # Of the next picture; None: wait for a key frame.
+        self._next: int | None = None
 
-    def decode(self, data: bytes) -> NDArray[np.uint8]:
-        """Return (h, w, 3) sRGB. Errors: Undecodable."""
+    def begin(self, number: int, key: bool) -> None:
+        """Prepare for picture `number` of the stream. Errors: Undecodable where one is missing."""
+        if key:
+            self._context.flush_buffers()
+        elif number != self._next:
+            self._next = None
+            raise Undecodable(f"frame {number} builds on one that never came")
+
+    def decode(self, data: bytes, number: int) -> Any:
+        """Return picture `number` as PyAV's frame. Errors: Undecodable."""
         import av
 
         try:
             frames = self._context.decode(av.Packet(data))
         except (OSError, ValueError, av.FFmpegError) as error:
-            raise Undecodable(f"damaged colour ({error})") from error
-        if len(frames) != 1 or (frames[0].width, frames[0].height) != coded_size(self.size):
-            raise Undecodable("damaged colour (not one picture of the stream's size)")
-        return _from_yuv(frames[0], self.size)
+            raise Undecodable(f"damaged {self._what} ({error})") from error
+        if len(frames) != 1 or (frames[0].width, frames[0].height) != self._size:
+            raise Undecodable(f"damaged {self._what} (not one picture of the stream's size)")
+        self._next = number + 1
+        return frames[0]
 
-    def restart(self) -> None:
-        """Drop all pictures before a key frame."""
-        self._context.flush_buffers()
+
+class ColourEncoder:
+    """Encode pictures of one size.
+
+    crf: constant quality, lower is better; or bitrate_mbit: that many Mbit/s, kept to within 4
+    pictures. Errors: as VideoEncoder.
+    """
+
+    def __init__(
+        self, codec: Codec, size: tuple[int, int], rate_hz: float, crf: int | None, bitrate_mbit: float | None
+    ) -> None:
+        self._video = VideoEncoder(codec, size, rate_hz, "yuv420p", _quality(codec, rate_hz, crf, bitrate_mbit))
+
+    def encode(self, picture: NDArray[np.uint8], key: bool) -> tuple[bytes, bool]:
+        """Return (bytes, whether it is a key frame) of (h, w, 3) uint8 sRGB. key: force one."""
+        return self._video.encode(_to_yuv(picture, self._video.size), key)
+
+
+class ColourDecoder:
+    """Decode bytes into pictures of `size`."""
+
+    def __init__(self, codec: Codec, size: tuple[int, int]) -> None:
+        self.size, self._video = size, VideoDecoder(codec, size, "colour")
+        self.begin = self._video.begin
+
+    def decode(self, data: bytes, number: int) -> NDArray[np.uint8]:
+        """Return (h, w, 3) sRGB of picture `number`. Errors: Undecodable."""
+        return _from_yuv(self._video.decode(data, number), self.size)
 
 
 def _quality(codec: Codec, rate_hz: float, crf: int | None, bitrate_mbit: float | None) -> dict[str, str]:
@@ -130,10 +178,7 @@ def _to_yuv(picture: NDArray[np.uint8], size: tuple[int, int]) -> Any:
     import av
     from av.video.reformatter import ColorRange, Colorspace
 
-    height, width = picture.shape[:2]
-    if (width, height) != size:
-        picture = np.pad(picture, ((0, size[1] - height), (0, size[0] - width), (0, 0)), mode="edge")
-    return av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24").reformat(
+    return av.VideoFrame.from_ndarray(padded(picture, size), format="rgb24").reformat(
         format="yuv420p",
         interpolation="AREA",
         src_colorspace=Colorspace.ITU709,

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ..sample import Origin, PoseSample
-from ..track import PoseTrack
+from ..track import PoseTrack, Samples
 
 
 @attrs.frozen
@@ -19,6 +21,13 @@ class Predictor:
     source: str
     # (track, now_ns, target_ns, horizon_ns): the pose at target_ns from the samples up to now_ns.
     predict: Callable[[PoseTrack, int, int, int], PoseSample]
+    # (track, now_ns (n,), ahead_ns): the poses that much later, as if a sample lay at each now_ns
+    # and nothing were known after it. For tracks without repeated poses.
+    predict_many: Callable[[PoseTrack, NDArray[np.int64], int], Samples]
+    # How far ahead of the last sample at most, where nothing else is asked for.
+    horizon_ns: int = 0
+    # The predictor that this is another name of.
+    alias_of: str = ""
 
 
 def hold(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:

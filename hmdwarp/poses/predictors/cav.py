@@ -5,4 +5,4 @@ import attrs
 from . import predictors
 from .constant_velocity import predictor
 
-predictors.register(attrs.evolve(predictor, name="cav"))
+predictors.register(attrs.evolve(predictor, name="cav", alias_of=predictor.name))

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...geometry import Pose
 from .. import quaternions
 from ..sample import Origin, PoseSample
-from ..track import PoseTrack
+from ..track import PoseTrack, Samples
 from . import Predictor, hold, predictors
 
 WINDOW_NS = 50_000_000
+HORIZON_NS = 100_000_000
 
 
 def constant_velocity(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:
@@ -31,6 +35,17 @@ def constant_velocity(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns:
     moved = track.position_m[last] + share * (track.position_m[last] - track.position_m[first])
     turned = quaternions.multiply(quaternions.from_rotation_vector(share * turn), q1)
     return PoseSample(target_ns, Pose(moved, turned), Origin.PREDICTED)
+
+
+def _constant_velocity_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
+    """Interpolate the poses at both ends of the window, so that no result depends on the stamps."""
+    share = min(ahead_ns, HORIZON_NS) / WINDOW_NS
+    then, now = track.sample_many(now_ns - WINDOW_NS), track.sample_many(now_ns)
+    q0, q1 = then.orientation_xyzw, now.orientation_xyzw
+    turn = quaternions.to_rotation_vector(quaternions.multiply(q1, quaternions.conjugate(q0)))
+    turned = quaternions.multiply(quaternions.from_rotation_vector(share * turn), q1)
+    moved = now.position_m + share * (now.position_m - then.position_m)
+    return Samples(now_ns + ahead_ns, moved, turned, np.full(len(now_ns), Origin.PREDICTED, np.int8))
 
 
 def _window(track: PoseTrack, i: int) -> tuple[int, int]:
@@ -61,5 +76,7 @@ predictor = predictors.register(
         "angular and linear velocity of the last 50 ms go on",
         "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate",
         constant_velocity,
+        _constant_velocity_many,
+        HORIZON_NS,
     )
 )

@@ -11,40 +11,45 @@ import numpy as np
 
 from ...metrics import PRIMARY, error_and_time, metrics
 from ..files import write_bytes
-from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text
-from .labels import groups_of, leaders, place_labels
+from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text, warp_of
+from .labels import leaders, place_labels
 from .rows import Case, Row, cases, measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_WIDTH_IN, _HEIGHT_IN = 9.6, 3.9
+_WIDTH_IN, _HEIGHT_IN = 9.6, 4.2
+_WARPS_IN = 1.65  # width of the list of warps with their colours
 _MARKER_PT = 6.5
 _CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
-_SHARED_PT = 13.0  # twice a marker; points of one warp nearer than that share one name
 _LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
 _ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
 _KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
-_MANY = 20  # points of one chart from which a picture has one chart a row
+_COLOURS_A_LINE = 7
 _PNG_DPI = 200
 
 
 def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
     """Draw one case as an <svg> element: mean error against median total time per eye.
 
-    Time is logarithmic. Every point is named. Points of the front are filled, their names bold, and
-    a line joins them: nothing lies below and left of it (above, for PSNR). Rows without a
-    measurement are left out; a chart of nothing says so. markers: of the fills, where several
-    charts are to share them.
+    Time is logarithmic. The colour of a point says which warp it is, its mark which fill; warps of
+    the front and baselines also have their names beside a point. Points of the front are filled,
+    their names bold, and a line joins them: nothing lies below and left of it (above, for PSNR).
+    Rows without a measurement are left out; a chart of nothing says so. markers: of the fills,
+    where several charts are to share them.
     """
     markers = markers or markers_of(row["fill"] for row in case.rows)
     with drawing((case.label, measure, _content(case, measure))):
         figure = _figure(_WIDTH_IN, _HEIGHT_IN)
-        axes = _axes_in(figure, (0.62, 0.5, _WIDTH_IN - 0.12, _HEIGHT_IN - 0.36))
+        axes = _axes_in(figure, (0.62, 0.5, _WIDTH_IN - _WARPS_IN, _HEIGHT_IN - 0.36))
         _draw(axes, case, measure, markers, PAGE)
         here = {fill: marker for fill, marker in markers.items() if fill in {row["fill"] for row in case.rows}}
-        axes.legend(handles=_key(here, PAGE), loc="lower left", bbox_to_anchor=(0, 1), ncols=4, **_key_style(PAGE))
+        axes.legend(handles=_key(here, PAGE), loc="lower left", bbox_to_anchor=(0, 1), ncols=5, **_key_style(PAGE))
+        figure.legend(
+            handles=_colours([case], measure, PAGE), loc="upper left", ncols=1,
+            bbox_to_anchor=(1 - (_WARPS_IN - 0.12) / _WIDTH_IN, 1), **_key_style(PAGE),
+        )  # fmt: skip
         return svg_text(figure)
 
 
@@ -53,31 +58,32 @@ def pareto_plot_png(
 ) -> None:
     """Write the same charts, one for each case, into one PNG for a README or a paper.
 
-    It is 1600 pixels wide, on white.
-
-    columns: charts side by side, by default two, or one where they hold many points.
+    It is 1600 pixels wide, on white. columns: charts side by side, by default two.
     Errors: as files.write_bytes.
     """
     write_bytes(path, _pareto_png(cases(rows), measure, columns))
 
 
 def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> bytes:
-    most = max((len(group.rows) for group in groups), default=0)
-    columns = columns or (1 if most > _MANY or len(groups) < 2 else 2)
+    columns = columns or min(2, max(len(groups), 1))
     markers = markers_of(row["fill"] for group in groups for row in group.rows)
     lines = max(-(-len(groups) // columns), 1)
-    width, height = 8 / columns, 3.3
-    with drawing((measure, [_content(group, measure) for group in groups]), font_size=8 if columns == 1 else 7.5):
-        figure = _figure(8, lines * height + _KEY_IN)
+    width, height = 8 / columns, 3.3 if columns == 1 else 2.9
+    with drawing((measure, [_content(group, measure) for group in groups]), font_size=8 if columns == 1 else 7):
+        colours = _colours(groups, measure, PAPER)
+        foot = 0.17 * -(-len(colours) // _COLOURS_A_LINE) + 0.1
+        total = lines * height + _KEY_IN + foot
+        figure = _figure(8, total)
         figure.patch.set_facecolor("white")
         if groups:
-            anchor = (0.5 / 8, 1 - 0.06 / (lines * height + _KEY_IN))
-            figure.legend(
-                handles=_key(markers, PAPER), loc="upper left", bbox_to_anchor=anchor, ncols=4, **_key_style(PAPER)
-            )
+            style = _key_style(PAPER)
+            top = (0.5 / 8, 1 - 0.06 / total)
+            figure.legend(handles=_key(markers, PAPER), loc="upper left", bbox_to_anchor=top, ncols=5, **style)
+            bottom = (0.5 / 8, foot / total)
+            figure.legend(handles=colours, loc="upper left", bbox_to_anchor=bottom, ncols=_COLOURS_A_LINE, **style)
         for number, group in enumerate(groups):
-            left, top = number % columns * width, (lines - number // columns) * height
-            axes = _axes_in(figure, (left + 0.55, top - height + 0.45, left + width - 0.1, top - 0.3))
+            left, top_in = number % columns * width, foot + (lines - number // columns) * height
+            axes = _axes_in(figure, (left + 0.55, top_in - height + 0.45, left + width - 0.1, top_in - 0.3))
             axes.annotate(group.label, (0, 1), (0, 5), **_ABOVE, weight="bold", color=PAPER.ink, parse_math=False)
             _draw(axes, group, measure, markers, PAPER)
         buffer = io.BytesIO()
@@ -144,7 +150,7 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
             "linestyle": "none",
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
-    _draw_names(axes, [row["warp"] for row in rows], np.stack([time, error], axis=1), is_best, line, palette)
+    _draw_names(axes, _names(rows, is_best, error, measure), np.stack([time, error], axis=1), is_best, line, palette)
     better = "better ↖" if metrics.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
@@ -169,7 +175,7 @@ def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
     scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
     scale("log")
     limits(10 ** (low - margin), 10 ** (high + margin))
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7)))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
@@ -185,27 +191,46 @@ def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, p
     return np.stack([np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]], axis=1)
 
 
+def _names(rows: Sequence[Row], is_best: np.ndarray, error: np.ndarray, measure: str) -> dict[str, list[int]]:
+    """Return the points that each name belongs to, by index.
+
+    Those of the front, or of a baseline that is not on it the best.
+    """
+    names: dict[str, list[int]] = {}
+    for index, row in enumerate(rows):
+        if is_best[index] or row.get("baseline"):
+            names.setdefault(row["warp"], []).append(index)
+    cost = -error if metrics.get(measure).higher_is_better else error
+    chosen = {}
+    for name, found in names.items():
+        best = [index for index in found if is_best[index]] or [min(found, key=lambda index: cost[index])]
+        baseline = rows[best[0]].get("baseline")
+        # Breaking a long name after its colon keeps it near its point.
+        chosen[f"{name}\n({baseline})" if baseline else name.replace(":", ":\n", 1)] = best
+    return chosen
+
+
 def _draw_names(
-    axes: Axes, names: list[str], points: np.ndarray, is_best: np.ndarray, line: np.ndarray, palette: Palette
-) -> None:
-    """Write each point's warp beside it; points of one warp that nearly coincide share a name."""
+    axes: Axes, names: Mapping[str, list[int]], points: np.ndarray, is_best: np.ndarray, line: np.ndarray,
+    palette: Palette,
+) -> None:  # fmt: skip
+    """Write each name beside one of its points."""
     to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
     area = (box.width * to_points, box.height * to_points)
     at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points
     bends = (axes.transData.transform(line) - (box.x0, box.y0)) * to_points
-    groups = groups_of(names, at, _SHARED_PT)
-    # Breaking a long name after its colon keeps it near its point.
-    texts = [names[group[0]].replace(":", ":\n", 1) for group in groups]
+    groups = list(names.values())
     weights = ["bold" if is_best[group].any() else "normal" for group in groups]
-    sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(texts, weights, strict=True)])
-    corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends)
-    for group, text, weight, corner, size in zip(groups, texts, weights, corners, sizes, strict=True):
+    sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(names, weights, strict=True)])
+    corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends, others=at)
+    for text, group, weight, corner, size in zip(names, groups, weights, corners, sizes, strict=True):
         style: Style = {
             "weight": weight,
             "ha": "center",
             "va": "center",
             "color": palette.ink,
             "parse_math": False,
+            "linespacing": 1.0,
             "zorder": 6,
         }
         x, y = (corner + size / 2) / area
@@ -214,13 +239,13 @@ def _draw_names(
         length = np.linalg.norm(tip - start)
         if length > _CLEAR_PT + _LEADER_PT:
             ends = np.stack([start + (tip - start) * (_MARKER_PT / 2 / length), tip]) / area
-            axes.plot(*ends.T, transform=axes.transAxes, color=palette.warp(names[group[0]]), linewidth=0.9, zorder=2)
+            axes.plot(*ends.T, transform=axes.transAxes, color=palette.ink, linewidth=0.7, zorder=2)
 
 
 def _size_pt(figure: Any, text: str, weight: str) -> tuple[float, float]:
     from matplotlib.text import Text
 
-    extent = Text(0, 0, text, weight=weight, parse_math=False, figure=figure).get_window_extent(
+    extent = Text(0, 0, text, weight=weight, parse_math=False, linespacing=1.0, figure=figure).get_window_extent(
         figure.canvas.get_renderer()
     )
     return extent.width * 72 / figure.dpi, extent.height * 72 / figure.dpi
@@ -238,6 +263,15 @@ def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
     }
     fills = [Line2D([], [], marker=marker, label=f"fill {fill}", **style) for fill, marker in markers.items()]
     return [*fills, Line2D([], [], color=palette.ink, linewidth=1.1, alpha=0.55, label="Pareto front (filled, bold)")]
+
+
+def _colours(groups: Sequence[Case], measure: str, palette: Palette) -> list[Any]:
+    """Return each warp's name in its colour, the most accurate of the first case first."""
+    from matplotlib.lines import Line2D
+
+    names = dict.fromkeys(warp_of(row["warp"]) for group in groups for row in group.ordered(measure))
+    style: Style = {"linestyle": "none", "marker": "s", "markersize": 6}
+    return [Line2D([], [], color=palette.warp(name), label=name, **style) for name in names]
 
 
 def _key_style(palette: Palette) -> dict[str, Any]:

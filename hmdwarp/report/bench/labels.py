@@ -21,27 +21,34 @@ _DIRECTIONS = 20
 _SWEEPS = 4
 _GAP = 1.0  # kept free around every label
 # Penalties of a place, in points of distance.
-_COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 60.0, 40.0, 12.0, 32.0
+_COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 1e4, 60.0, 400.0, 32.0
 
 
 def place_labels(
-    points: Sequence[Array], sizes: Array, area: tuple[float, float], *, clearance: float = 4, line: Array | None = None
+    points: Sequence[Array],
+    sizes: Array,
+    area: tuple[float, float],
+    *,
+    clearance: float = 4,
+    line: Array | None = None,
+    others: Array | None = None,
 ) -> Array:
     """Return the lower left corners, (n, 2), of n labels in an area (w, h) from (0, 0).
 
     Each label goes as near to one of its points as it can without covering another label, a point
     (a square of half side `clearance`) or a leader, the line from another label to its point.
-    Leaders cross rarely, and a label is nearest to its own point. Where there is no room at all,
-    the least bad place is taken. Deterministic.
+    Leaders cross neither each other nor the line if that can be had, and a label is nearest to its
+    own point. Where there is no room at all, the least bad place is taken. Deterministic.
 
     points: for each label (m, 2), the points it names, often one. sizes: (n, 2). line: (k, 2), a
-    polyline that is avoided where that is cheap.
+    polyline that is avoided too. others: (k, 2), points without a label.
     """
     points = [np.asarray(own, dtype=np.float64).reshape(-1, 2) for own in points]
     sizes = np.asarray(sizes, dtype=np.float64).reshape(-1, 2)
     if not points:
         return np.zeros((0, 2))
-    choices = [_Places.of(i, points, sizes[i], area, clearance, line) for i in range(len(points))]
+    rest = np.zeros((0, 2)) if others is None else np.asarray(others, dtype=np.float64).reshape(-1, 2)
+    choices = [_Places.of(i, points, sizes[i], area, clearance, line, rest) for i in range(len(points))]
     middles = np.stack([own.mean(axis=0) for own in points])
     crowd = np.linalg.norm(middles[:, None] - middles[None], axis=2).clip(max=120).sum(axis=1)
     best, least = np.zeros((len(points), 2)), np.inf
@@ -91,6 +98,7 @@ class _Places:
         area: tuple[float, float],
         clearance: float,
         line: Array | None,
+        others: Array,
     ) -> _Places:
         corners = np.concatenate([_corners(point, size, clearance) for point in points[index]])
         boxes = np.concatenate([corners, corners + size], axis=1)
@@ -100,8 +108,9 @@ class _Places:
         cost = reach + 3 * np.abs(np.arctan2(way[:, 1], way[:, 0]))  # to the right, if all else is nearly equal
         outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
         cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0)
-        cost += _COVERS * boxes_touch(boxes, _squares(np.concatenate(points), clearance)).sum(axis=1)
-        foreign = np.concatenate([np.zeros((0, 2)), *(other for i, other in enumerate(points) if i != index)])
+        cost += _COVERS * boxes_touch(boxes, _squares(np.concatenate([*points, others]), clearance)).sum(axis=1)
+        foreign = np.concatenate([others, *(other for i, other in enumerate(points) if i != index)])
+        foreign = foreign[(foreign[:, None] != points[index][None]).any(axis=2).all(axis=1)]
         if len(foreign):
             cost += _PASSES * segments_hit(starts, tips, _squares(foreign, clearance)).sum(axis=1)
             # A point at the very same place is ambiguous wherever the label is.
@@ -110,6 +119,7 @@ class _Places:
                 cost += _DOUBTFUL * (np.linalg.norm(np.subtract(*leaders(apart, boxes)), axis=1) < reach + 3)
         if line is not None and len(line) > 1:
             cost += _OVER_LINE * segments_hit(line[:-1], line[1:], boxes).sum(axis=0)
+            cost += _OVER_LINE * _segments_cross(starts, tips, line[:-1], line[1:]).sum(axis=1)
         return cls(boxes, starts, tips, cost)
 
     def place(self, at: int) -> tuple[Array, Array, Array]:

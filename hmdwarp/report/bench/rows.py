@@ -110,6 +110,11 @@ class Column:
         return self.figure.text(value)
 
 
+def warp_text(row: Row) -> str:
+    """Return the warp, and as a baseline its system: 'mesh:grid=64 (CloudXR.js)'."""
+    return f"{row['warp']} ({row['baseline']})" if row.get("baseline") else str(row.get("warp"))
+
+
 def _text_column(name: str, label: str, value: Callable[[Row], Any] | None = None) -> Column:
     return Column(Figure(name, label, "", 0), value or (lambda row: row.get(name)), is_number=False)
 
@@ -145,7 +150,7 @@ def _columns() -> dict[str, Column]:
         _text_column("size", "size", lambda row: "x".join(map(str, row["size"])) if row.get("size") else None),
         _text_column("lens", "lens"),
         _text_column("headset", "headset"),
-        _text_column("warp", "warp"),
+        _text_column("warp", "warp", warp_text),
         _text_column("fill", "fill"),
         Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch")),
     ]

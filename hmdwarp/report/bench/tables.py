@@ -106,7 +106,7 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     """Return the columns that fit, and the width of the warp's name."""
     names = list(DECISION)
     labels = [group.label for group in groups] if len(groups) > 1 else []
-    texts = [_head("warp"), *labels, *(row["warp"] for group in groups for row in group.rows)]
+    texts = [_head("warp"), *labels, *(column("warp").text(row) for group in groups for row in group.rows)]
     least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
 
     def room() -> int:
@@ -166,6 +166,7 @@ def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, ma
 def _markdown_cell(name: str, text: str, bold: bool) -> str:
     text = " ".join(text.replace("|", "\\|").split())
     if name in ("warp", "fill"):
-        text = f"`{text.replace('`', chr(39))}`"
-        return f"**{text}**" if bold and name == "warp" else text
+        spec, space, system = text.replace("`", chr(39)).partition(" (")
+        spec = f"**`{spec}`**" if bold and name == "warp" else f"`{spec}`"
+        return spec + space + system
     return text if COLUMNS[name].is_number else text.replace("<", "&lt;")

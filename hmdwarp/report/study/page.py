@@ -37,7 +37,7 @@ def render_study_report(data: Row, command: str) -> str:
 
 def _tiles(data: Row) -> list[Tile]:
     rows = [row for scale in data["scales"] for row in scale["comparisons"]]
-    shown = sum(row["holm"] <= 0.05 for row in rows)
+    shown = sum(row["n"] > 0 and row["holm"] <= 0.05 for row in rows)
     parts = len(data["scales"][0]["parts"]) if data["scales"] else 0
     people = f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"
     missing = f"{data['missing']} missing, listed below" if data["missing"] else "none missing"

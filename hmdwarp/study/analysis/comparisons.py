@@ -125,12 +125,13 @@ def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, flo
 def _correct(rows: list[dict[str, Any]]) -> None:
     """Put Holm's p into each row.
 
-    A planned comparison without ratings counts with p = 1: leaving it out would favour the rest.
+    A planned comparison without ratings has none, and counts with p = 1: leaving it out would
+    favour the rest.
     """
     groups = [[row for row in rows if row["family"] == name] for name in dict.fromkeys(row["family"] for row in rows)]
     for group, key in [*((group, "holm") for group in groups), (rows, "holm_all")]:
         for row, p in zip(group, holm([1.0 if row["p"] is None else row["p"] for row in group]), strict=True):
-            row[key] = p
+            row[key] = None if row["p"] is None else p
             row[f"{key}_of"] = len(group)
 
 

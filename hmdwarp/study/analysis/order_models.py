@@ -22,17 +22,19 @@ def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
 
     Type II F tests by ordinary least squares, beside participants and conditions. rows: of one part
     on one scale. Where the two effects are confounded, each is estimated without the other and
-    names it ("or"). An effect that cannot be estimated is {"why_not": sentence}: the order is not
-    recorded, or it is the same for all participants.
+    names it ("or"). An effect that cannot be estimated is {"why_not": sentence}: nothing was rated,
+    the order is not recorded, or it is the same for all participants.
     """
     rated = [row for row in rows if row.value is not None]
-    if not any(row.place for row in rated):
-        return {
-            name: {"why_not": "the order in which the conditions were shown is not recorded"}
-            for name in ("place", "previous")
-        }
-    if not all(row.place for row in rated):
-        return {name: {"why_not": "the place of some trials is not recorded"} for name in ("place", "previous")}
+    if not all(row.place for row in rated) or not rated:
+        why = (
+            "nothing was rated"
+            if not rated
+            else "the place of some trials is not recorded"
+            if any(row.place for row in rated)
+            else "the order in which the conditions were shown is not recorded"
+        )
+        return {name: {"why_not": why} for name in ("place", "previous")}
     blocks = {
         "base": np.hstack(
             [_dummies([row.participant for row in rated]), _dummies([row.condition for row in rated])[:, 1:]]

@@ -11,7 +11,7 @@ import attrs
 from ...errors import InputError
 from ...report import counted
 from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
-from ..export import declined, long_rows, no_sessions, of_origin, plan_of
+from ..export import declined, long_rows, no_sessions, of_origin, plan_of, unconsented
 from ..scales import RATING
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session, Showing
 from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
@@ -178,5 +178,7 @@ def _notes(contents: Contents, sessions: Sequence[Session], design: Design, orig
         yield f"Participants with more than one session: {again}; their ratings of a condition are averaged."
     if count := declined(contents, origin):
         yield f"Declined to take part, and counted nowhere else: {count}."
+    if count := unconsented(contents, origin):
+        yield f"Left before the consent was given, and counted nowhere else: {count}."
     if contents.withdrawn:
         yield f"Withdrawn, with all data erased: {contents.withdrawn}."

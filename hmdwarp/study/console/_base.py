@@ -64,8 +64,8 @@ class Console(Protocol):
     def commands(self) -> Sequence[Command]:
         """Return the experimenter's commands since the last call.
 
-        "pause", "continue", "break", "again", "skip", "stop" and "agree" have no value; "answer"
-        has a number, or a text for a question in words, "remark" a text.
+        "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
+        "answer" has a number, or a text for a question in words, "remark" a text.
         """
 
 

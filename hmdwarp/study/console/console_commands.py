@@ -16,6 +16,7 @@ COMMANDS = {
     "skip": "leave this question without an answer",
     "remark": "a line for the journal: remark the strap slipped",
     "agree": "the participant has read the text and agrees",
+    "decline": "the participant does not agree: the session ends, and counts nowhere",
     "stop": "end the session; answers are kept",
 }
 LONGEST_REMARK = 1000
@@ -66,6 +67,7 @@ def refusal(name: str, state: ConsoleState) -> str:
         "skip": (state.question is None, "nothing is being asked now"),
         "answer": (state.question is None, "nothing is being asked now"),
         "agree": (state.phase != "reading", "there is no text to agree to now"),
+        "decline": (state.phase != "reading", "there is no text to decline now"),
         "continue": (
             state.phase not in ("paused", "break", "waiting"),
             "it is going on already: there is no pause and no break",
@@ -85,7 +87,7 @@ def subject_of(state: ConsoleState) -> Subject:
 
 def is_bound(name: str) -> bool:
     """Return whether a command belongs to its subject, and must not reach the step after it."""
-    return name in ("answer", "skip", "agree")
+    return name in ("answer", "skip", "agree", "decline")
 
 
 def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:

@@ -10,7 +10,7 @@ from .console_commands import LONGEST_REMARK, Subject, checked_answer, refusal, 
 
 KEYS = {
     "p": "pause", "c": "continue", "b": "break", "r": "again", "a": "answer", "k": "skip", "m": "remark",
-    "g": "agree", "s": "stop", "?": "help",
+    "g": "agree", "d": "decline", "s": "stop", "?": "help",
 }  # fmt: skip
 LONGEST_ANSWER = 12
 NOTED_S = 10.0  # how long a note stays; later it would seem to be about something else
@@ -20,11 +20,12 @@ CONFIRMATIONS = {
     "stop": "End the session now? Everything answered so far is kept. y ends it, any other key does not",
     "skip": "Leave this question without an answer? y or k leaves it, any other key does not",
     "agree": "Does the participant agree to the text? y or g: yes, any other key: not yet",
+    "decline": "Does the participant decline? The session ends then. y or d: yes, any other key: not yet",
 }
-CONFIRMED_BY = {"stop": "y", "skip": "yk", "agree": "yg"}
+CONFIRMED_BY = {"stop": "y", "skip": "yk", "agree": "yg", "decline": "yd"}
 DONE = {
     "pause": "pause requested", "continue": "going on", "break": "break requested", "skip": "left without an answer",
-    "again": "the last question is asked once more", "agree": "agreed", "stop": "end requested",
+    "again": "the last question is asked once more", "agree": "agreed", "decline": "declined", "stop": "end requested",
     "remark": "the remark is in the journal",
 }  # fmt: skip
 LINES = ("answer", "sure", "remark")  # modes with an open line
@@ -74,7 +75,7 @@ class KeyEntry:
 
     def follow(self, state: ConsoleState) -> None:
         """Follow the session: a half-typed answer is void once its question is over."""
-        if self.mode in ("answer", "sure", "skip", "agree") and self._subject != subject_of(state):
+        if self.mode in ("answer", "sure", "skip", "agree", "decline") and self._subject != subject_of(state):
             typed = self.mode in ("answer", "sure")
             self._back("")
             self._say("that question is over: what was typed is dropped" if typed else "that is over", loud=True)

@@ -21,7 +21,7 @@ from .key_entry import LINES, KeyEntry
 
 STALE_S = 3.0  # without a new state
 HINTS = {
-    "reading": "g once they agree to the text, s if they do not.",
+    "reading": "g once they agree to the text, d if they decline.",
     "waiting": "The participant goes on when ready; c does it for them.",
     "showing": "The participant looks. Nothing to do.",
     "asking": "The participant answers. Said aloud: type it.",
@@ -29,7 +29,7 @@ HINTS = {
     "paused": "Everything waits. c continues.",
     "over": "The session is over.",
 }
-KEYS = "p:pause  c:continue  b:break  r:repeat  a:answer  k:skip  m:remark  g:agree  s:stop  ?:help"
+KEYS = "p:pause  c:continue  b:break  r:repeat  a:answer  k:skip  m:remark  g:agree  d:decline  s:stop  ?:help"
 LINE_KEYS = "Enter:sends  Esc:leaves the line  Ctrl-U:empties it"
 HELP = (
     ("p c", "pause, and continue; what was on is shown or asked again"),
@@ -38,7 +38,7 @@ HELP = (
     ("a, digits", "type the answer that the participant says; Enter, then Enter"),
     ("k", "leave the question without an answer"),
     ("m", "a remark for the journal of the session"),
-    ("g", "the participant has read the text and agrees"),
+    ("g, d", "the participant has read the text and agrees, or declines"),
     ("s", "stop now, without a reason; nothing is lost"),
     ("Ctrl-C", "stop the program; Esc: leave a line or this help"),
 )

@@ -19,6 +19,7 @@ from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Fam
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "expected a name of letters, digits, and . _ + - after the first, 64 at most"
+_NO_SETTINGS = ("name", "reference")  # keys of a [[condition]]
 _MOST_CONDITIONS = 100
 _MOST_TRIALS = 1000  # of one session
 _COMPARE = 'compare = [{ better = "warped", baseline = "late" }]'
@@ -54,14 +55,16 @@ class Checker:
         *,
         beneath: Mapping[str, object] | None = None,
         only: Sequence[str] = (),
+        others: Sequence[str] = (),
     ) -> dict[str, object]:
         """Return a condition's settings: those of [common], then `beneath`, then its own.
 
-        only: the settings to take from [common]; empty for all.
+        only: the settings to take from [common]; empty for all. others: keys of the table that are
+        no settings, for hints.
         Errors: KeyFault at the wrong key, as far as it is known.
         """
         common = self._placed(self._common, _all_of(self._common), "common") if self._common is not None else {}
-        mine = self._placed(table, own, who)
+        mine = self._placed(table, own, who, others)
         for name in DISPLAY:
             if name in mine:
                 key = next(key for key in own if key.replace("-", "_") == name)
@@ -77,9 +80,11 @@ class Checker:
             raise self._blamed(table, own, who, as_keys(str(error), KINDS), getattr(error, "key", "")) from error
         return settings
 
-    def _placed(self, table: Table, settings: Mapping[str, object], who: str) -> dict[str, object]:
+    def _placed(
+        self, table: Table, settings: Mapping[str, object], who: str, others: Sequence[str] = ()
+    ) -> dict[str, object]:
         try:
-            return resolve_paths(self._folder, settings)
+            return resolve_paths(self._folder, settings, others)
         except SettingFault as error:
             raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
 
@@ -139,7 +144,7 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
         )
     made: list[Condition] = []
     for table in tables:
-        own = {key: value for key, value in _all_of(table).items() if key not in ("name", "reference")}
+        own = {key: value for key, value in _all_of(table).items() if key not in _NO_SETTINGS}
         factors = {key: value for key, value in own.items() if isinstance(value, list)}
         reference = table.flag("reference", False)
         if reference and (factors or any(condition.reference for condition in made)):
@@ -147,7 +152,8 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
         for chosen in _combinations(table, factors, _MOST_CONDITIONS - len(made)):
             used = [condition.name for condition in made]
             name = _combined_name(table, chosen, used) if factors else name_of(table, used)
-            made.append(Condition(name, checker.settings(table, own | chosen, f"condition '{name}'"), reference))
+            settings = checker.settings(table, own | chosen, f"condition '{name}'", others=_NO_SETTINGS)
+            made.append(Condition(name, settings, reference))
     trial = data.table("trial")
     if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
         raise trial.fault(

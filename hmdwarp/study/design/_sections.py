@@ -82,8 +82,10 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
     if PRACTICE not in data:
         return None
     table = data.table(PRACTICE)
-    own = {key: table.raw(key) for key in table.keys() if key != "seconds"}  # noqa: SIM118  (a Table is no dict)
-    return Condition(PRACTICE, checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE))
+    others = ("seconds",)
+    own = {key: table.raw(key) for key in table.keys() if key not in others}  # noqa: SIM118  (a Table is no dict)
+    settings = checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
+    return Condition(PRACTICE, settings)
 
 
 def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -97,9 +97,12 @@ def _levels(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
     return levels_from_file(options.bench, sized, None).levels
 
 
-def resolve_paths(folder: Path, settings: Mapping[str, object]) -> dict[str, object]:
-    """Return the settings with absolute paths, and names with _. folder: of the study file."""
-    return {name: _resolved(folder, name, value) for _, name, value in _named(settings)}
+def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence[str] = ()) -> dict[str, object]:
+    """Return the settings with absolute paths, and names with _.
+
+    folder: of the study file. others: keys of the same table that are no settings, for hints.
+    """
+    return {name: _resolved(folder, name, value) for _, name, value in _named(settings, others)}
 
 
 def _resolved(folder: Path, name: str, value: object) -> object:
@@ -113,7 +116,7 @@ def _is_scene_file(name: str, value: str) -> bool:
     return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply"))
 
 
-def _named(settings: Mapping[str, object]) -> list[tuple[str, str, object]]:
+def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[tuple[str, str, object]]:
     """Return (key of the file, name with _, value) of each. Errors: SettingFault."""
     out: list[tuple[str, str, object]] = []
     for key, value in settings.items():
@@ -121,9 +124,10 @@ def _named(settings: Mapping[str, object]) -> list[tuple[str, str, object]]:
         if name in _NOT_SETTINGS:
             raise SettingFault(key, f"{key} is no setting of a condition: {_NOT_SETTINGS[name]}")
         if name not in KINDS:
-            near = difflib.get_close_matches(name, [*KINDS, "name", "reference"], n=1, cutoff=0.5)
+            known = [*others, *KINDS]
+            near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}? " if near else ""
-            raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(KINDS)}")
+            raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(known)}")
         if name in [other for _, other, _ in out]:
             raise SettingFault(key, f"{key} comes twice, with - and with _: leave one of them out")
         out.append((key, name, value))

@@ -25,6 +25,7 @@ SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
 ROWS = 9  # of a page; a headset's eye cannot see more at once (display/notice.py)
 ON, BACK, DONE, AGREE, REFUSE = "on", "back", "done", "agree", "refuse"
+DECLINE = "decline"  # the experimenter's REFUSE, confirmed at the console
 FIRST: Choices = ((ON, "next page"),)
 BETWEEN: Choices = ((BACK, "page before"), (ON, "next page"))
 
@@ -198,11 +199,12 @@ class ConsentDialog(PageDialog):
     """Text that the participant agrees to or refuses, page by page.
 
     On the last page nothing is chosen beforehand. Refusing is confirmed once, as it ends the
-    session and may be a slip. "agree" from the console counts as the participant's word.
+    session and may be a slip. "agree" and "decline" from the console count as the participant's
+    word.
     """
 
     LAST = ((REFUSE, "I do not agree"), (AGREE, "I agree"))
-    HELD = frozenset({AGREE})
+    HELD = frozenset({AGREE, DECLINE})
 
     def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
         self.agreed = self.refused = False
@@ -234,7 +236,7 @@ class ConsentDialog(PageDialog):
 
     def _end(self, name: str) -> None:
         super()._end(name)
-        self.agreed, self.refused = name == AGREE, name == "yes"
+        self.agreed, self.refused = name == AGREE, name in ("yes", DECLINE)
 
 
 class BreakDialog:

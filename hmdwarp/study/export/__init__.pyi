@@ -6,6 +6,7 @@ from .export_rows import plan_of as plan_of
 from .export_rows import revision_rows as revision_rows
 from .export_rows import score_rows as score_rows
 from .export_rows import settings_row as settings_row
+from .export_rows import unconsented as unconsented
 from .formats import csv_text as csv_text
 from .formats import field_text as field_text
 from .formats import tsv_text as tsv_text

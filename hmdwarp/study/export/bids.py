@@ -25,7 +25,7 @@ from .export_rows import Row, all_scales, sessions_of
 from .formats import tsv_text
 from .head_motion import TrackingSystem, channels_json, channels_text, motion_json, motion_text, software
 from .short_tables import EVENTS, RUN_EVENTS, event_rows
-from .table_columns import COLUMNS, Column, columns_for, label_of
+from .table_columns import Column, column_of, columns_for, label_of
 
 VERSION = "1.9.0"
 FOLDER = "bids"
@@ -35,10 +35,9 @@ Progress = Callable[[int, int], None]
 PARTICIPANTS = (
     Column("participant_id", "text", "sub- and the participant's random word"),
     Column("part", "text", "Parts of the study, in the order of the sessions"),
+    column_of("origin"),
     Column("sessions", "whole", "Number of sessions"),
-    Column(
-        "status", "text", "How the last session ended", levels=next(c for c in COLUMNS if c.name == "status").levels
-    ),
+    Column("status", "text", "How the last session ended", levels=column_of("status").levels),
 )
 SCANS = (
     Column("filename", "text", "File of the row"),
@@ -118,6 +117,7 @@ class _Tree:
         rows = [{
             "participant_id": f"sub-{sub}",
             "part": ", ".join(dict.fromkeys(one.part for one in sessions)),
+            "origin": sessions[-1].origin,
             "sessions": len(sessions),
             "status": sessions[-1].status,
         } for sub, sessions in sorted(people.items())]  # fmt: skip

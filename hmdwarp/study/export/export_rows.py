@@ -60,10 +60,10 @@ def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
 def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
     """Keep sessions of one origin: people, pilots and programs are never mixed.
 
-    Sessions of people who declined are left out: they took no part. The others come in the order of
+    Sessions without consent are left out: nobody took part in them. The others come in the order of
     the random words, so that the order of arrival does not show.
     """
-    chosen = (one for one in contents.sessions if one.origin == origin and one.status != DECLINED)
+    chosen = (one for one in contents.sessions if one.origin == origin and one.consented)
     sessions = tuple(sorted(chosen, key=lambda one: (one.sub, one.number)))
     ids = {one.id for one in sessions}
     return attrs.evolve(
@@ -77,9 +77,19 @@ def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
 
 def declined(contents: Contents, origin: str = PERSON) -> int:
     """Return how many of that origin declined to take part, and did not take part later."""
+    return len(_without_consent(contents, origin, declined=True))
+
+
+def unconsented(contents: Contents, origin: str = PERSON) -> int:
+    """Return how many more of that origin never gave the consent, nor refused it."""
+    return len(_without_consent(contents, origin) - _without_consent(contents, origin, declined=True))
+
+
+def _without_consent(contents: Contents, origin: str, *, declined: bool = False) -> set[str]:
+    """Return who took no part. declined: only those who refused the consent."""
     of_them = [one for one in contents.sessions if one.origin == origin]
-    refused = {one.sub for one in of_them if one.status == DECLINED}
-    return len(refused - {one.sub for one in of_them if one.status != DECLINED})
+    some = {one.sub for one in of_them if not one.consented and (one.status == DECLINED or not declined)}
+    return some - {one.sub for one in of_them if one.consented}
 
 
 def long_rows(contents: Contents, design: Design) -> list[Row]:

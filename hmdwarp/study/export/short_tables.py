@@ -17,7 +17,10 @@ _ONSET = Column("onset", NUMBER, "From the start of the session to the first pic
 _DURATION = Column("duration", NUMBER, "From the first picture of the trial to its last one", "s")
 SHORT = (
     Column("ppid", TEXT, "The same as participant, as UXF names it"),
-    *map(column_of, ("participant", "session", "part", "block", "trial", "repeat", "condition", "reference", "scale")),
+    *map(
+        column_of,
+        ("participant", "session", "part", "origin", "block", "trial", "repeat", "condition", "reference", "scale"),
+    ),
     Column("rating", NUMBER, "The answer"),
     *map(column_of, ("low_is_good", "why_missing")),
     _ONSET,

@@ -12,7 +12,7 @@ from ...metrics import metrics_in_order
 from ..actual import COUNTS, FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
-from ..store import COMPLETE, DECLINED, ORIGINS, STATUSES
+from ..store import COMPLETE, DECLINED, ORIGINS, STATUSES, UNCONSENTED
 
 TEXT, NUMBER, INTEGER, FLAG = "text", "number", "whole", "flag"
 MISSING = "n/a"
@@ -41,7 +41,7 @@ _WHO = (
     Column("status", TEXT, "How the session ended", levels=dict(zip(STATUSES, (
         "it was running", "it may be resumed", "complete",
         "ended by the participant or the experimenter, without a reason", "ended by the stop rule for sickness",
-        "the consent was refused: in no table",
+        "the consent was refused: in no table", "it ended before the consent was given: in no table",
     ), strict=True))),
     Column("order", INTEGER, "Which of the part's orders of conditions, from 0 on"),
 )  # fmt: skip
@@ -73,7 +73,7 @@ _SHOWN = (
         NOT_ASKED: "the session ended without the question",
         NOT_ALL: "answers that the score needs are missing",
         **{f"session {status}": "the session ended before the answer" for status in STATUSES
-           if status not in (COMPLETE, DECLINED)},
+           if status not in (COMPLETE, DECLINED, UNCONSENTED)},
     }),
     Column("seconds_to_answer", NUMBER, "From the question to the confirmed answer", "s"),
     Column("revision", INTEGER, "More than 1 where the question was repeated; the last one counts"),

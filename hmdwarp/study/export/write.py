@@ -15,7 +15,7 @@ from ..design import Design
 from ..scales import QUESTIONNAIRE, RATING, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
-from .export_rows import Row, all_scales, answer_rows, declined, of_origin, revision_rows, score_rows
+from .export_rows import Row, all_scales, answer_rows, declined, of_origin, revision_rows, score_rows, unconsented
 from .formats import csv_text, has_parquet, tsv_text, write_parquet
 from .short_tables import SHORT, short_rows
 from .table_columns import Column, columns_for
@@ -98,6 +98,8 @@ def export(
             )
         if count := declined(contents, options.origin):
             notes.append(f"{counted(count, 'person')} declined to take part: in no table")
+        if count := unconsented(contents, options.origin):
+            notes.append(f"{counted(count, 'person')} left before the consent was given: in no table")
         notes += _tables(folder, kept, design, answers, ratings, options)
         text = _readme(design, kept, ratings, options.origin)
         motion = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
@@ -202,7 +204,7 @@ def no_sessions(contents: Contents, origin: str, verb: str) -> str:
 
     contents: of all origins. verb: what cannot be done without them.
     """
-    there = {one.origin for one in contents.sessions} - {origin}
+    there = {one.origin for one in contents.sessions if one.consented} - {origin}
     run = "run one with --pilot" if origin == PILOT else "run one"
     hint = f"{run} first, or check the folder of --store"
     if PERSON in there:
@@ -210,6 +212,8 @@ def no_sessions(contents: Contents, origin: str, verb: str) -> str:
     elif there:
         other = min(there)
         hint = f"it holds {other} ones: use --{other}"
+    elif none := declined(contents, origin) + unconsented(contents, origin):
+        hint = f"{counted(none, 'session')} ended without the consent, and count nowhere; {hint}"
     return f"{contents.folder}: no session of a {_ONE[origin]} to {verb}: {hint}"
 
 

@@ -11,5 +11,6 @@ from .proportions import proportion_of as proportion_of
 from .simulation import Power as Power
 from .simulation import PowerAt as PowerAt
 from .simulation import differences as differences
+from .simulation import expected_difference as expected_difference
 from .simulation import power_of as power_of
 from .simulation import significant as significant

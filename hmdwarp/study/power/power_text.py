@@ -115,9 +115,9 @@ def _limits(power: Power) -> list[str]:
         if abs(planned - true) > 0.05 * abs(planned) and abs(planned - true) > 0.02:
             last = power.at[-1]
             out.append(
-                f"{name_of(one, power)}: the scale's ends and steps leave {true:+.2f} of {planned:+.2f}; a scale "
-                "without "
-                f"them would find {last.unlimited[one].value:.0%} with {counted(last.n, 'person')}."
+                f"{name_of(one, power)}: the true mean difference would be {planned:+.2f} on a scale without ends "
+                f"and steps, and is {true:+.2f} on this one; without them it would be found in "
+                f"{last.unlimited[one].value:.0%} of studies with {counted(last.n, 'person')}."
             )
     return out
 

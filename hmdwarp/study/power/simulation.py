@@ -44,8 +44,9 @@ class Power:
     seed: int
     balanced: int  # multiples of that many people have all orders equally often
     complete_share: float  # share of people who finish
-    true_effect: dict[Comparison, float]  # mean difference, with steps and ends of the scale
-    planned: dict[Comparison, float]  # mean difference without them
+    # Expected difference of the ratings, exactly: with steps and ends of the scale, and without.
+    true_effect: dict[Comparison, float]
+    planned: dict[Comparison, float]
 
     def enough(self, target: float, comparison: Comparison | None = None) -> PowerAt | None:
         """Return the smallest n from which on every larger n reaches the target power too.
@@ -75,20 +76,21 @@ def power_of(
 
     ns: numbers of people who begin, in each part. The first n people of a study are the same for
     every n.
-    Errors: InputError for a plan without families, and for a model that lacks part of the study.
+    Errors: InputError for a plan without families, and for a model that does not name a scale or a
+    condition of the study.
     """
     comparisons = tuple(dict.fromkeys(one for family in design.families for one in family.comparisons))
     if not comparisons:
         raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
     parts = dict.fromkeys(one.part for one in comparisons)
+    model = attrs.evolve(model, others=None)  # means that rehearse any plan alike say nothing about this one
     populations = {part: Population(model, design, part, [scale.name]) for part in parts}
     counts = [_Count(n, comparisons) for n in ns]
-    effects, people, complete = _Means(comparisons), 0, 0
+    people, complete = 0, 0
     for study in range(studies):
         cohorts = {part: population.of(range(max(ns)), seed, study) for part, population in populations.items()}
         for count in counts:
             count.add(design, scale, cohorts, alpha)
-        effects.add(cohorts, scale)
         people += sum(len(cohort.trials) for cohort in cohorts.values())
         complete += sum(cohort.why.count("complete") for cohort in cohorts.values())
         progress(study + 1, studies)
@@ -101,9 +103,17 @@ def power_of(
         seed=seed,
         balanced=int(np.lcm.reduce([population.balanced for population in populations.values()])),
         complete_share=complete / people,
-        true_effect=effects.of(latent=False),
-        planned=effects.of(latent=True),
+        true_effect={one: expected_difference(populations[one.part], scale, one) for one in comparisons},
+        planned={one: expected_difference(populations[one.part], scale, one, latent=True) for one in comparisons},
     )
+
+
+def expected_difference(population: Population, scale: Scale, comparison: Comparison, *, latent: bool = False) -> float:
+    """Return how much better `better` is rated than the baseline in the mean of all people."""
+    names = [one.name for one in population.part.conditions]
+    rated = population.expected(scale.name, latent=latent)
+    out = float(rated[names.index(comparison.baseline)] - rated[names.index(comparison.better)])
+    return out if scale.low_is_good else -out
 
 
 def differences(
@@ -161,21 +171,3 @@ class _Count:
             complete=self._complete / total,
             pairs={one: pairs / total for one, pairs in self._pairs.items()},
         )
-
-
-class _Means:
-    """Mean differences over all studies."""
-
-    def __init__(self, comparisons: Sequence[Comparison]) -> None:
-        self._sums = {(one, latent): [0.0, 0.0] for one in comparisons for latent in (False, True)}
-
-    def add(self, cohorts: dict[str, Cohort], scale: Scale) -> None:
-        for (one, latent), total in self._sums.items():
-            values = differences(cohorts[one.part], scale, one, latent=latent)
-            total[0] += float(values.sum())
-            total[1] += len(values)
-
-    def of(self, *, latent: bool) -> dict[Comparison, float]:
-        return {
-            one: total[0] / max(total[1], 1) for (one, is_latent), total in self._sums.items() if is_latent == latent
-        }

@@ -10,6 +10,7 @@ from .random_draws import person_of as person_of
 from .random_draws import table_of as table_of
 from .response_model import Floats as Floats
 from .response_model import Model as Model
+from .response_model import OtherRatings as OtherRatings
 from .response_model import RatingModel as RatingModel
 from .response_model import SicknessModel as SicknessModel
 from .response_model import normal as normal

@@ -16,7 +16,7 @@ from ..design import Design, Order, Part, allot, rows_for
 from ..scales import QUESTIONNAIRE, Scale
 from ..store import COMPLETE, SICK, STOPPED
 from .random_draws import table_of
-from .response_model import Floats, Model, of_share, on_scale
+from .response_model import Floats, Model, mean_on_scale, of_share, on_scale
 
 Ints = NDArray[np.intp]
 
@@ -57,10 +57,14 @@ class Population:
         self._rows = rows_for(design, part)
         self._names = {one.name: number for number, one in enumerate(self.part.conditions)}
         self._orders = np.array([self._flat(row) for row in self._rows])
-        self._means = {
-            scale.name: model.rating(scale).means_of(self.part, f"{model.path}: [rating.{scale.name}.means]")
+        self._ratings = {
+            scale.name: model.rating(scale)
             for scale in design.scales
             if scale.kind != QUESTIONNAIRE and (scales is None or scale.name in scales)
+        }
+        self._means = {
+            name: rating.means_of(self.part, f"{model.path}: [rating.{name}.means]")
+            for name, rating in self._ratings.items()
         }
 
     @property
@@ -82,10 +86,26 @@ class Population:
             if scale.name not in self._means:
                 continue
             felt = self._felt(drawn, number, order)
-            none = over | (drawn.missing[:, number] < self.model.ratings[scale.name].missing)
+            none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
             latent[scale.name] = np.where(none, np.nan, felt)
             answers[scale.name] = np.where(none, np.nan, on_scale(felt, scale))
         return Cohort(self.part, order, trials, why, answers, latent, sickness, drawn.susceptible)
+
+    def expected(self, scale: str, *, latent: bool = False) -> Floats:
+        """Compute each condition's expected rating, exactly: over all people, showings and orders.
+
+        Drift and carry-over count as in a session without dropouts. latent: before steps and ends
+        of the scale.
+        """
+        rating, means = self._ratings[scale], self._means[scale][self._orders]
+        at = rating.latent_mean(means, _before(means), np.arange(means.shape[1]))
+        if not latent:
+            answers = next(one for one in self.design.scales if one.name == scale)
+            values, where = np.unique(at, return_inverse=True)
+            on = np.array([mean_on_scale(float(value), rating.latent_sd, answers) for value in values])
+            at = on[where].reshape(at.shape)
+        numbers = self._orders.ravel()
+        return np.bincount(numbers, weights=at.ravel()) / np.bincount(numbers)
 
     def _flat(self, order: Order) -> list[int]:
         """Return the numbers of the conditions, trial by trial, over all repeats."""
@@ -94,11 +114,10 @@ class Population:
     def _felt(self, drawn: _Draws, number: int, order: Ints) -> Floats:
         scale = self.design.scales[number]
         means = self._means[scale.name][order]
-        before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
         taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
         place = np.arange(order.shape[1])
-        return self.model.ratings[scale.name].latent(
-            means, before, place, drawn.level[:, number, None], taste, drawn.noise[:, number]
+        return self._ratings[scale.name].latent(
+            means, _before(means), place, drawn.level[:, number, None], taste, drawn.noise[:, number]
         )
 
     def _ends(self, drawn: _Draws) -> tuple[Ints, tuple[str, ...], Floats]:
@@ -121,6 +140,11 @@ class Population:
             rows.append(allot(filled, self.design.seed))
             filled[rows[-1]] += status == COMPLETE
         return rows
+
+
+def _before(means: Floats) -> Floats:
+    """Return the mean of the condition before each trial, and its own for the first one."""
+    return np.concatenate([means[:, :1], means[:, :-1]], axis=1)
 
 
 @attrs.frozen(eq=False)

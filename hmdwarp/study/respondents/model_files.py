@@ -7,11 +7,11 @@ from pathlib import Path
 
 from ...registry import unknown_name
 from ...tables import Table, parsed, text_of
-from .response_model import Model, RatingModel, SicknessModel
+from .response_model import Model, OtherRatings, RatingModel, SicknessModel
 
 SCHEMA = 1
 _FOLDER = Path(__file__).resolve().parent
-_EXAMPLE = str(_FOLDER / "thesis.toml")
+_EXAMPLE = "the model of docs/response-models.md"
 
 
 def model_names() -> list[str]:
@@ -27,8 +27,9 @@ def load_model(name_or_path: str | Path) -> Model:
     name = str(name_or_path)
     if not name.endswith(".toml") and name not in model_names():
         raise unknown_name("model", name, [*model_names(), "FILE.toml"])
-    path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
-    return model_from_text(text_of(path, f"a .toml file, or one of {', '.join(model_names())}"), str(path))
+    if not name.endswith(".toml"):
+        return model_from_text((_FOLDER / f"{name}.toml").read_text(encoding="utf-8"), f"model {name}")
+    return model_from_text(text_of(Path(name), f"a .toml file, or one of {', '.join(model_names())}"), name)
 
 
 def model_from_text(text: str, path: str) -> Model:
@@ -47,6 +48,7 @@ def _model(data: Table, path: str) -> Model:
         path=path,
         title=data.text("title"),
         ratings={name: _rating(ratings.table(name)) for name in ratings.keys()},  # noqa: SIM118  (a Table is no dict)
+        others=_others(data.table("others")) if "others" in data else None,
         sickness=_sickness(data.table("sickness")) if "sickness" in data else SicknessModel(),
         dropout=_share(sessions, "dropout"),
         pause=_share(sessions, "pause"),
@@ -66,6 +68,18 @@ def _rating(table: Table) -> RatingModel:
         noise_sd=_spread(table, "noise_sd"),
         drift=table.number("drift", 0.0),
         carry_over=table.within("carry_over", -1, 1, 0.0),
+        missing=_share(table, "missing"),
+    )
+
+
+def _others(table: Table) -> OtherRatings:
+    return OtherRatings(
+        mean=table.within("mean", 0, 1),
+        reference=table.within("reference", 0, 1),
+        people_sd=_spread(table, "people_sd"),
+        condition_sd=_spread(table, "condition_sd"),
+        noise_sd=_spread(table, "noise_sd"),
+        drift=table.number("drift", 0.0),
         missing=_share(table, "missing"),
     )
 

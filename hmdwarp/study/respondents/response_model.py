@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtri
+from scipy.special import ndtr, ndtri
 
 from ...errors import InputError
 from ..design import Part
@@ -36,6 +36,10 @@ class RatingModel:
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
     carry_over: float = 0.0
     missing: float = 0.0  # share of trials answered with "cannot say"
+    # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
+    # None: an error.
+    mean: float | None = None
+    reference: float | None = None
 
     def means_of(self, part: Part, where: str) -> Floats:
         """Return the (conditions) means of a part.
@@ -44,12 +48,15 @@ class RatingModel:
         """
         own = self.means.get(part.name)
         table = own if isinstance(own, Mapping) else self.means
-        lacking = [one.name for one in part.conditions if not isinstance(table.get(one.name), float)]
+        found = {
+            one.name: table.get(one.name, self.reference if one.reference else self.mean) for one in part.conditions
+        }
+        lacking = [name for name, mean in found.items() if not isinstance(mean, float)]
         if lacking:
             raise InputError(
                 f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': expected one for each condition"
             )
-        return np.array([table[one.name] for one in part.conditions])
+        return np.array(list(found.values()))
 
     def latent(
         self, mean: ArrayLike, before: ArrayLike, place: ArrayLike, level: ArrayLike, taste: ArrayLike, noise: ArrayLike
@@ -60,9 +67,48 @@ class RatingModel:
         the first trial. place: of the trial, from 0. level, taste, noise: uniform draws of the
         person, of the person and the condition, and of the trial.
         """
-        mean = np.asarray(mean, float)
         spread = self.people_sd * normal(level) + self.condition_sd * normal(taste) + self.noise_sd * normal(noise)
-        return mean + spread + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+        return self.latent_mean(mean, before, place) + spread
+
+    def latent_mean(self, mean: ArrayLike, before: ArrayLike, place: ArrayLike) -> Floats:
+        """Compute the expected value of `latent` over all people and showings."""
+        mean = np.asarray(mean, float)
+        return mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+
+    @property
+    def latent_sd(self) -> float:
+        """Standard deviation of `latent` over all people and showings."""
+        return float(np.sqrt(self.people_sd**2 + self.condition_sd**2 + self.noise_sd**2))
+
+
+@attrs.frozen(kw_only=True)
+class OtherRatings:
+    """Ratings on scales and of conditions that a model does not name.
+
+    All but `missing` are shares of the scale, from its best (0) to its worst (1).
+    """
+
+    mean: float  # of a condition
+    reference: float  # of a hidden reference
+    people_sd: float = 0.0  # the rest as in RatingModel
+    condition_sd: float = 0.0
+    noise_sd: float = 0.0
+    drift: float = 0.0
+    missing: float = 0.0
+
+    def on(self, scale: Scale) -> RatingModel:
+        """Return the model in the unit and the direction of a scale."""
+        width = scale.most - scale.least
+        best, way = (scale.least, width) if scale.low_is_good else (scale.most, -width)
+        return RatingModel(
+            people_sd=width * self.people_sd,
+            condition_sd=width * self.condition_sd,
+            noise_sd=width * self.noise_sd,
+            drift=way * self.drift,
+            missing=self.missing,
+            mean=best + way * self.mean,
+            reference=best + way * self.reference,
+        )
 
 
 @attrs.frozen
@@ -87,9 +133,10 @@ class SicknessModel:
 class Model:
     """Response model of a study's participants."""
 
-    path: str  # its file
+    path: str  # its file, or "model NAME" of a shipped one, for messages
     title: str = ""
     ratings: Mapping[str, RatingModel] = attrs.field(factory=dict, hash=False)  # by scale name
+    others: OtherRatings | None = None  # of what `ratings` leaves out; None: an error
     sickness: SicknessModel = SicknessModel()
     dropout: float = 0.0  # probability of leaving after a trial and its questions
     pause: float = 0.0  # probability of a pause in a trial
@@ -103,12 +150,16 @@ class Model:
 
     def rating(self, scale: Scale) -> RatingModel:
         """Return the model of that scale. Errors: InputError where there is none."""
-        if scale.name not in self.ratings:
+        own, other = self.ratings.get(scale.name), None if self.others is None else self.others.on(scale)
+        if own is None and other is None:
             known = ", ".join(self.ratings) or "none"
             raise InputError(
-                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}"
+                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}: "
+                "add it, or use the model quick, which answers every scale (docs/response-models.md)"
             )
-        return self.ratings[scale.name]
+        if own is None or other is None:
+            return own or other  # type: ignore[return-value]  # one of them is there
+        return attrs.evolve(own, mean=other.mean, reference=other.reference)
 
     def seconds(self, draw: float) -> float:
         """Return the time to an answer for a uniform draw."""
@@ -128,6 +179,20 @@ def on_scale(latent: ArrayLike, scale: Scale) -> Floats:
     """Round to the nearest answer of the scale, within its ends."""
     steps = np.rint((np.asarray(latent, float) - scale.least) / scale.step)
     return np.clip(np.round(scale.least + steps * scale.step, 9), scale.least, scale.most)
+
+
+def mean_on_scale(mean: float, sd: float, scale: Scale) -> float:
+    """Compute the expected value of on_scale for normal latent ratings.
+
+    The lowest answer, and a step for each edge between two answers that lies below a rating.
+    """
+    if sd == 0:
+        return float(on_scale(mean, scale))
+    count = round((scale.most - scale.least) / scale.step)
+    # Ratings lie within nine standard deviations of the mean in all but 1e-18 of cases.
+    low, high = (min(max(round((mean + way * 9 * sd - scale.least) / scale.step), 0), count) for way in (-1, 1))
+    edges = scale.least + scale.step * (np.arange(low, high) + 0.5)
+    return float(scale.least + scale.step * (low + ndtr((mean - edges) / sd).sum()))
 
 
 def of_share(share: ArrayLike, scale: Scale) -> Floats:

@@ -132,7 +132,7 @@ class _Program:
             self._give_up(session, error)
             raise
         else:
-            runner.farewell(status)
+            runner.farewell(self.words.session.status)
         return self.words.session
 
     def _session(self) -> Session:

@@ -9,15 +9,17 @@ import attrs
 from ...report import counted
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
-from ..store import COMPLETE, DECLINED, SICK, STOPPED
+from ..store import COMPLETE, DECLINED, SICK, STOPPED, UNCONSENTED
 from .head_range import HeadRange
 
 # Keys of what comes between the steps.
 READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", "sick", "end")
+_NO_PART = ("Thank you", "You are not taking part. Nothing was asked or shown.")
 _FAREWELL = {
     COMPLETE: ("Thank you", "That was all. You may take off the headset."),
     STOPPED: ("Thank you", "The session has ended. What you answered is kept."),
-    DECLINED: ("Thank you", "You are not taking part. Nothing was asked or shown."),
+    DECLINED: _NO_PART,
+    UNCONSENTED: _NO_PART,
     SICK: ("Thank you", "The session has ended. Take your time, have some water, and tell us how you feel."),
 }
 

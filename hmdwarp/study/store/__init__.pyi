@@ -14,6 +14,7 @@ from .records import SICK as SICK
 from .records import SIMULATED as SIMULATED
 from .records import STATUSES as STATUSES
 from .records import STOPPED as STOPPED
+from .records import UNCONSENTED as UNCONSENTED
 from .records import Answer as Answer
 from .records import Contents as Contents
 from .records import Event as Event

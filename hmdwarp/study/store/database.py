@@ -18,8 +18,8 @@ BUSY_S = 5.0  # a reader may hold it for a moment, at a checkpoint
 
 # No row keeps a date, a random word or a name of a participant who withdrew: `withdrawn` has only
 # the code. cleaned: whether the bytes are gone too. AUTOINCREMENT: ids are never reused, so that an
-# id in an old export cannot mean another participant's row. A declined session is 'stopped' in
-# session.status; its journal says "refused" (queries.py), as in the stores of older versions.
+# id in an old export cannot mean another participant's row. A declined or unconsented session is
+# 'stopped' in session.status; its journal tells (queries.py), as in the stores of older versions.
 TABLES = """
 CREATE TABLE study (name TEXT NOT NULL, made_by TEXT NOT NULL) STRICT;
 CREATE TABLE plan (id INTEGER PRIMARY KEY, text TEXT NOT NULL, meaning TEXT NOT NULL, UNIQUE (text, meaning)) STRICT;

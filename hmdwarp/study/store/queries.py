@@ -8,13 +8,18 @@ from pathlib import Path
 from ._json import from_json
 from .records import PILOT, Answer, Contents, Event, Session, Showing
 
-# Whoever refused the consent and did not agree to it later, in a resumed run, took no part.
-_STATUS = """CASE WHEN s.status = 'stopped' AND EXISTS (
-    SELECT 1 FROM event refused WHERE refused.session = s.id AND refused.kind = 'refused' AND NOT EXISTS (
-      SELECT 1 FROM event agreed WHERE agreed.session = s.id AND agreed.kind = 'finished' AND agreed.key = refused.key))
-  THEN 'declined' ELSE s.status END"""
+# Whoever refused the consent and did not agree to it later, in a resumed run, took no part; nor did
+# who never agreed to the text that the session began with.
+_AGREED = """SELECT 1 FROM event agreed
+      WHERE agreed.session = s.id AND agreed.kind = 'finished' AND agreed.key = 'consent'"""
+_REFUSED = f"""EXISTS (SELECT 1 FROM event refused WHERE refused.session = s.id AND refused.kind = 'refused')
+    AND NOT EXISTS ({_AGREED})"""
+_UNCONSENTED = f"""EXISTS (SELECT 1 FROM event asked WHERE asked.session = s.id AND asked.kind = 'begin'
+      AND json_extract(asked.data, '$.consent_version') IS NOT NULL) AND NOT EXISTS ({_AGREED})"""
+_STATUS = f"""CASE WHEN s.status = 'stopped' AND {_REFUSED} THEN 'declined'
+    WHEN s.status = 'stopped' AND {_UNCONSENTED} THEN 'unconsented' ELSE s.status END"""
 _SESSION = f"""SELECT s.id, p.code, p.sub, s.number, s.part, s.order_row, s.order_names, p.origin, {_STATUS}, plan.text,
-  s.started_utc, s.ended_utc, s.why, s.facts
+  s.started_utc, s.ended_utc, s.why, s.facts, NOT (({_REFUSED}) OR ({_UNCONSENTED}))
   FROM session s JOIN participant p ON p.id = s.participant JOIN plan ON plan.id = s.plan"""
 # Words are in the journal alone, so that stores from before there were any can be read.
 _ANSWER = """SELECT id, session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing,
@@ -29,7 +34,7 @@ _EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
 def _session_of(row: tuple) -> Session:
     fields = list(row)
     fields[6] = tuple(tuple(repeat) for repeat in from_json(fields[6]))
-    fields[-1] = from_json(fields[-1])
+    fields[-2:] = from_json(fields[-2]), bool(fields[-1])
     return Session(*fields)
 
 

@@ -9,12 +9,13 @@ from typing import Any
 import attrs
 
 ORIGINS = (PERSON, PILOT, SIMULATED) = ("person", "pilot", "simulated")
-STATUSES = (RUNNING, INTERRUPTED, COMPLETE, STOPPED, SICK, DECLINED) = (
-    *("running", "interrupted", "complete", "stopped", "sick", "declined"),
+STATUSES = (RUNNING, INTERRUPTED, COMPLETE, STOPPED, SICK, DECLINED, UNCONSENTED) = (
+    *("running", "interrupted", "complete", "stopped", "sick", "declined", "unconsented"),
 )
 # RUNNING: now, or its program died. INTERRUPTED: may be resumed. STOPPED: by the participant or the
-# experimenter, without a reason. SICK: by the stop rule. DECLINED: the consent was refused, so
-# nobody took part: the session counts nowhere. The last four are over.
+# experimenter, without a reason. SICK: by the stop rule. DECLINED: the consent was refused;
+# UNCONSENTED: stopped before it was given. Of both nobody took part: they count nowhere. The last
+# five are over.
 
 
 @attrs.frozen
@@ -35,6 +36,7 @@ class Session:
     ended_utc: str = ""
     why: str = ""
     facts: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # versions, headset, GPU, seed
+    consented: bool = True  # False while the plan's consent was not given, whatever the status
 
 
 @attrs.frozen

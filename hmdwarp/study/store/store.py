@@ -26,7 +26,7 @@ from .clock import Clock, MachineClock
 from .erasing import erase, known
 from .faults import translated
 from .folders import check_place, sync_trace, trace_name
-from .records import DECLINED, RUNNING, STATUSES, STOPPED, Answer, Contents, Session, Showing
+from .records import DECLINED, RUNNING, STATUSES, STOPPED, UNCONSENTED, Answer, Contents, Session, Showing
 from .store_connection import Connection
 
 
@@ -104,6 +104,7 @@ class Store:
             session = queries.session(db, id_)
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
             self._connection.event(session, "begin", data=data)
+            session = queries.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
             self._connection.say(
                 "the study's file changed since the last session, but not what it shows and asks; both texts are kept"
@@ -153,9 +154,10 @@ class Store:
     def end(self, session: Session, status: str, why: str = "") -> Session:
         """End a session. status: any of STATUSES but RUNNING. why: in words, "" for none.
 
-        DECLINED needs "refused" in the journal, which tells it from STOPPED.
+        DECLINED needs "refused" in the journal, which tells it from STOPPED; a session that is
+        STOPPED before its consent was given is returned as UNCONSENTED.
         """
-        if status not in STATUSES or status == RUNNING:
+        if status not in STATUSES or status in (RUNNING, UNCONSENTED):
             raise ValueError(f"a session does not end as {status!r}")
         with self._connection.running(session) as db:
             self._connection.event(session, "end", data={"status": status, "why": why})

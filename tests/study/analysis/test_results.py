@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study import comparison_lines
+from hmdwarp.report.study import comparison_lines, render_study_report
 from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, analyse, copied_rows, load_claims, order_effects
 from hmdwarp.study.analysis.sentences import of_copied, of_order, of_reference
 from hmdwarp.study.design import Comparison, Family
@@ -87,7 +87,16 @@ def test_too_few_people_show_nothing_either_way():
 
 def test_nobody_rated_both():
     row = first(ratings_of({"late": [5, None], "warped": [None, 3]}))
-    assert row["n"] == 0 and row["holm"] == 1.0 and "cannot be compared" in row["sentence"]
+    assert row["n"] == 0 and row["holm"] is None and "cannot be compared" in row["sentence"]
+
+
+def test_where_nothing_was_rated_no_order_is_said_to_be_lacking_and_no_p_is_shown():
+    ratings = ratings_of({"late": [None, None], "warped": [None, None]})
+    data = analyse(attrs.evolve(ratings, rows=tuple(attrs.evolve(row, place=1) for row in ratings.rows)))
+    (part,) = data["scales"][0]["parts"]
+    assert part["order_sentences"] == ["Effects of order cannot be estimated: nothing was rated."]
+    assert comparison_lines(data["scales"][0]["comparisons"])[1][0].count("1.000") == 0
+    render_study_report(data, "")
 
 
 def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():

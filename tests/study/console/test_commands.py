@@ -49,6 +49,7 @@ def test_times():
 def test_lines_as_commands():
     assert parse_line(" answer 3,25 ", ASKING) == ("answer", 3.25)
     assert parse_line("Pause", SHOWING) == ("pause", None)
+    assert parse_line("decline", STATES["reading"]) == ("decline", None)
     assert parse_line("remark the strap slipped", SHOWING) == ("remark", "the strap slipped")
     assert parse_line("   ", SHOWING) is None
     for line, state, words in [
@@ -80,6 +81,7 @@ def pressed(entry: KeyEntry, state: ConsoleState, *keys: str) -> list[tuple[str,
         ("waiting", ["c"], ("continue", None)),
         ("break", ["c"], ("continue", None)), ("showing", ["b"], ("break", None)), ("showing", ["r"], ("again", None)),
         ("asking", ["kk"], ("skip", None)), ("reading", ["g", "y"], ("agree", None)),
+        ("reading", ["dd"], ("decline", None)),
         ("showing", ["sy"], ("stop", None)),
         ("asking", ["a3.25", "enter", "enter"], ("answer", 3.25)), ("asking", ["2", "enter", "y"], ("answer", 2.0)),
         ("showing", ["mslipped, é 漢", "enter"], ("remark", "slipped, é 漢")),
@@ -99,7 +101,8 @@ def test_every_key_asks_for_its_command(state, keys, asked):
     ("state", "keys", "note"),
     [
         ("showing", ["a"], "nothing is being asked"), ("showing", ["k"], "nothing is being asked"),
-        ("showing", ["g"], "no text to agree"),
+        ("showing", ["g"], "no text to agree"), ("asking", ["d"], "no text to decline"),
+        ("reading", ["d", "n"], "not done"),
         ("waiting", ["g"], "no text to agree"),
         ("showing", ["c"], "going on already"), ("showing", ["x"], "does nothing here"),
         ("showing", ["3"], "does nothing here"),
@@ -169,7 +172,7 @@ def test_whatever_is_typed_answers_are_on_the_scale_and_about_what_is_on(keys, d
             if name == "answer":
                 question = state.question
                 assert question is not None and checked_answer(str(value), question) == value
-            assert name != "agree" or state.phase == "reading"
+            assert name not in ("agree", "decline") or state.phase == "reading"
 
 
 def test_the_sickness_scale_takes_whole_numbers_only():

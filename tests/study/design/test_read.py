@@ -277,6 +277,12 @@ BROKEN = [
         'name = "late-200"\nlatency = 200\nwarp = "mesh"',
     ),
     (
+        "[practice]\nseconds = 60",
+        "[practice]\nsecnds = 60",
+        "practice: unknown setting 'secnds': did you mean seconds? known are seconds, scene,",
+        "secnds",
+    ),
+    (
         "latency = 200\nwarp",
         "latncy = 200\nwarp",
         "condition 'late-200': unknown setting 'latncy': did you mean latency?",

@@ -144,7 +144,13 @@ def test_a_long_text_is_agreed_to_on_its_last_page_alone():
 def test_the_desk_agrees_for_the_participant():
     reading = ConsentDialog(LONG)
     reading.handle(said("agree"))
-    assert reading.agreed
+    assert reading.agreed and not reading.refused
+
+
+def test_the_console_declines_for_the_participant():
+    reading = ConsentDialog(LONG)
+    reading.handle(said("decline"))
+    assert reading.refused and not reading.agreed
 
 
 @given(commands)

@@ -124,7 +124,7 @@ def test_a_short_table_and_a_file_for_each_session_hold_the_same_ratings(store, 
     """As programs for experiments write them; the analysis reads them like the long table."""
     out = export(store.contents(), design, tmp_path / "out").folder
     short, long = read(out / "ratings_short.csv", ","), read(out / "ratings.csv", ",")
-    assert len(short[0]) == 16 and len(short) == len(long) == 9
+    assert len(short[0]) == 17 and len(short) == len(long) == 9
     for row, of in zip(short, long, strict=True):
         assert row["ppid"] == row["participant"] and row["rating"] == of["value"]
         shared = row.keys() & of.keys()
@@ -275,3 +275,18 @@ def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(
     assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(
         made.notes
     )
+
+
+def test_each_table_of_ratings_says_whose_they_are(store, design, tmp_path):
+    out = export(store.contents(pilot=True), design, tmp_path / "out", ExportOptions(origin=PILOT)).folder
+    columns = json.loads((out / "columns.json").read_text(encoding="utf-8"))
+    assert set(columns["origin"]["Levels"]) == {"person", "pilot", "simulated"}
+    tables = [out / "ratings.csv", out / "ratings.tsv", out / "ratings_short.csv", *out.glob("sessions/*.csv")]
+    assert len(tables) == 4
+    for table in tables:
+        found = from_csv(table)
+        assert (found.origin, found.notes[0]) == (
+            PILOT,
+            "These ratings are of origin 'pilot', not of people taking part in the study.",
+        ), table
+    assert {row["origin"] for row in read(out / "bids" / "participants.tsv", "\t")} == {PILOT}

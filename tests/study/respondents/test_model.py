@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import kstest, norm
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import load_design
+from hmdwarp.study.design import load_design, write_new_plan
 from hmdwarp.study.respondents import (
     Population,
     RatingModel,
@@ -27,7 +27,7 @@ from hmdwarp.study.respondents import (
     person_of,
     table_of,
 )
-from hmdwarp.study.scales import load_scale, scale_names
+from hmdwarp.study.scales import RATING, load_scale, scale_names
 
 TEXT = """schema = 1
 title = "two"
@@ -159,6 +159,28 @@ def test_what_the_study_needs_and_the_model_lacks_is_named():
         Population(model, design, design.parts[0].name)
     with pytest.raises(InputError, match=r"no \[rating.acr\]"):
         model.rating(load_scale("acr"))
+
+
+RATING_SCALES = [name for name in scale_names() if load_scale(name).kind == RATING]
+
+
+@pytest.mark.parametrize("name", RATING_SCALES)
+def test_the_model_quick_rehearses_a_new_plan_on_every_rating_scale(tmp_path, name):
+    """The reference is rated better than the rest, whichever way the scale goes."""
+    plan = write_new_plan("mine", tmp_path)
+    plan.write_text(plan.read_text(encoding="utf-8").replace('["acr"]', f'["{name}"]'), encoding="utf-8")
+    design, scale = load_design(str(plan)), load_scale(name)
+    cohort = Population(load_model("quick"), design, design.parts[0].name).of(range(100), seed=1)
+    means = np.nanmean(cohort.per_condition(name), axis=0)
+    badness = [scale.badness(mean) for mean in means]
+    assert design.parts[0].conditions[-1].reference
+    assert max(badness[:-1]) - min(badness[:-1]) < 0.1 * (scale.most - scale.least)
+    assert badness[-1] < min(badness[:-1]) - 0.2 * (scale.most - scale.least)
+
+
+def test_a_shipped_model_that_lacks_a_scale_names_the_remedy_and_no_file_of_the_package():
+    with pytest.raises(InputError, match=r"^model thesis: no \[rating.acr\].*add it, or use the model quick"):
+        load_model("thesis").rating(load_scale("acr"))
 
 
 def test_a_model_that_is_not_there_is_told():

@@ -8,8 +8,12 @@ from __future__ import annotations
 import pytest
 
 from hmdwarp.display import Command
+from hmdwarp.errors import InputError
+from hmdwarp.study.analysis import from_contents
+from hmdwarp.study.design import load_design
 from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
-from hmdwarp.study.store import COMPLETE, DECLINED, STOPPED
+from hmdwarp.study.export import export
+from hmdwarp.study.store import COMPLETE, DECLINED, STOPPED, UNCONSENTED
 
 from .sessions import Person, ScriptedConsole, contents, press, run, study, whole
 
@@ -139,7 +143,7 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
 
     ran = run(monkeypatch, gpu, path, Person(waits), at_phase(phase, step, Command("stop")))
     assert ran.error is None
-    assert (ran.session.status, ran.session.why) == (STOPPED, "")
+    assert (ran.session.status, ran.session.why) == (UNCONSENTED if phase == "reading" else STOPPED, "")
     stored = contents(path)
     assert [event.kind for event in stored.events][-2:] == (["shown", "end"] if phase == "showing" else ["stop", "end"])
     before = {"consent": 0, "practice": 0, "trial 2 of 2": 3, "break": 3}[step]
@@ -205,6 +209,26 @@ def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
     assert ran.session.status == DECLINED
     assert events(path, "refused") == [("refused", "consent")]
     assert ran.display.shown == 0
+
+
+@pytest.mark.parametrize(("command", "status"), [("decline", DECLINED), ("stop", UNCONSENTED)])
+def test_without_the_consent_a_session_that_the_experimenter_ends_counts_nowhere(
+    monkeypatch, gpu, tmp_path, command, status
+):
+    path = whole(tmp_path)
+    console = at_phase("reading", "consent", Command(command))
+    ran = run(monkeypatch, gpu, path, Person(lambda panel: ()), console)
+    assert (ran.session.status, ran.display.shown) == (status, 0)
+    assert " ".join(ran.display.panels[-1].lines) == "You are not taking part. Nothing was asked or shown."
+    assert ran.said[0].endswith(f": {status}")
+    with pytest.raises(InputError, match="1 session ended without the consent"):
+        export(contents(path), load_design(str(path)), tmp_path / "out")
+    run(monkeypatch, gpu, path, participant="P2")
+    ratings = from_contents(contents(path), load_design(str(path)))
+    assert [one.status for one in ratings.sessions] == [COMPLETE] and len(
+        {row.participant for row in ratings.rows}
+    ) == 1
+    assert any("counted nowhere else: 1." in note for note in ratings.notes)
 
 
 def test_the_experimenter_types_what_is_said_and_leaves_out_what_is_not(monkeypatch, gpu, tmp_path):

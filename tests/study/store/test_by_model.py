@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initialize, invariant, precondition, rule
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, Store
+from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Store
 from hmdwarp.study.withdraw import holdings, withdraw
 
 from .sessions import asks, begun, shows
@@ -32,6 +32,7 @@ class Told:
     part: str
     row: int
     status: str = "running"
+    consented: bool = False
     answers: dict = attrs.field(factory=dict)  # (key, revision) to value
     showings: dict = attrs.field(factory=dict)  # (key, presentation) to complete
     remarks: list = attrs.field(factory=list)
@@ -78,7 +79,7 @@ class StoreByModel(RuleBasedStateMachine):
         held = [
             one.row
             for one in self.told.values()
-            if (one.origin, one.part) == (origin, part) and one.status not in (STOPPED, SICK)
+            if (one.origin, one.part) == (origin, part) and one.status not in (STOPPED, SICK, UNCONSENTED)
         ]
         rows = {"one": 4, "two": 2}[part]
         assert held.count(session.row) == min(held.count(row) for row in range(rows)), "the least filled order"
@@ -87,6 +88,12 @@ class StoreByModel(RuleBasedStateMachine):
 
     def is_on(self, session):
         return session is not None and session.id in self.told and self.told[session.id].status == "running"
+
+    @rule(session=running)
+    def agree(self, session):
+        if self.is_on(session):
+            self.store.finish_step(session, "consent")
+            self.told[session.id].consented = True
 
     @rule(
         session=running,
@@ -124,8 +131,9 @@ class StoreByModel(RuleBasedStateMachine):
     @rule(session=consumes(running), status=st.sampled_from([COMPLETE, STOPPED, SICK, INTERRUPTED]))
     def end(self, session, status):
         if self.is_on(session):
-            self.store.end(session, status)
-            self.told[session.id].status = status
+            told = self.told[session.id]
+            told.status = UNCONSENTED if status == STOPPED and not told.consented else status
+            assert self.store.end(session, status).status == told.status
 
     @rule(target=running, code=st.sampled_from(CODES))
     def resume(self, code):
@@ -174,8 +182,10 @@ class StoreByModel(RuleBasedStateMachine):
         for pilot in (False, True):
             found = self.store.contents(pilot=pilot)
             told = {id_: one for id_, one in self.told.items() if (one.origin == PILOT) == pilot}
-            assert {one.id: (one.code, one.origin, one.part, one.row, one.status) for one in found.sessions} == {
-                id_: (one.code, one.origin, one.part, one.row, one.status) for id_, one in told.items()
+            assert {
+                one.id: (one.code, one.origin, one.part, one.row, one.status, one.consented) for one in found.sessions
+            } == {
+                id_: (one.code, one.origin, one.part, one.row, one.status, one.consented) for id_, one in told.items()
             }
             answers = [((one.session, one.key, one.revision), one.value) for one in found.answers]
             assert len(dict(answers)) == len(answers)

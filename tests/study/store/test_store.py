@@ -20,6 +20,7 @@ from hmdwarp.study.store import (
     SICK,
     SIMULATED,
     STOPPED,
+    UNCONSENTED,
     Session,
     Store,
     folder_to_read,
@@ -134,6 +135,7 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
 @pytest.mark.parametrize("status", [COMPLETE, STOPPED, SICK, INTERRUPTED])
 def test_nothing_is_stored_after_the_end(store, status):
     session = begun(store)
+    store.finish_step(session, "consent")
     ended = store.end(session, status, "because")
     assert (ended.status, ended.why) == (status, "because") and ended.ended_utc >= ended.started_utc
     for late in (
@@ -144,7 +146,7 @@ def test_nothing_is_stored_after_the_end(store, status):
         with pytest.raises(HmdwarpError, match="nothing more can be stored") as error:
             late()
         assert error.value.exit_status == 1
-    assert len(store.contents().events) == 2
+    assert len(store.contents().events) == 3
 
 
 def test_a_rating_that_is_no_number_is_a_fault_of_ours(store):
@@ -197,6 +199,18 @@ def test_who_declines_has_a_status_of_their_own_and_may_still_agree(store):
     with pytest.raises(ValueError, match="cannot end as 'declined'"):
         store.end(begun(store, "P2"), DECLINED)
     assert [one.status for one in store.contents().sessions] == [DECLINED, STOPPED, RUNNING]
+
+
+def test_a_session_that_is_stopped_before_the_consent_has_a_status_of_its_own(store):
+    session = begun(store, "P1")
+    assert not session.consented
+    assert store.end(session, STOPPED).status == UNCONSENTED
+    with pytest.raises(ValueError, match="does not end as 'unconsented'"):
+        store.end(begun(store, "P2"), UNCONSENTED)
+    again = begun(store, "P1", new_session=True)
+    store.finish_step(again, "consent")
+    assert store.end(again, STOPPED).status == STOPPED
+    assert [one.consented for one in store.contents().sessions] == [False, False, True]
 
 
 def test_a_store_of_before_that_status_tells_who_declined(store):

@@ -11,7 +11,7 @@ import sys
 import pytest
 from commands import hmdwarp
 
-from hmdwarp.study.store import Store
+from hmdwarp.study.store import PILOT, SIMULATED, Store
 
 from .sessions import TEXT, begun, whole
 
@@ -74,6 +74,17 @@ def test_not_while_a_session_runs(study):
         done = ran(study, "P01", "--yes")
     assert done.returncode == 3 and "running already" in done.stderr and done.stderr.count("\n") == 1
     assert codes(study) == ["P01", "P02", "P03"]
+
+
+def test_pilots_and_simulated_participants_withdraw_from_stores_of_their_own(study):
+    for origin in (PILOT, SIMULATED):
+        with Store(study.with_name(f"late-{origin}-data"), create=True) as store:
+            whole(store, "P01", origin=origin)
+        done = ran(study, "P01", "--yes", f"--{origin}")
+        assert done.returncode == 0 and done.stdout.startswith("Participant P01 has withdrawn")
+    assert codes(study) == ["P01", "P02"]
+    both = ran(study, "P01", "--yes", "--pilot", "--simulated")
+    assert both.returncode == 2 and "never mixed" in both.stderr
 
 
 def test_a_file_that_became_wrong_keeps_nobody_from_withdrawing(study):

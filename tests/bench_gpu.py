@@ -1,0 +1,143 @@
+"""Everything that is to be measured on a GPU, in at most nine minutes: `make bench-gpu OUT=FOLDER`.
+
+Needs no network. Writes gpu.json and a page, gpu.md; `make docs OPTIONS=gpu:FOLDER/gpu.json` files
+the page in docs/gpu.md by the GPU's name. What comes first matters most: once the minutes are
+spent the rest is left out, and named. With --quick: all of it once, on tiny pictures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+TESTS = Path(__file__).resolve().parent
+sys.path.insert(0, str(TESTS.parent / "docs"))
+
+import gpu_tables  # noqa: E402 (a script of docs/)
+
+SCHEMA = 1
+PATHS = {True: ("forward:path=portable", "forward:path=atomic64"), False: ("forward",)}
+FEW = ("none", "rotation", "iterative", "backward", "layered")
+MORE = (*FEW, "planar", "forward_ordered", "forward_raster", "splat", "multi", "mesh", "mesh_adaptive")
+
+
+@attrs.frozen
+class Work:
+    """How much is measured."""
+
+    # (w, h) of one eye, warps beside `forward`, fills; the most important first.
+    benches: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]
+    bench_options: tuple[str, ...]
+    scene: str = "room"
+    frames: int = 600  # of each live run
+    refreshes: int = 300  # of each row of bench-live
+
+
+FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
+ALL = Work(
+    (("1280x800", MORE, FILLS), ("2064x2208", FEW, FILLS)),
+    ("--instants", "3", "--rounds", "5", "--no-grid", "--no-fused"),
+)
+QUICK = Work(
+    (("48x40", ("rotation",), ("none", "pyramid")),),
+    tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0 --no-grid --no-fused")),
+    "planes", 10, 2,
+)  # fmt: skip
+
+
+class Measuring:
+    """Runs parts one after the other until the time is over; `left_out` names the others."""
+
+    def __init__(self, folder: Path, minutes: float) -> None:
+        self.folder, self.left_out = folder, list[str]()
+        self._started = time.monotonic()
+        self._seconds = minutes * 60
+
+    @property
+    def seconds(self) -> float:
+        """Since the start."""
+        return time.monotonic() - self._started
+
+    def part(self, name: str, *command: str, statuses: Sequence[int] = (0,)) -> str | None:
+        """Return what a command prints, None for one that fails or is not through in time."""
+        print(f"{self.seconds:5.0f} s  {name}", flush=True)
+        left = self._seconds - self.seconds
+        try:
+            if left <= 0:
+                raise subprocess.TimeoutExpired(command, 0)
+            done = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False, timeout=left)
+        except subprocess.TimeoutExpired:
+            self.left_out.append(f"{name}: no time was left")
+            return None
+        if done.returncode not in statuses:
+            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+            self.left_out.append(f"{name}: {last}")
+            return None
+        return done.stdout
+
+    def results(self, name: str, command: str, *options: str, file: str) -> dict[str, Any] | None:
+        """Return the JSON file that a command of hmdwarp writes."""
+        out = self.folder / name.replace(" ", "-")
+        if self.part(name, "-m", "hmdwarp", command, *options, "--force", "--out", str(out)) is None:
+            return None
+        return json.loads((out / file).read_text(encoding="utf-8"))
+
+
+def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
+    """Return all that gpu.json has. Raises: SystemExit where there is no OpenGL."""
+    run = Measuring(folder, minutes)
+    told = run.part("doctor", "-m", "hmdwarp", "doctor", "--json")
+    if told is None:
+        raise SystemExit(f"{run.left_out[0]}: 'hmdwarp doctor' says what is missing")
+    doctor = json.loads(told)["findings"]
+    has_atomic64 = next(one for one in doctor if one["name"] == "OpenGL")["facts"]["atomic_int64"]
+    if not has_atomic64:
+        run.left_out.append("the 64-bit path: this driver has no 64-bit atomics")
+    benches, lives = [], []
+    for size, warps, fills in work.benches:
+        chosen = ("--warp", ",".join((*PATHS[has_atomic64], *warps)), "--fill", ",".join(fills))
+        what = ("look-around", "--scene", work.scene, "--size", size, "--quiet")
+        benches.append(run.results(f"bench {size}", "bench", *what, *chosen, *work.bench_options, file="bench.json"))
+    for size, *_ in work.benches:
+        what = ("--source", "offscreen", "--trace", "look-around", "--scene", work.scene, "--size", size)
+        lives.append(run.results(f"live {size}", "live", *what, "--frames", str(work.frames), file="summary.json"))
+    # Status 1: a limit is exceeded, which it says.
+    loop = run.part("bench-live", str(TESTS / "bench_live.py"), "--frames", str(work.refreshes), statuses=(0, 1))
+    return {
+        "schema": SCHEMA,
+        "doctor": doctor,
+        "bench": [one for one in benches if one],
+        "live": [one for one in lives if one],
+        "bench_live": loop,
+        "left_out": run.left_out,
+        "seconds": run.seconds,
+    }
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, required=True, help="folder for gpu.json, gpu.md and what they come from")
+    parser.add_argument("--minutes", type=float, default=9.0, help="after which the rest is left out")
+    parser.add_argument("--quick", action="store_true", help="all of it once, on tiny pictures")
+    asked = parser.parse_args(arguments)
+    asked.out.mkdir(parents=True, exist_ok=True)
+    data = measure(asked.out, QUICK if asked.quick else ALL, asked.minutes)
+    (asked.out / "gpu.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    page = asked.out / "gpu.md"
+    page.write_text(gpu_tables.section(data), encoding="utf-8")
+    for line in data["left_out"]:
+        print(f"left out: {line}")
+    print(f"page: {page}")
+
+
+if __name__ == "__main__":
+    main()

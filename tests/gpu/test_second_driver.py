@@ -1,0 +1,114 @@
+"""A second OpenGL driver beside llvmpipe: Zink over lavapipe, which runs on Vulkan.
+
+Another compiler and another API below the same shaders, in processes of its own, because a driver
+is chosen before the first context. It has 64-bit atomics and timer queries, which llvmpipe lacks.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from xml.etree import ElementTree
+
+import driver_pictures
+import needs
+import numpy as np
+import pytest
+
+TESTS = Path(__file__).resolve().parents[1]
+# Uniforms compiled into the shaders, as Zink does over a CPU alone, take stale values in Mesa 22.3:
+# the third picture of a memory fill, meshes of blocks of 4.
+ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink", "ZINK_INLINE_UNIFORMS": "0"}
+NAME = "Zink over lavapipe"
+RENDERER = "from hmdwarp.gpu import Gpu; print(Gpu().renderer)"
+# The timers, the 64-bit path, the twins of warps and fills, the hard cases, and whole replays.
+SELECTED = (
+    "tests/gpu/test_timers.py",
+    "tests/gpu/test_programs.py",
+    "tests/client/test_forward.py",
+    "tests/client/test_memory.py",
+    "tests/client/test_mesh_adaptive.py",
+    "tests/client/test_contract.py",
+    "tests/hard_cases",
+    "tests/test_golden.py",
+)
+# Fills that sum many terms, which another compiler may round otherwise. Each of the levels of a
+# pyramid, halves of the picture down to one texel and up again, stores means as half floats: one
+# that falls to the other side of a rounding is off by a unit, 2^-10 of it, and a mean of such
+# values by no more. Inverse depth is stored at least as finely.
+ROUNDED = ("pyramid",)
+STORES = 2 * int(np.ceil(np.log2(max(driver_pictures.SIZE))))
+UNIT = 2.0**-10
+
+
+def on_zink(*command: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *command], cwd=TESTS.parent, env={**os.environ, **ZINK},
+        capture_output=True, text=True, errors="replace", check=False,
+    )  # fmt: skip
+
+
+@functools.cache
+def lacking() -> str | None:
+    """Why this machine has no Zink over a CPU's Vulkan, as the reason to skip; None if it has."""
+    done = on_zink("-c", RENDERER)
+    renderer = done.stdout.strip().lower()
+    if done.returncode == 0 and "zink" in renderer and "llvmpipe" in renderer:
+        return None
+    return needs.missing("lavapipe", needs.APT + needs.TOOLS["packages"]["lavapipe"])
+
+
+@pytest.fixture(autouse=True)
+def zink() -> None:
+    reason = lacking()
+    if reason:
+        pytest.skip(reason)
+
+
+def said(done: subprocess.CompletedProcess[str]) -> str:
+    """The end of what it said, for a failure."""
+    return f"status {done.returncode}\n{done.stdout[-4000:]}\n{done.stderr[-2000:]}"
+
+
+@pytest.mark.slow(30)
+def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, record_property):
+    """Bit for bit, the 64-bit path as the portable one; rounded sums within the bound."""
+    if not gpu.renderer.startswith("llvmpipe"):
+        pytest.skip(f"the pictures are compared with llvmpipe's; this is {gpu.renderer}")
+    done = on_zink("tests/driver_pictures.py", str(tmp_path / "zink.npz"))
+    assert done.returncode == 0, f"{NAME} crashed or failed on the last pair named: {said(done)}"
+    _, _, clock, *_ = done.stdout.splitlines()
+    assert clock == "gpu", "its timer queries are right, but were not used"
+    theirs, ours = dict(np.load(tmp_path / "zink.npz")), driver_pictures.all_of(gpu)
+    beyond = {name for name in theirs if "path=atomic64" in name}
+    assert beyond and set(theirs) - beyond == set(ours)
+    rounded = 0
+    for name, picture in theirs.items():
+        wanted = ours[name.replace("path=atomic64", "path=portable")]
+        if np.array_equal(picture, wanted):
+            continue
+        rounded += 1
+        assert name.rpartition(" + ")[2] in ROUNDED, f"{name} differs by {np.abs(picture - wanted).max()}"
+        assert np.array_equal(picture[..., 3], wanted[..., 3]), f"{name}: coverage differs"
+        off = np.abs(picture - wanted).max(axis=(0, 1))
+        assert (off <= STORES * UNIT * np.abs(wanted).max(axis=(0, 1))).all(), f"{name} differs by {off}"
+    record_property(
+        needs.TOLD,
+        f"{NAME}: {len(theirs)} pairs of warp and fill, {len(theirs) - rounded} as on llvmpipe bit for bit, "
+        f"the others within {STORES} units of a half float",
+    )
+
+
+@pytest.mark.slow(120)
+def test_the_selected_tests_pass_there(tmp_path, record_property):
+    results = tmp_path / "results.xml"
+    done = on_zink("-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", f"--junitxml={results}", *SELECTED)
+    assert done.returncode == 0, said(done)
+    cases = list(ElementTree.parse(results).iter("testcase"))
+    skipped = Counter(" ".join(found.get("message", "").split()) for case in cases for found in case.iter("skipped"))
+    why = "; ".join(f"{count} as {reason}" for reason, count in sorted(skipped.items()))
+    record_property(needs.TOLD, f"{NAME}: {len(cases) - skipped.total()} tests passed, left out there: {why or 'none'}")

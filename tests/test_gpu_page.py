@@ -1,0 +1,82 @@
+"""The page of one GPU, from what `make bench-gpu` writes, and its place in docs/gpu.md."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bench_gpu  # puts docs/ on the path
+import gpu_tables
+import pages
+import pytest
+
+SIZES = ((1280, 800), (2064, 2208))
+
+
+def row(warp: str, size: tuple[int, int], ms: float) -> dict:
+    time = {"median": ms, "p95": 2 * ms}
+    passes = [{"name": "warp", "bytes": 8e6, "bound_ms": 0.5, "median_ms": ms, "times_bound": ms / 0.5}]
+    common = {"trace": "look-around", "warp": warp, "fill": "none", "size": list(size), "passes": passes}
+    return {**common, "time_ms": {"total": time, "warp": time}}
+
+
+def gpu_json(renderer: str = "NVIDIA Some GPU/PCIe/SSE2", warps: dict[str, float] | None = None) -> dict:
+    warps = warps or {"forward:path=portable": 2.0, "forward:path=atomic64": 1.0}
+    machine = {"gl_renderer": renderer, "gl_version": "4.3", "cpu_count": 8}
+    bench = [
+        {
+            "hmdwarp": "1.0", "machine": machine, "clock": "gpu", "copy_gb_s": 500.0,
+            "rows": [row(warp, size, ms) for warp, ms in warps.items()],
+        }
+        for size in SIZES
+    ]  # fmt: skip
+    doctor = [{"name": "OpenGL", "facts": {"renderer": renderer}}]
+    return {"doctor": doctor, "bench": bench, "live": [], "bench_live": "a table\n", "left_out": ["live 2: no time"]}
+
+
+def test_a_page_has_times_bounds_both_paths_and_what_was_left_out():
+    page = gpu_tables.section(gpu_json())
+    assert page.startswith("## NVIDIA Some GPU\n")
+    assert "none, 1280x800 | none, 2064x2208" in page
+    assert page.count("| `forward:path=atomic64` | 8.0 | 0.50 | 1.00 | 2.0 |") == len(SIZES)
+    assert "1.000 ms against 2.000 at 1280x800 (0.50 of it)" in page
+    assert "a table" in page and "- live 2: no time" in page
+
+
+def test_without_64_bit_atomics_there_is_no_line_on_them():
+    assert "64-bit" not in gpu_tables.section(gpu_json(warps={"forward": 1.0}))
+
+
+@pytest.fixture
+def page(tmp_path, monkeypatch) -> Path:
+    """docs/gpu.md, apart."""
+    made = tmp_path / "gpu.md"
+    made.write_text("# GPUs\n\n## Old\n\n<!-- gpu Old -->\nold\n<!-- end -->\n\nA remark.\n", encoding="utf-8")
+    monkeypatch.setattr(gpu_tables, "PAGE", made)
+    monkeypatch.setattr(pages, "PAGES", (made,))
+    return made
+
+
+def test_a_gpu_is_filed_by_its_name_and_renewed_in_its_place(page):
+    gpu_tables.file_section(gpu_json())
+    first = page.read_text(encoding="utf-8")
+    assert first.startswith("# GPUs") and "old" in first and first.count("## NVIDIA Some GPU\n") == 1
+    gpu_tables.file_section(gpu_json(warps={"forward": 3.0}))
+    again = page.read_text(encoding="utf-8")
+    assert again.count("## NVIDIA Some GPU\n") == 1 and "3.00" in again and "atomic64" not in again
+    gpu_tables.file_section(gpu_json("Old"))
+    assert "old\n" not in page.read_text(encoding="utf-8") and "A remark." in page.read_text(encoding="utf-8")
+
+
+def test_what_has_no_time_left_is_named(tmp_path):
+    run = bench_gpu.Measuring(tmp_path, minutes=0)
+    assert run.part("a part", "-c", "pass") is None
+    run = bench_gpu.Measuring(tmp_path, minutes=1)
+    assert run.part("a failure", "-c", "raise SystemExit('why')") is None
+    assert run.left_out == ["a failure: why"]
+    assert run.part("a part", "-c", "print('done')") == "done\n"
+
+
+def test_the_page_of_the_documentation_has_a_place_for_each_gpu():
+    text = (Path(__file__).parents[1] / "docs" / "gpu.md").read_text(encoding="utf-8")
+    for name in (line.removeprefix("## ") for line in text.splitlines() if line.startswith("## ")):
+        assert f"<!-- gpu {name} -->" in text
