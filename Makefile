@@ -4,8 +4,10 @@
 TRACE = recordings/look-around.csv
 SCENE = room
 LATENCY = 200
-WARP = forward
-FILL = interpolate
+WARP = iterative
+FILL = memory+pyramid
+# What it is compared with: no warp, and the thesis's method on the same late frames.
+AGAINST = none,forward+interpolate
 LENS = radial
 HEADSET = rift-dk1
 OUT = out/replay
@@ -35,7 +37,7 @@ setup:  ## make .venv ready (PYTHON=python3.12 chooses a Python)
 
 replay: setup  ## the main job: replay a recorded head 200 ms late and report on it (SECONDS=all: all of the recording)
 	$(HMDWARP) replay "$(TRACE)" --scene "$(SCENE)" --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
-	  --lens $(LENS) --headset $(HEADSET) --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(filter-out all,$(SECONDS)),--seconds $(SECONDS)) $(OPTIONS)
+	  --lens $(LENS) --headset $(HEADSET) --against "$(AGAINST)" --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(filter-out all,$(SECONDS)),--seconds $(SECONDS)) $(OPTIONS)
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests

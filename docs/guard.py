@@ -20,7 +20,10 @@ PICTURES = ((1600, 900), (1920, 1080))
 PER_AXIS = tuple(f"{w / OUTPUT[0]:g}x{h / OUTPUT[1]:g}" for w, h in PICTURES)
 GUARDS = ("1", *PER_AXIS, "1.5", "2", "auto")
 SIZE = (240, 300)
-USUAL = shlex.split("--scene room --warp forward --size 240x300 --start 2 --seconds 3 --metrics-every 15")
+USUAL = shlex.split(
+    "--scene room --warp forward --fill interpolate --predict none --size 240x300 --start 2 --seconds 3"
+    " --metrics-every 15"
+)
 BYTES_PER_PIXEL = 12  # colour and inverse depth of one eye
 
 # The thesis's output at a quarter of its size, and each of its pictures beside one factor for both

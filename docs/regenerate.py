@@ -33,12 +33,28 @@ from PIL import Image, ImageDraw
 
 from hmdwarp.bench.cases import WITH_COMPLETE_FILLS
 from hmdwarp.metrics import QUALITY
+from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 from hmdwarp.run.outside import OUTSIDE
 
 FIGURES = (*QUALITY, "mismatch")
-SMALL = shlex.split("--scene room --fill interpolate --size 480x600 --start 2 --seconds 6 --metrics-every 12")
+# What a table varies comes after it, and wins.
+SMALL = shlex.split(
+    "--scene room --warp forward --fill interpolate --guard 1 --predict none --size 480x600 --start 2 --seconds 6"
+    " --metrics-every 12"
+)
+RECORDINGS = ("look-around", "walk")
+USUAL = PipelineOptions()
+# From the thesis's method to the default, one change after the other.
+STEPS = {
+    "`forward` + `interpolate`, no guard band": (),
+    "guard band 1.5": ("--guard", f"{USUAL.guard:g}"),
+    "`iterative`": ("--warp", "iterative"),
+    "`pyramid`": ("--fill", "pyramid"),
+    "`memory+pyramid`": ("--fill", "memory+pyramid"),
+    "prediction: the default": ("--predict", USUAL.predict),
+}
 QUIET = ("--against", "", "--quiet", "--out")  # followed by the folder
 HEAD = "| PSNR dB | SSIM | FLIP | holes % | border % | flicker |\n"
 
@@ -81,7 +97,7 @@ def strip_of(folder: Path) -> list[Image.Image]:
 def opening_picture(folder: Path) -> None:
     """Draw docs/opening.png: truth, late frame, warped and error of one refresh."""
     options = "--start 1.1 --seconds 0.1 --metrics-every 1000 --images 1 --guard 1.5 --size 640x640"
-    options += " --headset flat-90 --fill interpolate"
+    options += " --headset flat-90"
     program("replay", "look-around", *shlex.split(options), *QUIET, str(folder / "opening"))
     rendered, warped, truth, error = strip_of(folder / "opening")
     ordered = Image.new("RGB", (4 * rendered.width, rendered.height), "white")
@@ -164,6 +180,31 @@ def prediction(folder: Path) -> None:
             options = ("--latency", latency, "--warp", "forward", "--predict", predict)
             rows.append(((latency, predict), run(folder, "look-around", *options)))
     replace("prediction", table(("latency ms", "predict"), rows))
+
+
+def defaults(folder: Path) -> None:
+    """Measure what each part of the default gains and costs, at 200 ms."""
+    head = "| | pixels drawn | ms an eye | " + " | ".join(
+        f"{name}: {what}" for name in RECORDINGS for what in ("PSNR dB", "FLIP", "flicker", "empty %")
+    )
+    lines = [head + " |", "| --- |" + " ---: |" * (head.count("|") - 2)]
+    chosen: dict[str, tuple[str, ...]] = {}
+    for step, change in STEPS.items():
+        chosen |= {change[k]: change[k : k + 2] for k in range(0, len(change), 2)}
+        runs = [run(folder, name, *(word for pair in chosen.values() for word in pair)) for name in RECORDINGS]
+        drawn = runs[0]["rendered"]["pixels"]
+        took = [one["time_ms"]["total"]["median"] for one in runs]
+        figures = [f"{drawn:.2f}", f"{sum(took) / len(took):.1f}"]
+        for one in runs:
+            means = {name: figure["mean"] for name, figure in one["quality"].items()}
+            empty = one["filled"]["empty"]
+            figures += [
+                f"{means['psnr_db']:.2f}",
+                *(f"{means[n]:.3f}" for n in ("flip", "flicker")),
+                f"{100 * empty:.1f}",
+            ]
+        lines.append("| " + " | ".join([step, *figures]) + " |")
+    replace("defaults", "\n".join(lines))
 
 
 LABEL_PX, WORDS_PX = 62, 36  # the label above each picture of a strip, and the size of ours in its place
@@ -370,6 +411,7 @@ PARTS = {
     "bench": bench,
     "bench-large": bench_large,
     "border": border,
+    "defaults": defaults,
     "prediction": prediction,
     "effects": effects,
     "fills": fills,

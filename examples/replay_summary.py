@@ -12,8 +12,6 @@ options = hmdwarp.RunOptions(
     trace="look-around",  # a shipped recording, or the path of a file
     scene="room",
     latency_ms=200,
-    warp="forward",
-    fill="interpolate",
     size=(96, 120),  # pixels of one eye; without it, those of the headset
     seconds=0.6,  # without it, all of the recording
     out=out,
@@ -22,7 +20,7 @@ result = hmdwarp.replay(options)
 
 quality, time_ms = result.summary["quality"], result.summary["time_ms"]
 print(f"error:  FLIP {quality['flip']['mean']:.3f}, PSNR {quality['psnr_db']['mean']:.1f} dB")
-print(f"        without a warp: FLIP {result.against['quality']['flip']['mean']:.3f}")
+print(f"        without a warp: FLIP {result.against[0]['quality']['flip']['mean']:.3f}")
 print(f"holes:  {quality['hole_share']['mean']:.1%} of the pixels, before the fill")
 print(f"time:   {time_ms['total']['median']:.2f} ms an eye")
 print(f"report: {result.report}")

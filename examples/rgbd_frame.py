@@ -27,7 +27,7 @@ rendered = View(Pose(position_m=(0, 1.6, 0)), fov)
 turned = (0, np.sin(np.deg2rad(2.5)), 0, np.cos(np.deg2rad(2.5)))
 shown = View(Pose(position_m=(0.08, 1.6, 0), orientation_xyzw=turned), fov)
 
-warped = hmdwarp.warp_image(colour, depth_m, rendered=rendered, shown=shown, warp="forward", fill="pyramid")
+warped = hmdwarp.warp_image(colour, depth_m, rendered=rendered, shown=shown, warp="iterative", fill="pyramid")
 print(f"{warped.hole_share:.1%} of the pixels are new to the eye; the fill guessed them")
 print({stage: f"{ms:.2f} ms" for stage, ms in warped.time_ms.items()})
 

@@ -49,7 +49,7 @@ class ShaderError(HmdwarpError):
     """A shader that does not compile or link, or a uniform set by a name that it lacks."""
 
 
-_IRREGULAR = {"person": "people"}  # plurals in messages
+_IRREGULAR = {"person": "people", "refresh": "refreshes"}  # plurals in messages
 
 
 def counted(number: int, word: str) -> str:

@@ -22,7 +22,10 @@ from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_re
 SMALL = {
     "trace": "look-around",
     "scene": "planes",
+    "warp": "forward",
     "fill": "none",
+    "guard": 1.0,
+    "predict": "none",
     "lens": "none",
     "headset": "flat-90",
     "size": (96, 80),

@@ -12,6 +12,7 @@ from ..clients import PICTURE_CLIENT
 from ..errors import InputError
 from ..link import LinkOptions
 from ..options import (
+    DEFAULT_GUARD,
     Declared,
     Guard,
     Number,
@@ -90,7 +91,7 @@ class BenchOptions(Declared):
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
-    guard: Guard = guard_field(1.5)
+    guard: Guard = guard_field(DEFAULT_GUARD)
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an

@@ -25,7 +25,7 @@ def _run(options: RunOptions, quiet: bool) -> None:
         result = run(options, progress, *([] if quiet else [partial(screen.print, soft_wrap=True)]))
     if quiet:
         return
-    console().print(summary_table(result.summary, result.against))
+    console().print(summary_table(result.summary, *result.against))
     for trace, axes in axes_of_traces([result.summary]).items():
         typer.echo(f"axes of {trace}: {axes}")
     for line in transit_lines(result.summary):

@@ -32,7 +32,7 @@ class WarpOptions(Declared):
     force: bool = force_field()
     warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER)}.")
     fill: str = same_as(
-        _PIPELINE.fill, "none", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
+        _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth_scale: float | None = option(

@@ -216,7 +216,7 @@ def build_plan(
         entry = fill_choice.entry
         draft.add("fill", f"fill {fill_choice}", f"asked for: {entry.summary}", entry.reads, entry.writes)
     if not chain:
-        draft.leave_out("fill", f"fill 'none' was asked for: {fills.get('none').summary}")
+        draft.leave_out("fill", f"fill 'none': {fills.get('none').summary}")
     for one in shown:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     if fused:
@@ -226,7 +226,7 @@ def build_plan(
     elif distorts:
         draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
-        draft.leave_out("lens", f"lens 'none' was asked for: {chosen_lens.summary}")
+        draft.leave_out("lens", f"lens 'none': {chosen_lens.summary}")
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
     compensated = effects.ordered(effect.name for one in passes for effect in one.effects)
     return Plan(

@@ -21,6 +21,7 @@ from .declared import (
 )
 from .guard_options import (
     AUTO,
+    DEFAULT_GUARD,
     Guard,
     check_one_guard,
     guard_band,
@@ -39,6 +40,7 @@ __all__ = [
     "DISPLAY",
     "FORCE",
     "PICTURE",
+    "DEFAULT_GUARD",
     "Declared",
     "Guard",
     "Number",

@@ -69,7 +69,8 @@ def option(
     """
     required = value is attrs.NOTHING
     kind = str if value is None or required else type(value)
-    limits = f"a number {valid.words()}" if isinstance(valid, Number) else ""
+    number = "a whole number" if about.get("kind", kind) is int else "a number"
+    limits = f"{number} {valid.words()}" if isinstance(valid, Number) else ""
     about = {"kind": kind, "default": None if required else value, "required": required, "limits": limits, **about}
     return attrs.field(
         default=value, validator=valid, converter=convert, metadata={_KEY: (Option(help, **about), *beside)}

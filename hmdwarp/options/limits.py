@@ -57,6 +57,8 @@ class Number:
             if not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
                 kind = "a number" if math.isfinite(self.most) else "a finite number"
+                if any(one.kind is int for one in field.metadata.get("options", ())[:1]):
+                    kind = "a whole number"
                 raise InputError(f"{name} {found:g}{unit}: expected {kind} {self.words(unit)}")
 
 

@@ -15,6 +15,7 @@ from ..link import Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..options import (
     AUTO,
+    DEFAULT_GUARD,
     DISPLAY,
     PICTURE,
     Declared,
@@ -36,6 +37,39 @@ if TYPE_CHECKING:
     from ..geometry import GuardBand
 
 
+# Of what colour and depth allow, the most accurate in docs/results.md for its time.
+DEFAULT_WARP, DEFAULT_FILL = "iterative", "memory+pyramid"
+# Errs short, see docs/results-link.md.
+DEFAULT_PREDICTOR = "cautious"
+_DEPTH = "rendered.inverse_depth"
+
+
+def default_fill(warp: str) -> str:
+    """Return the default fill of a warp: none where it reads colour alone, to send no depth for it.
+
+    A name that no warp has gets the usual fill; who takes it says what is wrong.
+    """
+    if warp in (AUTO, DEFAULT_WARP):
+        return DEFAULT_FILL
+    from ..client.variants import parse_warp
+
+    try:
+        chosen = parse_warp(warp)
+    except InputError:
+        return DEFAULT_FILL
+    return DEFAULT_FILL if _DEPTH in chosen.entry.reads_for(chosen.settings) else "none"
+
+
+def default_guard(warp: str) -> float:
+    """Return the default guard band of a warp: 1 for none, which shows pictures as drawn."""
+    return 1.0 if warp == "none" else DEFAULT_GUARD
+
+
+def default_predictor(warp: str) -> str:
+    """Return the default predictor of a warp: none for none, which shows latency as it is."""
+    return "none" if warp == "none" else DEFAULT_PREDICTOR
+
+
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     """Return the chosen fill, or the default one: none for a warp fused with the lens.
 
@@ -44,8 +78,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     if warp == AUTO and (fill is not None or wide):
         asked = "--wide" if fill is None else f"--fill {fill}"
         raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
-    usual = "none" if fused else "interpolate"
-    chosen = usual if fill is None else fill
+    chosen = fill if fill is not None else "none" if fused else default_fill(warp)
     if not wide:
         return chosen
     return "wide" if chosen == "none" else f"wide+{chosen}"
@@ -76,7 +109,7 @@ class PipelineOptions(Declared):
         f"What the client can do: {names_in('clients', '*.toml')}, or a .toml file; what it lacks is refused, and "
         "never chosen. By default all, and picture where --warp auto chooses.",
     )
-    warp: str = option("forward", f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
+    warp: str = option(DEFAULT_WARP, f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
         None, "Milliseconds for one eye that --warp auto keeps to.", kind=float, unit="ms", valid=Number(above=True)
@@ -91,8 +124,10 @@ class PipelineOptions(Declared):
     )
     # Ignored by warp "auto", which chooses its own.
     fill: str = option(
-        "interpolate",
-        f"Fill: {names_in('client/fills')}, or several with +. [default: interpolate; auto's own]",
+        attrs.Factory(lambda self: default_fill(self.warp), takes_self=True),
+        f"Fill: {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where the warp reads "
+        "colour alone; auto's own]",
+        kind=str,
         default=None,
     )
     # In the syntax of client.effects.EffectRegistry.selected.
@@ -131,8 +166,8 @@ class PipelineOptions(Declared):
     )
     # "auto" is replaced by a number before a run is built, see run.guard.
     guard: Guard | str = guard_field(
-        1.0,
-        " auto: as the trace needs.",
+        attrs.Factory(lambda self: default_guard(self.warp), takes_self=True),
+        f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
         beside=(_WIDE,),  # the other way to fill beyond the border
     )
     rendered_size: tuple[int, int] | None = rendered_size_field()
@@ -152,9 +187,11 @@ class PipelineOptions(Declared):
     # Encoding and decoding on the link.
     coding: Coding = group(Coding)
     predict: str = option(
-        "none",
+        attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
         f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
-        "and cav constant_velocity.",
+        f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
+        kind=str,
+        default=None,
     )
     horizon_ms: float | None = option(
         None,
@@ -182,7 +219,7 @@ class PipelineOptions(Declared):
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
-        values["fill"] = _fill_for(said.get("warp", ""), said.get("fill"), fused=fused, wide=wide)
+        values["fill"] = _fill_for(said.get("warp") or DEFAULT_WARP, said.get("fill"), fused=fused, wide=wide)
         if "lens" in said and said["lens"] is None:
             values["lens"] = _own_lens(values.get("headset", attrs.fields(cls).headset.default))
         return values

@@ -74,6 +74,6 @@ def build_plan_for(
     return plan
 
 
-def plan_against(warp: str) -> Plan:
-    """Return the plan of a comparison warp: without fill, effects and lens."""
-    return build_plan((), warp, "none", "none", client_geometry=True)
+def plan_against(warp: str, fill: str) -> Plan:
+    """Return the plan of a comparison: without effects and lens."""
+    return build_plan((), warp, fill, "none", client_geometry=True)

@@ -14,7 +14,7 @@ from .style import PAGE, SERIES, Style, drawing, dress, not_measured, svg_text
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_DASHES = ("solid", (0, (4, 2)))  # lines differ in more than colour
+_DASHES = ("solid", (0, (4, 2)), (0, (1, 1.5)))  # lines differ in more than colour
 _MOST_POINTS = 400  # about one per device pixel; a run of hours makes a page no larger than one of minutes
 _FEW_POINTS = 12  # fewer are drawn as dots too: a line alone could be missed
 
@@ -65,7 +65,7 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
 
 
 def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) -> str:
-    """Draw at most two lines over time as one <svg> element.
+    """Draw at most three lines over time as one <svg> element.
 
     A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left
     out; a chart of nothing says so. The same data give the same text.

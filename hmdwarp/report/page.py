@@ -48,33 +48,33 @@ class WorstFrame:
 
 def render_report(
     summary: Summary,
-    baseline_summary: Summary | None = None,
+    baselines: Sequence[Summary] = (),
     *,
     rows: Rows,
-    baseline_rows: Rows | None = None,
+    baselines_rows: Sequence[Rows] = (),
     worst: Sequence[WorstFrame] = (),
     command: str,
     notes: Sequence[str] = (),
 ) -> str:
     """Return the text of report.html; the same arguments give the same text.
 
-    summary, baseline_summary: as summary.json. rows, baseline_rows: as frames.csv's, None for
-    absent values. command: as the user typed it. notes: the run's, one sentence each.
+    summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
+    values. command: as the user typed it. notes: the run's, one sentence each.
     """
-    names = column_names(summary, baseline_summary)
-    comparison = comparison_rows(summary, baseline_summary)
+    names = column_names(summary, *baselines)
+    comparison = comparison_rows(summary, *baselines)
     template = environment().get_template("report.html")
     return template.render(
         summary=summary,
         command=command,
         notes=list(notes),
         columns=names,
-        baseline=baseline_summary,
-        sure=how_sure(summary, mark=None if baseline_summary is None else "★"),
+        baselines=baselines,
+        sure=how_sure(summary, mark="★" if baselines else None),
         quality_rows=comparison[: len(QUALITY_FIGURES)],
         time_rows=comparison[len(QUALITY_FIGURES) :],
-        tiles=_tiles(summary, baseline_summary, names),
-        charts=_charts(summary, names, rows, baseline_rows),
+        tiles=_tiles(summary, baselines, names),
+        charts=_charts(summary, names, rows, baselines_rows),
         worst=[_worst(frame) for frame in worst],
         measured=_measured(summary),
         auto=_auto(summary),
@@ -90,25 +90,27 @@ def render_report(
     )
 
 
-def _tiles(summary: Summary, baseline: Summary | None, names: list[str]) -> list[Tile]:
+def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> list[Tile]:
     figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
     figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
     tiles = []
     for label, figure, table, main, note in figures:
-        other = None if baseline is None else f"{names[1]}: {figure.text(baseline[table][figure.name][main])}"
+        other = "; ".join(
+            f"{name}: {figure.text(one[table][figure.name][main])}"
+            for name, one in zip(names[1:], baselines, strict=True)
+        )
         tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
     return tiles
 
 
-def _charts(summary: Summary, names: list[str], rows: Rows, baseline_rows: Rows | None) -> list[Chart]:
+def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
     """Return the charts over time: the primary metric, the others, then the head's motion."""
     charts = []
     for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
         if not metric.chart:
             continue
-        series = [Series.of(names[0], rows, metric.name, metric.scale)]
-        if baseline_rows is not None:
-            series.append(Series.of(names[-1], baseline_rows, metric.name, metric.scale))
+        drawn = zip(names, (rows, *baselines_rows), strict=True)
+        series = [Series.of(name, its_rows, metric.name, metric.scale) for name, its_rows in drawn]
         charts.append(Chart(metric.chart, time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)))
     others = [*_MOTION_CHARTS, *([("Time per eye", "total_ms", "ms")] if "auto" in summary else [])]
     return charts + [Chart(heading, time_series([Series.of("", rows, name)], unit)) for heading, name, unit in others]

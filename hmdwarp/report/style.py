@@ -69,10 +69,11 @@ def _key(spec: str) -> str:
 _TONES = {**_WARPS, **{f"other-{number}": tone for number, tone in enumerate(_OTHERS)}}
 # Stand-in colours, all of one length, and the CSS variables that replace them.
 INK, GRID = "#010101", "#020202"
-SERIES = ("#030303", "#040404")
+SERIES = ("#030303", "#040404", "#070707")
 _STAND_INS = {key: f"#0500{number:02x}" for number, key in enumerate(_TONES)}
 _REGION_STAND_INS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
-_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid", SERIES[0]: "--series-1", SERIES[1]: "--series-2"}
+_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
+_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
 _VARIABLES |= {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
 _VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(_REGION_STAND_INS)}
 

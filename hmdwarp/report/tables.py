@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -32,15 +32,16 @@ class Row:
     best: int | None
 
 
-def comparison_rows(summary: Summary, baseline: Summary | None) -> list[Row]:
-    """Return the rows of quality, then of time per eye; two cells each if there is a baseline.
+def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
+    """Return the rows of quality, then of time per eye; a cell for the run and each baseline.
 
-    The better of two means is marked if their difference over the instants holds. Time and holes
-    are no contest: a warp that does nothing is quick and leaves nothing empty.
+    The run is marked if it is better than each baseline, a baseline if it is better than the run
+    and no other has a better mean: if the difference over the instants holds. Time and holes are no
+    contest: a warp that does nothing is quick and leaves nothing empty.
     """
-    summaries = [summary] if baseline is None else [summary, baseline]
+    summaries = [summary, *baselines]
     rows = [
-        Row(figure, tuple(_mean_cells(figure, s["quality"][figure.name]) for s in summaries), _best(figure, baseline))
+        Row(figure, tuple(_mean_cells(figure, s["quality"][figure.name]) for s in summaries), _best(figure, baselines))
         for figure in QUALITY_FIGURES
     ]
     for figure in TIME_FIGURES:
@@ -56,11 +57,16 @@ def _mean_cells(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
     return mean, figure.text(entry["p95"])
 
 
-def _best(figure: Figure, baseline: Summary | None) -> int | None:
-    found = (baseline or {}).get("difference", {}).get(figure.name)
-    if figure.name not in _CONTESTS or found is None or not excludes_zero(found["interval"]):
+def _best(figure: Figure, baselines: Sequence[Summary]) -> int | None:
+    if figure.name not in _CONTESTS or not baselines:
         return None
-    return 0 if (found["mean"] > 0) == metrics.get(figure.name).higher_is_better else 1
+    sign = 1 if metrics.get(figure.name).higher_is_better else -1
+    found = [one.get("difference", {}).get(figure.name) for one in baselines]
+    # How much better the run is than each, 0 where that is not sure.
+    gains = [sign * one["mean"] if one and excludes_zero(one["interval"]) else 0.0 for one in found]
+    if min(gains) > 0:
+        return 0
+    return 1 + gains.index(min(gains)) if min(gains) < 0 else None
 
 
 def how_sure(summary: Summary, *, mark: str | None) -> str:
@@ -70,24 +76,23 @@ def how_sure(summary: Summary, *, mark: str | None) -> str:
     """
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
         return f"No intervals{f' and no {mark}' if mark else ''}: they take {LEAST_INSTANTS} measured refreshes"
-    return "±: 95 % interval of the mean" + (f"; {mark}: the better of the two, for sure (95 %)" if mark else "")
+    return "±: 95 % interval of the mean" + (f"; {mark}: the best of the line, for sure (95 %)" if mark else "")
 
 
-def column_names(summary: Summary, baseline: Summary | None) -> list[str]:
+def column_names(summary: Summary, *baselines: Summary) -> list[str]:
     """Return the heads of the comparison's columns: the options that differ, at least the warp."""
-    if baseline is None:
-        return [summary["warp"]]
     for keys in (("warp",), ("warp", "fill"), ("warp", "fill", "lens")):
-        names = [", ".join(s[key] for key in keys) for s in (summary, baseline)]
-        if names[0] != names[1]:
+        names = [", ".join(s[key] for key in keys) for s in (summary, *baselines)]
+        if len(set(names)) == len(names):
             return names
-    return ["this run", "baseline"]
+    return ["this run", *(f"baseline {number}" for number in range(1, len(names)))]
 
 
-def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
+def summary_table(summary: Summary, *baselines: Summary) -> Table:
     """Return the table that ends a run: means (medians for times) with the bad tail beside them.
 
-    The better column of each quality line is bold and starred, so that it reads without colour too.
+    The best column of each quality line is bold and starred, so that it reads without colour too.
+    Only the first baseline has its tail beside it, where a terminal has room for no more.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -95,20 +100,24 @@ def summary_table(summary: Summary, baseline: Summary | None = None) -> Table:
 
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, scene {summary['scene']}, {summary['frames']} frames"
     table = Table(
-        title=title, title_justify="left", caption=_caption(summary, baseline), caption_justify="left",
+        title=title, title_justify="left", caption=_caption(summary, baselines), caption_justify="left",
         box=SIMPLE_HEAD, show_edge=False, pad_edge=False,
     )  # fmt: skip
     table.add_column("")
-    for name in column_names(summary, baseline):
+    tails = 2 if len(baselines) < 2 else 1
+    for number, name in enumerate(column_names(summary, *baselines)):
         table.add_column(name, justify="right")
-        table.add_column("p95", justify="right", style="dim")
-    for number, row in enumerate(comparison_rows(summary, baseline)):
+        if number < tails:
+            table.add_column("p95", justify="right", style="dim")
+    for number, row in enumerate(comparison_rows(summary, *baselines)):
         if number == len(QUALITY_FIGURES):
             table.add_section()
         cells: list[Text] = [Text(_head(row.figure))]
         for column, (main, tail) in enumerate(row.cells):
             best = row.best == column
-            cells += [Text(f"{main} *" if best else main, style="bold green" if best else ""), Text(tail)]
+            cells.append(Text(f"{main} *" if best else main, style="bold green" if best else ""))
+            if column < tails:
+                cells.append(Text(tail))
         table.add_row(*cells)
     return table
 
@@ -123,9 +132,8 @@ def _head(figure: Figure) -> str:
     return f"{label} [{figure.unit}]" if figure.unit else label
 
 
-def _caption(summary: Summary, baseline: Summary | None) -> str:
+def _caption(summary: Summary, baselines: Sequence[Summary]) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: the worst 5 % begin there", f"times: median per eye, {clock}"]
-    if baseline is not None:
-        lines[1] += f"; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}"
-    return "\n".join([*lines, how_sure(summary, mark=None if baseline is None else "*")])
+    lines[1] += "".join(f"; {one['warp']}: fill {one['fill']}, lens {one['lens']}" for one in baselines)
+    return "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])

@@ -18,9 +18,9 @@ from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
 from .whole_pictures import WholePictures
 
-# The run's own warp, and the one it is compared with.
-MAIN, AGAINST = 0, 1
-Key = tuple[int, int, int]  # (refresh, eye, MAIN or AGAINST)
+# The run's own warp; those that it is compared with have 1, 2 and so on.
+MAIN = 0
+Key = tuple[int, int, int]  # (refresh, eye, which warp)
 
 
 class Probe:
@@ -36,11 +36,12 @@ class Probe:
         self._setup, self._pool, self._keep_every = setup, pool, keep_every
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
-        self._against = self._baseline()
+        self._against = [setup.compensator(plan_against(*pair)) for pair in setup.options.compared]
         self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
-        self.against_ms: dict[tuple[int, int], tuple[tuple[str, float], ...]] = {}
+        # Of each comparison, by refresh and eye.
+        self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
 
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
@@ -55,12 +56,6 @@ class Probe:
         )
         alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
         return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
-
-    def _baseline(self) -> Compensator | None:
-        options = self._setup.options
-        if options.against in ("", options.warp):
-            return None
-        return self._setup.compensator(plan_against(options.against))
 
     def wants(self, number: int) -> bool:
         """Return whether refresh `number` is measured, or precedes a measured one."""
@@ -79,11 +74,12 @@ class Probe:
             self._take(number, eye, MAIN, rendered, result, picture, depth)
             if depth is not None:
                 self._count_filled(result)
-            if self._against is not None:
-                self._read_comparison(self._against, (number, eye), refresh, picture, depth)
+            for which, against in enumerate(self._against, 1):
+                self._read_comparison(which, against, (number, eye), refresh, picture, depth)
 
     def _read_comparison(
         self,
+        which: int,
         against: Compensator,
         where: tuple[int, int],
         refresh: Refresh,
@@ -97,8 +93,8 @@ class Probe:
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)
-        self.against_ms[where] = tuple(self._setup.gpu.timer.collect())
-        self._take(number, eye, AGAINST, inputs.rendered, other, truth, depth)
+        self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
+        self._take(number, eye, which, inputs.rendered, other, truth, depth)
 
     def _count_filled(self, result: EyeResult) -> None:
         covered = [("warp", coverage(result))]

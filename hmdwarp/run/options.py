@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import ClassVar
 
@@ -28,6 +29,8 @@ from ..scenes.options import SceneOptions
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
 VIEWS = (BOTH, FLAT) = ("both", "flat")
+MOST_COMPARED = 2  # what a chart shows beside the run
+_BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's settings
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
@@ -50,7 +53,11 @@ class RunOptions(PipelineOptions):
     # scene are where they were then. Otherwise time begins at 0, and a trace that leaves the scene
     # is moved into it.
     as_recorded: bool = False
-    against: str = option("none", "Warp to compare with; none: the late picture as it is; '' for no comparison.")
+    against: str = option(
+        "none",
+        "Warps to compare with, each alone or with its fills: none,forward+interpolate. none: the late picture as it "
+        "is; '' for no comparison.",
+    )
     metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
     workers: int | None = option(
         None,
@@ -64,6 +71,20 @@ class RunOptions(PipelineOptions):
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
     command: str = ""
+
+    def __attrs_post_init__(self) -> None:
+        super().__attrs_post_init__()
+        if len(self.compared) > MOST_COMPARED:
+            raise InputError(
+                f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"
+            )
+
+    @property
+    def compared(self) -> tuple[tuple[str, str], ...]:
+        """Warp and fill of each comparison, without the run's own."""
+        asked = [text.strip().partition("+") for text in _BETWEEN.split(self.against) if text.strip()]
+        pairs = dict.fromkeys((warp, fill or "none") for warp, _, fill in asked)
+        return tuple(pair for pair in pairs if pair not in ((self.warp, self.fill), (self.warp, "none")))
 
 
 @attrs.frozen(kw_only=True)

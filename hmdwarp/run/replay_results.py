@@ -17,6 +17,8 @@ from .log import ReplayLog
 from .replay_setup import ReplaySetup
 from .run_summary import EYES, Facts, auto_entry, auto_note, chosen_passes, machine_of, summary_of
 
+_OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference")
+
 
 @attrs.frozen(eq=False)
 class ReplayResult:
@@ -27,8 +29,8 @@ class ReplayResult:
     summary: dict[str, Any]
     # Two for each refresh, keyed as frames.csv.
     rows: list[Row]
-    # The summary of the comparison warp.
-    against: dict[str, Any] | None
+    # The summaries of the comparisons.
+    against: list[dict[str, Any]]
 
     @property
     def report(self) -> Path:
@@ -62,8 +64,8 @@ def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list
     return summary_of(facts_of(setup), passes, frames, {**aggregate(rows), "notes": setup.notes})
 
 
-def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, more: dict[str, Any]) -> ReplayResult:
-    """Return the summaries of a run and of its comparison warp, if any.
+def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any]) -> ReplayResult:
+    """Return the summaries of a run and of its comparisons.
 
     more: other measurements, by key.
     """
@@ -81,16 +83,22 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[Row] | None, mo
     if auto is not None:
         summary["auto"] = auto_entry(auto, rows)
         summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]
-    against = None
-    if compared is not None:
-        against = summary_of_rows(setup, (options.against, "none", "none"), compared)
-        against["difference"] = {name: difference(rows, compared, name) for name in QUALITY}
-        summary["against"] = {key: against[key] for key in ("warp", "fill", "lens", "time_ms", "quality", "difference")}
+    against = []
+    for pair, its_rows in zip(options.compared, compared, strict=False):
+        against.append(summary_of_rows(setup, (*pair, "none"), its_rows))
+        against[-1]["difference"] = {name: difference(rows, its_rows, name) for name in QUALITY}
+    if against:
+        summary["against"] = [{key: one[key] for key in _OF_COMPARISON} for one in against]
     return ReplayResult(options.out, summary, rows, against)
 
 
 def write_results(
-    out: OutputFolder, log: ReplayLog, result: ReplayResult, compared: list[Row] | None, pool: QualityPool, command: str
+    out: OutputFolder,
+    log: ReplayLog,
+    result: ReplayResult,
+    compared: list[list[Row]],
+    pool: QualityPool,
+    command: str,
 ) -> None:
     """Write everything but the video, which is written during the run.
 
@@ -103,7 +111,7 @@ def write_results(
             result.summary,
             result.against,
             rows=result.rows,
-            baseline_rows=compared,
+            baselines_rows=compared,
             worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],

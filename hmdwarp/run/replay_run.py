@@ -18,7 +18,7 @@ from ..report import OutputFolder, VideoWriter
 from .frame_rows import Row
 from .guard import settled
 from .log import ReplayLog
-from .measuring import AGAINST, MAIN, Probe
+from .measuring import MAIN, Probe
 from .options import RunOptions
 from .replay_results import ReplayResult, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
@@ -74,7 +74,7 @@ def figures(options: RunOptions, progress: Progress = lambda done, total: None) 
         log = _run(setup, Probe(setup, pool, None), None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
-        return result_of(setup, log, None, {}).summary
+        return result_of(setup, log, [], {}).summary
 
 
 def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
@@ -137,9 +137,10 @@ def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
     return {(number, eye): values for (number, eye, what), values in pool.results.items() if what == which}
 
 
-def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[Row] | None:
-    figures = _figures(pool, AGAINST)
-    return log.compared(probe.against_ms, figures) if figures else None
+def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]]:
+    """Return the rows of each comparison; none where nothing was measured."""
+    figures = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
+    return [log.compared(*one) for one in zip(probe.against_ms, figures, strict=True) if one[1]]
 
 
 __all__ = ["ReplayResult", "figures", "replay"]

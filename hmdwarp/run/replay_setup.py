@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
@@ -163,4 +165,4 @@ def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
 
 
 def _needs_of_against(options: RunOptions) -> Needs:
-    return plan_against(options.against).needs if options.against else Needs()
+    return functools.reduce(operator.or_, (plan_against(*pair).needs for pair in options.compared), Needs())

@@ -19,6 +19,7 @@ from ..headsets import load_headset
 from ..metrics import QUALITY
 from ..options import parse_size
 from ..pipeline.options import PipelineOptions
+from ..report import counted
 from ..run import RunOptions, figures
 from ..version import __version__
 from .design import live_options
@@ -41,9 +42,10 @@ class Measurements:
 
     def describe(self) -> list[str]:
         """Describe the outcome in sentences."""
-        before = f", {self.known} were measured before" if self.known else ""
-        refreshes = f" at {self.refreshes} refreshes, both eyes of each" if self.refreshes else ""
-        return [f"{self.measured} showings measured{refreshes}{before}", *(f"left out: {why}" for why in self.left_out)]
+        before = f", {self.known} {'was' if self.known == 1 else 'were'} measured before" if self.known else ""
+        refreshes = f" at {counted(self.refreshes, 'refresh')}, both eyes of each" if self.refreshes else ""
+        measured = f"{counted(self.measured, 'showing')} measured{refreshes}{before}"
+        return [measured, *(f"left out: {why}" for why in self.left_out)]
 
 
 def measure_study(
@@ -163,4 +165,4 @@ def _name(showing: Showing, session: Session) -> str:
 
 def _figures_text(data: Mapping[str, Any]) -> str:
     named = ", ".join(f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None)
-    return f"{data['refreshes']} refreshes, {named}"
+    return f"{counted(data['refreshes'], 'refresh')}, {named}"

@@ -22,6 +22,8 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             latency_ms=run.latency_ms,
             warp=run.warp,
             fill="none",
+            guard=1.0,
+            predict="none",
             lens="none",
             headset=HEADSET,
             size=(width, height),

@@ -13,7 +13,20 @@ def test_what_it_wants_and_what_plan_tells(command, tmp_path):
     command("replay", "walk", "--budget", "3").refused("only --warp auto keeps to a budget")
     command("replay", "walk", "--warp", "auto", "--budget", "3", "--fill", "none").refused("chooses the fill too")
     command("plan", "--warp", "auto").refused("--budget MS")
-    usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--warp", "auto", "--budget")
+    usual = (
+        "plan",
+        "--scene",
+        "planes",
+        "--headset",
+        "flat-90",
+        "--size",
+        "96x80",
+        "--guard",
+        "1",
+        "--warp",
+        "auto",
+        "--budget",
+    )
     told = " ".join(command(*usual, "5000", "--bench", str(path)).done().out.split())
     assert "rotation 3000.00 ms per eye, mean FLIP 0.2000; it would begin here" in told
     data = json.loads(command(*usual, "5000", "--bench", str(path), "--json").done().out)

@@ -156,6 +156,7 @@ def test_unknown_commands_and_options(arguments, command):
         ("--latency", "nan", "latency nan"),
         ("--latency", "inf", "--latency inf ms: expected a finite number"),
         ("--latency", "soon", "'--latency', 'soon'"),
+        ("--metrics-every", "0", "--metrics-every 0: expected a whole number of at least 1"),
         ("--latency", "20001", "longer than the trace 'still' (20.000 s)"),
         ("--size", "0x0", "'0x0'"),
         ("--size", "-1x5", "'-1x5'"),
@@ -214,7 +215,7 @@ def test_more_frames_than_memory_holds(command, quick, kept):
 
     if memory_bytes() > 85e9:
         pytest.skip("this machine has more than 85 GB of memory")
-    command("replay", "still", *quick, "--size", "16384x16384").refused(
+    command("replay", "still", *quick, "--guard", "1", "--size", "16384x16384").refused(
         "latency 200 ms keeps 14 frames", "GB", status=3
     )
 

@@ -24,7 +24,7 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
 
     The wide one holds what has come into sight.
     """
-    usual = ("replay", "fast-turns", *quick, *SMALL, "--start", "3", "--fill", "none")
+    usual = ("replay", "fast-turns", *quick, *SMALL, "--guard", "1", "--start", "3", "--fill", "none")
     command(*usual).done()
     without = summary(quick)
     command(*usual, "--wide").done()
@@ -39,7 +39,7 @@ def test_plan_tells_of_the_wide_view_and_its_bytes(command):
     told = " ".join(command("plan", "--scene", "planes", "--size", "96x80", "--wide").done().out.split())
     assert "fill wide" in told
     assert "rendered.wide" in told
-    assert told.index("fill wide") < told.index("fill interpolate")
+    assert told.index("fill wide") < told.index("fill memory")
 
 
 def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):

@@ -100,7 +100,7 @@ def test_nobody_complains_of_a_home_that_cannot_be_written(program, tmp_path):
 
 def test_a_replay_prints_its_table_and_names_its_page(command, tmp_path):
     done = command(*REPLAY, tmp_path / "out").done()
-    for wanted in ("PSNR", "SSIM", "FLIP", "Holes", "forward", "none", "Time, warp"):
+    for wanted in ("PSNR", "SSIM", "FLIP", "Holes", "iterative", "none", "Time, warp"):
         assert wanted in done.out, wanted
     assert "wall clock" in done.out or "GPU timers" in done.out
     assert done.out.splitlines()[-1] == f"report: {tmp_path / 'out' / 'report.html'}"

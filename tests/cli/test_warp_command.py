@@ -84,7 +84,7 @@ def test_a_picture_of_nothing_is_remarked_on(warp):
 
 def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
     """1 m wide at 1 m, 10 pixels: a pixel is 0.2 m on the plane 2 m away, so 0.4 m are 2 pixels."""
-    warp(None, {"position_m": [0.4, 0.0, 0.0]}, out="out.png").done()
+    warp(None, {"position_m": [0.4, 0.0, 0.0]}, "--fill", "none", out="out.png").done()
     picture = np.asarray(Image.open(tmp_path / "out.png"))
     assert picture.shape == (8, 10, 4)
     assert np.array_equal(picture[:, :8, :3], arrays()["colour"][:, 2:])

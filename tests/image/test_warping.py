@@ -14,13 +14,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp import Fov, InputError, Pose, View, warp_image
+import hmdwarp
+from hmdwarp import Fov, InputError, Pose, View
 from hmdwarp.client import PICTURE
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
 from hmdwarp.errors import PlanError, UnknownNameError
 from hmdwarp.gpu import Gpu
 from hmdwarp.image.warping import checked
+
+
+def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **more) -> hmdwarp.WarpedImage:
+    """The warp alone, unless a test names a fill."""
+    return hmdwarp.warp_image(colour, depth_m, rendered, shown, warp, fill, **more)
+
 
 # Those that need no more than a picture with depth.
 PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
@@ -242,6 +249,14 @@ def test_infinity_is_a_distance():
     colour = halves(np.random.default_rng(11), (20, 15))
     out = warp_image(colour, np.full((15, 20), np.inf), view(), view(position=(1000, 1000, -1000)), "forward")
     assert np.array_equal(out.colour, colour) and (out.coverage == 1).all()
+
+
+def test_by_default_the_picture_is_warped_and_complete():
+    colour = np.random.default_rng(3).integers(0, 256, (24, 32, 3), dtype=np.uint8)
+    aside = view(position=(0.4, 0, 0))
+    given_ = (colour, np.full((24, 32), 2.0), view(), aside)
+    found, named = hmdwarp.warp_image(*given_), hmdwarp.warp_image(*given_, "iterative", "pyramid")
+    assert found.hole_share > 0 and (found.coverage == 1).all() and np.array_equal(found.colour, named.colour)
 
 
 def test_a_fill_closes_a_crack_and_is_timed():

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import map_coordinates
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import View
+from hmdwarp.geometry import View, WarpMap
 from hmdwarp.metrics import error_image, flicker
 
 from .pictures import FOV, noise, turned
@@ -111,6 +112,22 @@ def test_sizes_may_differ_between_frames():
     assert flicker(np.full((60, 80, 3), 0.25), turned(0.1), np.full((30, 40, 3), 0.25), turned(0)) == pytest.approx(
         0, abs=1e-12
     )
+
+
+def test_samples_are_those_of_scipy():
+    """All pixels at once by map_coordinates; both are float64, so they differ by sums of 1e-16."""
+    error, before = noise(1, (40, 30)) / 255, noise(2, (50, 36)) / 255
+    views = turned(0.2, 0.1, 0.3), turned(0)
+    x, y = np.meshgrid(np.arange(40) + 0.5, np.arange(30) + 0.5)
+    at, _, _ = WarpMap.between(views[0], (40, 30), views[1], (50, 36)).apply(
+        np.stack([x, y], axis=-1), np.zeros(x.shape)
+    )
+    column, row = np.moveaxis(at - 0.5, -1, 0)
+    both = (column >= 0) & (column <= 49) & (row >= 0) & (row <= 35)
+    sampled = [map_coordinates(before[::-1, :, c], (row[both], column[both]), order=1) for c in range(3)]
+    expected = np.abs(error[::-1][both] - np.stack(sampled, axis=-1)).mean()
+    assert 0 < both.sum() < both.size
+    assert flicker(error, views[0], before, views[1]) == pytest.approx(expected, rel=1e-12)
 
 
 def test_signed_error():

@@ -101,7 +101,7 @@ def test_a_live_run_lowers_it_too(tmp_path):
         LiveOptions(
             scene="planes", source="offscreen", trace="look-around", headset="flat-90", size=(96, 80), frames=40,
             latency_ms=30.0, network=network("resolution", NARROW), fill="none", lens="none", rate_hz=60.0,
-            out=tmp_path / "live",
+            guard=1.0, out=tmp_path / "live",
         )
     )  # fmt: skip
     link = json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["link"]

@@ -28,9 +28,9 @@ def render(**changes) -> str:
     rows, baseline_rows = some_rows(0, seconds=4), some_rows(1, seconds=4, worse=2)
     given = {
         "summary": a_summary(rows),
-        "baseline_summary": a_baseline(rows, baseline_rows),
+        "baselines": [a_baseline(rows, baseline_rows)],
         "rows": rows,
-        "baseline_rows": baseline_rows,
+        "baselines_rows": [baseline_rows],
         "worst": some_worst(),
         "command": COMMAND,
         "notes": NOTES,
@@ -155,9 +155,9 @@ def test_without_baseline_worst_frames_notes_or_any_measurement():
     rows = [{"frame": 0, "eye": 0, "time_s": 0.0, "angular_speed_deg_s": 1.0, "linear_speed_m_s": 0.0}]
     text = render(
         summary={**a_summary(), **aggregate([])},
-        baseline_summary=None,
+        baselines=[],
         rows=rows,
-        baseline_rows=None,
+        baselines_rows=[],
         worst=[],
         notes=[],
     )

@@ -50,8 +50,20 @@ def test_the_better_one_is_marked_whichever_column_it_is_in():
         marked, 1
     )
     text = printed(a_summary(good), a_baseline(good, bad))
-    assert len(re.findall(r"\d \*", text)) == 4 and "*: the better of the two, for sure (95 %)" in text
+    assert len(re.findall(r"\d \*", text)) == 4 and "*: the best of the line, for sure (95 %)" in text
     assert "*" not in printed(a_summary(good))
+
+
+def test_of_three_the_best_is_marked_where_it_is_sure():
+    """The run only if it is better than both; a baseline only if it is better than the run."""
+    good, bad, worst = some_rows(0), some_rows(0, worse=3), some_rows(0, worse=5)
+    names = [
+        [row.best for row in comparison_rows(a_summary(mine), *(a_baseline(mine, one) for one in others))][0]
+        for mine, others in ((good, (bad, worst)), (bad, (worst, good)), (bad, (good, worst)), (good, (good, bad)))
+    ]
+    assert names == [0, 2, 1, None]
+    text = printed(a_summary(good), a_baseline(good, bad), a_baseline(good, worst, "forward"))
+    assert max(map(len, text.splitlines())) <= 80 and "…" not in text
 
 
 def test_a_difference_within_the_noise_is_not_marked():

@@ -77,8 +77,8 @@ def test_summary_keeps_to_the_schema(full):
         "hmdwarp": __version__,
     }
     assert {key: summary[key] for key in asked} == asked
-    assert summary["against"]["warp"] == "none"
-    assert set(summary["against"]["quality"]) == set(summary["quality"])
+    assert summary["against"][0]["warp"] == "none"
+    assert set(summary["against"][0]["quality"]) == set(summary["quality"])
 
 
 def test_a_row_per_frame_and_eye(full):
@@ -272,15 +272,17 @@ def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
 
 
 def test_against_compares_with_another_warp(tmp_path):
-    result = run(tmp_path / "a", warp="rotation", against="none", metrics_every=3)
+    result = run(tmp_path / "a", warp="rotation", against="none,forward+interpolate", metrics_every=3)
+    assert [(one["warp"], one["fill"]) for one in result.against] == [("none", "none"), ("forward", "interpolate")]
     alone = run(tmp_path / "b", warp="none", metrics_every=3)
-    assert result.against is not None
-    assert result.against["quality"] == alone.summary["quality"]
-    assert result.summary["against"]["quality"] == alone.summary["quality"]
-    assert result.against["time_ms"]["warp"]["median"] > 0
+    assert result.against[0]["quality"] == alone.summary["quality"]
+    assert [one["quality"] for one in result.summary["against"]] == [one["quality"] for one in result.against]
+    filled = run(tmp_path / "c", warp="forward", fill="interpolate", metrics_every=3)
+    assert result.against[1]["quality"] == filled.summary["quality"]
+    assert all(one["time_ms"]["warp"]["median"] > 0 for one in result.against)
     # The same instants, so the difference of the means is the mean of the differences.
     found, (mine, other) = (
-        result.summary["against"]["difference"],
+        result.summary["against"][0]["difference"],
         (result.summary["quality"], alone.summary["quality"]),
     )
     for name, entry in found.items():
@@ -292,7 +294,7 @@ def test_against_compares_with_another_warp(tmp_path):
 @pytest.mark.parametrize("against", ["", "rotation"])
 def test_without_a_different_warp_there_is_no_comparison(against, tmp_path):
     result = run(tmp_path, warp="rotation", against=against, seconds=0.1)
-    assert result.against is None and "against" not in result.summary
+    assert result.against == [] and "against" not in result.summary
 
 
 @pytest.mark.parametrize("every", [1, 3, 7, 100])

@@ -108,6 +108,9 @@ def _defaults(condition: Condition) -> str:
 
     options = live_options(condition.settings)
     values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
+    if options.rendered_size is None:
+        values["guard"] = options.guard
+    values["predict"] = options.predict
     texts = [f"{name} {_value(value)}" for name, value in values.items() if name not in condition.settings]
     return f"; by default {', '.join(texts)}" if texts else ""
 

@@ -36,17 +36,18 @@ def border_share(
         raise InputError(
             f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
         )
-    holes = flip_rows(np.asarray(coverage) == 0)
-    inverse_depth = np.nan_to_num(flip_rows(np.asarray(truth_inverse_depth, dtype=np.float64)), nan=0.0)
+    holes, inverse_depth = flip_rows(np.asarray(coverage) == 0), flip_rows(np.asarray(truth_inverse_depth))
     height, width = holes.shape
     mapping = WarpMap.between(shown, (width, height), rendered, rendered_size)
     outside = 0
     for rows in row_blocks(height):
-        if not holes[rows].any():
+        here = holes[rows]
+        if not here.any():
             continue
-        pixel, _, w = mapping.apply(pixel_centres(rows, width), inverse_depth[rows])
+        depth = np.nan_to_num(inverse_depth[rows][here].astype(np.float64), nan=0.0)
+        pixel, _, w = mapping.apply(pixel_centres(rows, width)[here], depth)
         inside = (w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1)
-        outside += int(np.count_nonzero(holes[rows] & ~inside))
+        outside += int(np.count_nonzero(~inside))
     return float(outside / holes.size)
 
 

@@ -26,30 +26,53 @@ def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: 
     error, previous_error: (h, w, 3), top row first, from error_image.
     Errors: InputError if either is not (h, w, 3); the two may differ in size.
     """
-    from scipy.ndimage import map_coordinates
-
     if error.ndim != 3 or previous_error.ndim != 3 or error.shape[2] != previous_error.shape[2]:
         raise InputError(f"error images of shapes {error.shape} and {previous_error.shape}: expected two (h, w, 3)")
-    present, previous = flip_rows(np.asarray(error)), flip_rows(np.asarray(previous_error, dtype=np.float64))
-    height, width = present.shape[:2]
-    previous_height, previous_width = previous.shape[:2]
+    # Channel by channel: NumPy is slow where the last axis is short.
+    present, previous = (
+        np.ascontiguousarray(np.moveaxis(flip_rows(np.asarray(e)), 2, 0)) for e in (error, previous_error)
+    )
+    channels, height, width = present.shape
+    previous_height, previous_width = previous.shape[1:]
     mapping = WarpMap.between(view, (width, height), previous_view, (previous_width, previous_height))
-    last = np.array([previous_width - 1, previous_height - 1], dtype=np.float64)
     total, count = 0.0, 0
     for rows in row_blocks(height):
         centres = pixel_centres(rows, width)
         at, _, _ = mapping.apply(centres, np.zeros(centres.shape[:2]))  # inverse depth 0: the rotation alone
-        index = at - 0.5
-        # An unmoved head must not lose its outermost pixels to the last bits of the homography.
-        index = np.where(np.abs(index - np.rint(index)) < 1e-9, np.rint(index), index)
+        x, y = (_index_of(at[..., axis].ravel()) for axis in (0, 1))
         with np.errstate(invalid="ignore"):
-            both = ((index >= 0) & (index <= last)).all(axis=-1)
-        where = index[both].T[::-1]  # map_coordinates takes row, column
-        for channel in range(present.shape[2]):
-            before = map_coordinates(previous[..., channel], where, order=1, mode="nearest")
-            total += float(np.abs(present[rows][..., channel][both] - before).sum())
-        count += both.sum() * present.shape[2]
+            both = np.flatnonzero((x >= 0) & (x <= previous_width - 1) & (y >= 0) & (y <= previous_height - 1))
+        sampled = _Bilinear(x[both], y[both], (previous_width, previous_height))
+        for now, before in zip(present, previous, strict=True):
+            total += float(np.abs(now[rows].take(both) - sampled(before)).sum())
+        count += len(both) * channels
     return float(total / count) if count else None
+
+
+def _index_of(pixel: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the places of pixel coordinates between the centres, 0 at the first."""
+    index = pixel - 0.5
+    # An unmoved head must not lose its outermost pixels to the last bits of the homography.
+    whole = np.rint(index)
+    return np.where(np.abs(index - whole) < 1e-9, whole, index)
+
+
+class _Bilinear:
+    """Bilinear samples at x, y inside pictures of (w, h), in float64; the places computed once."""
+
+    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], size: tuple[int, int]) -> None:
+        left, low = x.astype(np.int64), y.astype(np.int64)
+        self._x, self._y = x - left, y - low
+        corner = low * size[0] + left
+        right = corner + (left < size[0] - 1)  # on the last column or row the sample is the pixel itself
+        up = np.where(low < size[1] - 1, size[0], 0)
+        self._corners = corner, right, corner + up, right + up
+
+    def __call__(self, picture: NDArray) -> NDArray[np.float64]:
+        """Sample one (h, w) picture."""
+        a, b, c, d = (picture.take(corner).astype(np.float64) for corner in self._corners)
+        lower, upper = a + self._x * (b - a), c + self._x * (d - c)
+        return lower + self._y * (upper - lower)
 
 
 metrics.register(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Row = Mapping[str, Any]
 
 _WIDTH_IN = 9.6
-_BETTER, _WORSE = SERIES  # their lines differ in dashes too
+_BETTER, _WORSE, _ = SERIES  # their lines differ in dashes too
 _MOST_PAIRS = 5  # more would need more columns than fit
 _WRAP = 16  # letters of a condition's name in a line
 _LINES: dict[int, tuple[str, Any]] = {1: (_BETTER, "solid"), -1: (_WORSE, (0, (4, 2))), 0: (PAGE.ink, (0, (1, 2)))}

@@ -15,7 +15,7 @@ from ...tables import Table as Keys
 from ...tables import parsed, text_of
 from .ratings import Ratings
 
-_EXAMPLE = "hmdwarp/study/ready/thesis_claims.toml"
+_EXAMPLE = "the example of docs/study-analysis.md"
 _LEAST = 1e-9
 
 
@@ -46,7 +46,7 @@ def load_claims(path: Path) -> Claims:
 
     Errors: InputError naming file, line and value.
     """
-    text = text_of(path, f"a .toml file of claims, like {_EXAMPLE}")
+    text = text_of(path, f"a .toml file of published figures: {_EXAMPLE} shows one")
     return parsed(text, path, lambda data: _claims(data, text), _EXAMPLE)
 
 

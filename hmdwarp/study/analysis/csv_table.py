@@ -63,6 +63,8 @@ class Line:
 def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[str, str]]:
     """Return all rows by role, and the name of each role's column."""
     text = _text(path)
+    if not text.strip():
+        raise InputError(f"{path}: is empty: expected a table of ratings, a header and one row for each rating")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text), strict=True)
     lines: list[Line] = []
     try:

@@ -193,7 +193,7 @@ def _of_part(design: Design, part: Part) -> list[str]:
             f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has "
             "latency = 0"
         )
-    if reference is not None and reference.settings.get("warp", "forward") != "none":
+    if reference is not None and reference.settings.get("warp") != "none":
         out.append(
             f"part {part.name}: the reference '{reference.name}' is warped; a reference usually has warp = \"none\""
         )

@@ -13,7 +13,7 @@ from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_
 from ..scales import RATING, Scale, scored
 from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
 from .short_tables import duration_s, onset_s
-from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS
+from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS, column_of
 
 Row = dict[str, Any]
 
@@ -188,15 +188,26 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "text": text,
         "low_is_good": None if ask.item.answer else ask.scale.low_is_good,
         "why_missing": None if value is not None or text else _why(session, answer),
-        "seconds_to_answer": None if answer is None else answer.seconds,
+        "seconds_to_answer": None if answer is None else _measured("seconds_to_answer", answer.seconds),
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
         "onset": None if showing is None else onset_s(session, showing),
         "duration": None if showing is None else duration_s(showing),
         "answered_by": None if answer is None else answer.by,
-        **({} if showing is None else {f"actual_{name}": value for name, value in showing.actual.items()}),
+        **({} if showing is None else _actual_row(showing.actual)),
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
     }
+
+
+def _actual_row(actual: Mapping[str, Any]) -> Row:
+    names = {name: f"actual_{name}" for name in actual}
+    return {names[name]: _measured(names[name], value) for name, value in actual.items()}
+
+
+def _measured(column: str, value: Any) -> Any:
+    """Round a time to the nanosecond of its clock: sums of floats show digits beyond it."""
+    digits = {"s": 9, "ms": 6}.get(column_of(column).units)
+    return round(value, digits) if digits is not None and isinstance(value, float) else value
 
 
 def _why(session: Session, answer: Answer | None) -> str:

@@ -11,7 +11,7 @@ from ...tables import Table, parsed, quoted, text_of
 from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 FOLDER = Path(__file__).parent
-_EXAMPLE = str(FOLDER / "grade.toml")
+_EXAMPLE = "the scale of docs/scales.md"
 _MOST_VALUES = 10_000  # of one answer: no panel can tell more apart
 _MOST_ITEMS = 500
 MOST_CHOICES = 12  # rows of a list that a panel holds

@@ -54,8 +54,8 @@ class ClosingWords:
         with suppress(HmdwarpError):  # a full disk may not even be readable
             answers = self._store.answers(session)
             rated = sum(one.phase == "trial" and one.value is not None for one in answers)
-            count = "1 answer" if len(answers) == 1 else f"{len(answers) or 'no'} answers"
-            lines.append(f"stored in {self._store.folder}: {count}, {rated} of them about trials")
+            count = f"{counted(len(answers), 'answer')}, {rated} of them about trials" if answers else "no answers"
+            lines.append(f"stored in {self._store.folder}: {count}")
             lines += self._still(session)
         lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
         return lines

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from hmdwarp.errors import InputError
 from hmdwarp.report import p_text, signed
 from hmdwarp.study.analysis import Resampling, SourceOptions, analyse, claims_for, from_csv, load_claims, ratings_from
 from hmdwarp.study.design import SHIPPED
@@ -114,3 +115,15 @@ def test_the_seed_plays_no_part_in_the_intervals(whole):
     other = analyse(from_csv(PUBLISHED), Resampling(seed=142, resamples=100))["scales"][0]["comparisons"]
     rows = whole["scales"][0]["comparisons"]
     assert [(row["low"], row["high"]) for row in other] == [(row["low"], row["high"]) for row in rows]
+
+
+def test_the_example_of_the_docs_is_a_file_of_claims(tmp_path):
+    """It stands in for a file of the package, which no message names."""
+    page = (Path(__file__).parents[3] / "docs" / "study-analysis.md").read_text(encoding="utf-8")
+    path = tmp_path / "claims.toml"
+    path.write_text(page.split("## Published figures")[1].split("```toml\n")[1].split("```")[0], encoding="utf-8")
+    claims = load_claims(path)
+    assert (claims.title, [one.difference for one in claims.claims]) == ("the paper", [0.4, 1.35])
+    with pytest.raises(InputError, match="the example of docs/study-analysis.md shows one") as told:
+        load_claims(tmp_path / "none.toml")
+    assert "hmdwarp/" not in str(told.value)

@@ -42,9 +42,10 @@ def test_people_are_told_everything_in_80_columns(study):
         "60 s first, not scored: scene planes, size 96x120, latency 10, warp none, fill none",
         "fms after every trial; ends the session at 15 or more or at 8 worse than at first",
         "Part run-1: 3 conditions",
-        "2 warped-200 latency 200, warp mesh, guard 1.2; by default fill interpolate",
-        "3 reference latency 0; by default warp forward, fill interpolate (the hidden reference)",
-        "1 a loss 0.02; by default latency 200, warp forward, fill interpolate",
+        "2 warped-200 latency 200, warp mesh, guard 1.2; by default fill memory+pyramid, predict cautious",
+        "3 reference latency 0; by default warp iterative, fill memory+pyramid, guard 1.5, predict cautious (the "
+        "hidden reference)",
+        "1 a loss 0.02; by default latency 200, warp iterative, fill memory+pyramid, guard 1.5, predict cautious",
         "all scene planes, size 96x120",
         "trials 4 min 6 of 20 s, each rated: grade, acr, fms",
         "each condition in each place 4 times",

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study.analysis import from_csv
-from hmdwarp.study.design import design_from_text
+from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export import (
     COLUMNS,
     FLAG,
@@ -290,3 +290,20 @@ def test_each_table_of_ratings_says_whose_they_are(store, design, tmp_path):
             "These ratings are of origin 'pilot', not of people taking part in the study.",
         ), table
     assert {row["origin"] for row in read(out / "bids" / "participants.tsv", "\t")} == {PILOT}
+
+
+def test_times_are_written_to_the_nanosecond_that_was_measured(tmp_path, design):
+    """A clock of nanoseconds, times 1e-9: floats show digits that nobody measured."""
+    with Store(tmp_path / "data", create=True, clock=Day()) as store:
+        session = store.begin(design, None, "P1", "person")
+        steps = steps_of(design, session.order, session.part)
+        trial = next(step for step in steps if isinstance(step, Show) and step.trial == 1)
+        ask = next(step for step in steps if isinstance(step, Ask) and step.about == trial.key)
+        actual = {"seconds": 0.30000000600000004, "latency_ms_median": 66.66666700000001, "hole_share_mean": 1 / 3}
+        showing = store.shown(session, trial, {}, False, actual, complete=True)
+        store.answer(session, ask, 2.0, 1.6500000330000002, "participant", showing)
+        out = export(store.contents(), design, tmp_path / "out").folder
+    row = read(out / "ratings.csv", ",")[0]
+    assert (row["seconds_to_answer"], row["actual_seconds"]) == ("1.650000033", "0.300000006")
+    assert (row["actual_latency_ms_median"], row["actual_hole_share_mean"]) == ("66.666667", "0.3333333333333333")
+    assert read(out / "ratings_short.csv", ",")[0]["seconds_to_answer"] == "1.650000033"

@@ -220,7 +220,7 @@ def test_without_the_consent_a_session_that_the_experimenter_ends_counts_nowhere
     ran = run(monkeypatch, gpu, path, Person(lambda panel: ()), console)
     assert (ran.session.status, ran.display.shown) == (status, 0)
     assert " ".join(ran.display.panels[-1].lines) == "You are not taking part. Nothing was asked or shown."
-    assert ran.said[0].endswith(f": {status}")
+    assert ran.said[0].endswith(f": {status}") and ran.said[1].endswith("small-data: no answers")
     with pytest.raises(InputError, match="1 session ended without the consent"):
         export(contents(path), load_design(str(path)), tmp_path / "out")
     run(monkeypatch, gpu, path, participant="P2")
