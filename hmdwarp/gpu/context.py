@@ -23,15 +23,17 @@ HOW_TO_GET_GL = (
 )
 
 
-def create_context() -> moderngl.Context:
+def create_context(*, shared: bool = False) -> moderngl.Context:
     """Create a standalone context: through EGL without any display, else through the window system.
 
+    shared: for a runtime that shares its own with it, such as OpenXR's; then nobody is told of a
+    reset of the GPU.
     Errors: InputError for an HMDWARP_EGL_DEVICE that names no device, MachineError naming what was
     tried and what to install.
     """
     ways: dict[str, Callable[[], moderngl.Context]] = {}
     if os.name == "posix":
-        ways["egl"] = partial(egl.create_context, WANTED)
+        ways["egl"] = partial(egl.create_context, WANTED, shared=shared)
     if os.name != "posix" or os.environ.get("DISPLAY"):
         ways["window system"] = partial(moderngl.create_context, standalone=True, require=WANTED)
     failures = []

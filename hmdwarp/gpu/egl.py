@@ -91,13 +91,14 @@ def _file(egl: _Egl, handle: int) -> str:
 class EglContext:
     """A context of OpenGL's core profile on a device, for moderngl.create_context(context=).
 
-    It is lost when the GPU is reset, and can be asked, where the driver offers that.
+    It is lost when the GPU is reset, and can be asked, where the driver offers that. shared: not
+    so, for a context with which a runtime shares its own: EGL refuses two that differ in it.
     Errors: OSError where the device has no such OpenGL.
     """
 
     standalone = True
 
-    def __init__(self, device: Device, version: int) -> None:
+    def __init__(self, device: Device, version: int, *, shared: bool = False) -> None:
         egl = self._egl = _egl()
         self._display = egl.call(
             "eglGetPlatformDisplayEXT",
@@ -120,7 +121,7 @@ class EglContext:
             egl.call, "eglCreateContext", ctypes.c_void_p, self._display, config, ctypes.c_void_p(0)
         )
         try:
-            self._context = make(_attributes((*wanted, *_LOSE_ON_RESET)))
+            self._context = make(_attributes(wanted if shared else (*wanted, *_LOSE_ON_RESET)))
         except OSError:
             self._context = make(_attributes(wanted))
         self.__enter__()
@@ -147,16 +148,17 @@ def _attributes(pairs: tuple[int, ...]) -> Any:
     return (ctypes.c_int32 * (len(pairs) + 1))(*pairs, _NONE)
 
 
-def create_context(version: int) -> moderngl.Context:
+def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
     """Return a context on the device that HMDWARP_EGL_DEVICE names, else on the first that has one.
 
+    shared: see EglContext.
     The variable: a number in EGL's order, or a part of the renderer's name.
     Errors: InputError where no device, or more than one, is so named; OSError where none has
     OpenGL.
     """
     found, wanted = devices(), os.environ.get(VARIABLE, "").strip()
     if not wanted:
-        return _first_of(found, version)
+        return _first_of(found, version, shared)
     if wanted.isdecimal():
         chosen = [device for device in found if device.index == int(wanted)]
     else:
@@ -169,22 +171,22 @@ def create_context(version: int) -> moderngl.Context:
             f"{VARIABLE}={wanted} {which} here, expected one of {known or 'none'}: "
             "give a number or a part of one's name"
         )
-    return _on(chosen[0], version)
+    return _on(chosen[0], version, shared)
 
 
-def _first_of(found: list[Device], version: int) -> moderngl.Context:
+def _first_of(found: list[Device], version: int, shared: bool) -> moderngl.Context:
     failures = []
     for device in found:
         try:
-            return _on(device, version)
+            return _on(device, version, shared)
         except (OSError, ValueError) as error:
             failures.append(f"device {device.index}: {error}")
     raise OSError("; ".join(failures) or "EGL lists no device")
 
 
-def _on(device: Device, version: int) -> moderngl.Context:
+def _on(device: Device, version: int, shared: bool = False) -> moderngl.Context:
     before = _egl().current()
-    made = EglContext(device, version)
+    made = EglContext(device, version, shared=shared)
     try:
         return moderngl.create_context(standalone=True, require=version, context=cast(Any, made))
     except Exception as error:  # moderngl raises bare Exception here

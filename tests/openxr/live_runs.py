@@ -27,9 +27,8 @@ LONG_S = 90.0  # against hanging; a machine under load is slow
 
 def quick(**options: object) -> LiveOptions:
     """Options of a run that costs little."""
-    return LiveOptions(
-        **{"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0, "fill": "none", **options}
-    )
+    usual = {"source": "openxr", "scene": "planes", "size": SMALL, "latency_ms": 0.0}
+    return LiveOptions(**{**usual, "warp": "forward", "fill": "none", "guard": 1.0, "predict": "none", **options})
 
 
 class Watched:

@@ -109,7 +109,17 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
                 pass  # not arrived yet; the next refresh begins after it has
 
     here.run(
-        quick(scene=SCENE, latency_ms=LATENCY_MS, frames=POSES, record=recording, out=out, images_every=1, **passes),
+        # A warp that writes its depth for the runtime places colours by other rounding.
+        quick(
+            scene=SCENE,
+            latency_ms=LATENCY_MS,
+            frames=POSES,
+            record=recording,
+            out=out,
+            images_every=1,
+            depth_layer=False,
+            **passes,
+        ),
         after,
     )
     return were

@@ -11,7 +11,7 @@ import attrs
 import xr
 
 from ...errors import InputError, MachineError
-from ...gpu.context import WANTED, Gpu
+from ...gpu.context import WANTED, Gpu, create_context
 from ..controls import CONTROLS, Control
 from .calls import Calls
 from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
@@ -115,7 +115,7 @@ def _windowed(controls: tuple[Control, ...]) -> Graphics:
 
 
 def _windowless() -> Graphics:
-    gpu = Gpu()
+    gpu = Gpu(create_context(shared=True))
     try:
         return Graphics(gpu, "EGL", _egl_binding())
     except BaseException:
