@@ -29,7 +29,14 @@ from hmdwarp.run.live_figures import Thinned
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
-SMALL = {"scene": "planes", "latency_ms": 30.0}
+SMALL = {
+    "scene": "planes",
+    "latency_ms": 30.0,
+    "warp": "forward",
+    "fill": "interpolate",
+    "guard": 1.0,
+    "predict": "none",
+}
 
 
 @attrs.define
@@ -375,7 +382,7 @@ from tests.run.offscreen import OffscreenDisplay, closed_at
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))
 try:
-    run.live(LiveOptions(scene="planes", latency_ms=0.0, out=Path(sys.argv[1])))
+    run.live(LiveOptions(scene="planes", latency_ms=0.0, fill="interpolate", out=Path(sys.argv[1])))
 except MachineError as error:
     print(error)
 """
