@@ -203,7 +203,7 @@ def test_plan_for_programs_has_what_is_printed(command):
 def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(command):
     told = " ".join(command("plan", "--scene", "planes", "--fill", "none", "--source", "openxr").done().out.split())
     runs, left_out = told.split("Left out")
-    assert "needed by the OpenXR runtime" in runs and "writes shown.inverse_depth" in runs
+    assert "writes the depth of what it shows for the OpenXR runtime" in runs and "shown.inverse_depth" in runs
     assert "lens the OpenXR runtime corrects the lens by itself" in left_out
     assert "the runtime's own eyes, size and rate" in told
     desktop = command("plan", "--scene", "planes", "--fill", "none", "--source", "desktop").done().out

@@ -155,6 +155,7 @@ def test_a_decoder_that_is_too_slow_is_told(gpu, tmp_path):
     slow = tmp_path / "slow.toml"
     slow.write_text('summary = "a slow decoder"\nscene = "none"\ncompute_shaders = true\ndecoder_mpx_s = 1.8\n')
     usual = {"trace": "still", "scene": "planes", "size": (96, 80), "rate_hz": 60.0, "seconds": 0.1, "lens": "none"}
+    usual |= {"guard": 1.0}
     with pytest.raises(InputError, match="are 2 Mpx/s to decode: client 'slow' decodes 1.8"):
         replay(RunOptions(**usual, out=tmp_path / "coded", client=str(slow), coding=Coding("h264")))
     replay(RunOptions(**usual, out=tmp_path / "out", client=str(slow)))  # nothing is decoded

@@ -107,7 +107,7 @@ def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
             assert row["latency_ms"] == (400 if late else 0) and row["reference"] == (not late)
             assert row.get("guard") == (1.5 if row["condition"] == "warped" else None)
             assert row["fill"] == (
-                "interpolate" if row["condition"] == "warped" else "none"
+                "memory+pyramid" if row["condition"] == "warped" else "none"
             )  # the default of a live run
     assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:19], "guard", *LONG_COLUMNS[19:]]
 
