@@ -188,7 +188,7 @@ def defaults(folder: Path) -> None:
     head = "| | pixels drawn | ms an eye | " + " | ".join(
         f"{name}: {what}" for name in RECORDINGS for what in ("PSNR dB", "FLIP", "flicker", "empty %")
     )
-    lines = [head + " |", "| --- |" + " ---: |" * (head.count("|") - 2)]
+    lines = [head + " |", "| --- |" + " ---: |" * (head.count("|") - 1)]
     chosen: dict[str, tuple[str, ...]] = {}
     for step, change in STEPS.items():
         chosen |= {change[k]: change[k : k + 2] for k in range(0, len(change), 2)}
