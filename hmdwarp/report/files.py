@@ -23,7 +23,7 @@ from ..errors import HmdwarpError, InputError, MachineError
 _STEM = 60  # characters of a name that a partial file's name has
 _NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 _FORBIDDEN = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
-_NO_PLACE = frozenset({errno.ENOTDIR, errno.EISDIR, errno.ENOENT, errno.ENAMETOOLONG, errno.EEXIST, errno.ENOTEMPTY})
+_NO_PLACE = frozenset({errno.ENOENT, errno.ENAMETOOLONG, errno.ENOTEMPTY})
 
 
 def write_error(error: OSError, path: Path) -> HmdwarpError:

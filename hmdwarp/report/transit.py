@@ -72,9 +72,14 @@ def response_rows(summary: Summary) -> Pairs:
 
     They add up to the mean response time; its median and 95th percentile follow.
     """
-    response = (summary.get("link") or {}).get("response_ms") or {}
-    kind = "response time" if (summary.get("link") or {}).get("response") == "sum" else _WITH_STAGES
-    return [(part.format(kind), f"{response[name]:.2f} ms") for name, part in _RESPONSE.items() if response.get(name)]
+    return _response(summary, *_RESPONSE)
+
+
+def _response(summary: Summary, *names: str) -> Pairs:
+    link = summary.get("link") or {}
+    kind = "response time" if link.get("response") == "sum" else _WITH_STAGES
+    took = link.get("response_ms") or {}
+    return [(_RESPONSE[name].format(kind), f"{took[name]:.2f} ms") for name in names if took.get(name)]
 
 
 def frame_rows(summary: Summary) -> Pairs:
@@ -120,6 +125,6 @@ def transit_lines(summary: Summary) -> list[str]:
     counts = link.get("frames") or {}
     if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = [*coding_rows(summary), *(row for row in response_rows(summary) if row[0].endswith("(median)"))]
+        rows = [*coding_rows(summary), *_response(summary, "median_ms")]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines

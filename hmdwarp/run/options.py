@@ -84,7 +84,7 @@ class RunOptions(PipelineOptions):
         """Warp and fill of each comparison, without the run's own."""
         asked = [text.strip().partition("+") for text in _BETWEEN.split(self.against) if text.strip()]
         pairs = dict.fromkeys((warp, fill or "none") for warp, _, fill in asked)
-        return tuple(pair for pair in pairs if pair not in ((self.warp, self.fill), (self.warp, "none")))
+        return tuple(pair for pair in pairs if pair != (self.warp, self.fill))
 
 
 @attrs.frozen(kw_only=True)

@@ -140,7 +140,7 @@ def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
 def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]]:
     """Return the rows of each comparison; none where nothing was measured."""
     figures = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
-    return [log.compared(*one) for one in zip(probe.against_ms, figures, strict=True) if one[1]]
+    return [log.compared(*one) for one in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
 
 
 __all__ = ["ReplayResult", "figures", "replay"]

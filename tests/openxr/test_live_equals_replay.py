@@ -109,7 +109,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
                 pass  # not arrived yet; the next refresh begins after it has
 
     here.run(
-        # A warp that writes its depth for the runtime places colours by other rounding.
+        # A gather that writes its depth for the runtime places colours by other rounding.
         quick(
             scene=SCENE,
             latency_ms=LATENCY_MS,
@@ -117,7 +117,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
             record=recording,
             out=out,
             images_every=1,
-            depth_layer=False,
+            depth_layer=passes["warp"] != "iterative",
             **passes,
         ),
         after,

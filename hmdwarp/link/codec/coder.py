@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import struct
-import zlib
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +13,13 @@ from .codecs import Codec, codecs
 from .coding import check_quality
 from .holes import covered
 from .packed_layers import pack, unpack
-from .packet import Packet
+from .packet import Packet, from_two_parts, two_parts
 from .stream import ColourDecoder, ColourEncoder
 from .transfer import bytes_from_light, light_from_bytes, stops_of
-from .undecodable import Undecodable
 
-# CRC-32 of everything after it (a video decoder conceals what is damaged), powers of 2 beyond 1,
-# the light of uncovered pixels as half floats, bytes of the coverage, which follows, then the
-# video.
+# See two_parts. The fields: powers of 2 beyond 1, the light of uncovered pixels as half floats; the
+# parts: coverage and video.
 _HEADER = struct.Struct("<IB6sI")
-_CHECKED_FROM = 4
 # A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.
 _STEPS = 254
 _COVERED = np.float16(1).view(np.uint16)
@@ -86,9 +82,7 @@ class Encoder:
             self._stops = max(stops_of(light), 0 if wants_key else self._stops)
         colour, key = self._colour.encode(covered(bytes_from_light(light, self._stops), coverage == 0), wants_key)
         packed = pack(coverage)
-        head = _HEADER.pack(0, self._stops, empty.tobytes(), len(packed))
-        data = head[_CHECKED_FROM:] + packed + colour
-        data = zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
+        data = two_parts(_HEADER, (self._stops, empty.tobytes()), packed, colour)
         self._number, self._key_wanted = number + 1, False
         self._last_key = number if key else self._last_key
         return Packet(number, key, data)
@@ -140,14 +134,8 @@ def _parts(data: bytes) -> tuple[int, NDArray[np.float16], bytes, bytes]:
 
     Errors: Undecodable.
     """
-    try:
-        checksum, stops, empty, length = _HEADER.unpack_from(data)
-    except struct.error as error:
-        raise Undecodable(f"damaged picture ({error})") from error
-    if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
-        raise Undecodable("damaged picture (its checksum is wrong)")
-    start = _HEADER.size + length
-    return stops, np.frombuffer(empty, np.float16), data[_HEADER.size : start], data[start:]
+    (stops, empty), packed, video = from_two_parts(_HEADER, data, "picture")
+    return stops, np.frombuffer(empty, np.float16), packed, video
 
 
 def _coding(codec: str | Codec) -> Codec:

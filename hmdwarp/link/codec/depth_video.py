@@ -18,7 +18,6 @@ from __future__ import annotations
 import functools
 import math
 import struct
-import zlib
 from typing import Any
 
 import numpy as np
@@ -28,9 +27,8 @@ from .codecs import Codec
 from .depth_codec import checked
 from .grey_codec import GreyDecoder, GreyEncoder
 from .holes import covered
-from .packet import Packet
+from .packet import Packet, from_two_parts, two_parts
 from .stream import VideoDecoder, VideoEncoder, padded
-from .undecodable import Undecodable
 
 _FORMAT, _MOST = "gray10le", 1023
 _CODEC = Codec(
@@ -54,7 +52,6 @@ _CODEC = Codec(
 # CRC-32 of everything after it, step, nearest inverse depth, bytes of the map, which follows; then
 # the video.
 _HEADER = struct.Struct("<IddI")
-_CHECKED_FROM = 4
 # Codes a step: what the video rounds anyway need not be rounded before.
 _FINER = 2
 _SURFACE, _FAR, _NONE = range(3)
@@ -96,9 +93,8 @@ class DepthVideoEncoder:
         video, key = self._video.encode(frame, self._key_wanted)
         kinds = np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint16)
         told = self._kinds.encode(kinds)
-        data = _HEADER.pack(0, self._step, self._nearest, len(told))[_CHECKED_FROM:] + told + video
         number, self._number, self._key_wanted = self._number, self._number + 1, False
-        return Packet(number, key, zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data)
+        return Packet(number, key, two_parts(_HEADER, (self._step, self._nearest), told, video))
 
 
 class DepthVideoDecoder:
@@ -118,24 +114,12 @@ class DepthVideoDecoder:
         one to the next key frame.
         """
         self._video.begin(packet.number, packet.key)
-        step, nearest, told, video = _parts(packet.data)
+        (step, nearest), told, video = from_two_parts(_HEADER, packet.data, "depth")
         kinds, _ = self._kinds.decode(told)
         out = _values(step, nearest)[_first_plane(self._video.decode(video, packet.number), self._size)]
         out[kinds == _FAR] = 0
         out[kinds == _NONE] = -1
         return out
-
-
-def _parts(data: bytes) -> tuple[float, float, bytes, bytes]:
-    """Return step, nearest inverse depth, map and video of a packet. Errors: Undecodable."""
-    try:
-        checksum, step, nearest, length = _HEADER.unpack_from(data)
-    except struct.error as error:
-        raise Undecodable(f"damaged depth ({error})") from error
-    if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
-        raise Undecodable("damaged depth (its checksum is wrong)")
-    start = _HEADER.size + length
-    return step, nearest, data[_HEADER.size : start], data[start:]
 
 
 def _first_plane(frame: Any, size: tuple[int, int]) -> NDArray[np.uint16]:
