@@ -147,7 +147,7 @@ def bench_large(folder: Path, *ready: str) -> None:
     if not ready:
         warps = ("none", "rotation", "rotation:edge=clamp", "planar", *WITH_COMPLETE_FILLS, *OUTSIDE)
         named = [part for warp in warps for part in ("--warp", warp)]
-        options = ("--size", LARGE_SIZE, "--rounds", "1", "--no-grid", "--no-fused", "--quiet")
+        options = ("--size", LARGE_SIZE, "--instants", "3", "--rounds", "1", "--no-grid", "--no-fused", "--quiet")
         program("bench", *named, *options, "--out", str(folder / "large"))
         ready = (str(folder / "large" / "bench.json"),)
     data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))

@@ -35,6 +35,7 @@ FLOORS = [
     {"server"},
     {"link"},
     {"client"},
+    {"strategies"},
     {"auto"},
     {"metrics"},
     {"report"},
