@@ -123,7 +123,7 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "choice": None,
         }
         data["choice"], refused = _choice(
-            [row for row in rows if not row["lacks"] and not row["strategy"]], options.budget_ms
+            [row for row in rows if not row["lacks"] and not row.get("strategy")], options.budget_ms
         )
         data["seconds"] = time.perf_counter() - started
         _write(out, data)

@@ -30,8 +30,8 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: strategies, warps, fills, effects, lenses, scenes, headsets, clients, axes, formats, layers,
-    recordings, scales, studies, options.
+    kind: strategies, warps, fills, effects, lenses, scenes, headsets, clients, axes, formats,
+    layers, recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
 

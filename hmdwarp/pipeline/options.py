@@ -278,10 +278,11 @@ class PipelineOptions(Declared):
 
     def _check_strategy(self) -> None:
         sets = options_of_strategy(self.strategy) if self.strategy else {}
-        for name in ("warp", "fill", "effects"):
-            if sets.get(name, getattr(self, name)) != getattr(self, name):
+        for name in sorted({*sets} & {"warp", "fill", "effects"}):
+            found = getattr(self, name)
+            if found != sets[name]:
                 raise InputError(
-                    f"strategy '{self.strategy}' with {name} '{getattr(self, name)}': it sets {name} to '{sets[name]}'; "
+                    f"strategy '{self.strategy}' with {name} '{found}': it sets {name} to '{sets[name]}'; "
                     f"{type(self).__name__}.of({{'strategy': ..}}) does so"
                 )
 

@@ -41,7 +41,10 @@ class LevelSet:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Return the rows of a bench.json, less those of strategies. Errors: InputError naming the file and its fault."""
+    """Return the rows of a bench.json, less those of strategies.
+
+    Errors: InputError naming the file and its fault.
+    """
     try:
         bench = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Turned picture: the finished picture, turned as the head has turned."""
+"""Rotation: the finished picture, turned as the head has turned."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from ._base import Strategy
 
 
 @strategies.register
-class Turned(Strategy):
+class Rotation(Strategy):
     """What headsets call reprojection or timewarp without depth."""
 
-    name = "turned"
+    name = "rotation"
     summary = "the server sends the finished picture, and the client turns it as the head has turned"
     crosses = "colour"
     client = "turns the picture"
