@@ -58,7 +58,8 @@ class Outbox:
     def update(self, order: Iterable[int], budget: int, now_ns: int) -> Update:
         """Return the next fragments, of the first things in `order` that wait.
 
-        budget: bytes; one fragment is sent however small it is.
+        order: a thing may occur more than once. budget: bytes; one fragment is sent however small
+        it is.
         """
         out, sent = bytearray(), []
         for piece, data in self._next(order):
@@ -73,7 +74,7 @@ class Outbox:
         return Update(np.frombuffer(bytes(out), np.uint8).copy(), tuple(sent), now_ns)
 
     def _next(self, order: Iterable[int]) -> Iterator[tuple[Fragment, bytes]]:
-        for number in order:
+        for number in dict.fromkeys(order):
             for index in sorted(self._waiting.get(number, ())):
                 yield (number, index), self._things[number][FRAGMENT_BYTES * index : FRAGMENT_BYTES * (index + 1)]
 

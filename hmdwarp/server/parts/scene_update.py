@@ -106,7 +106,7 @@ class _Sender:
         self._pieces = pieces_of(scene, delivery.share, delivery.texture, lit=delivery.lit)
         self.outbox = Outbox(self._pieces.things)
         self._rest = _boxes(self._pieces.meshes)
-        # Textures that cross, of the pieces and of nothing but mirrors, which are there at the start.
+        # Textures that cross: of the pieces, and of mirrors alone.
         cross = {texture for texture, _ in self._pieces.levels}
         self._of_pieces = cross & {mesh.texture for mesh in self._pieces.meshes}
         self._of_mirrors = sorted(cross - self._of_pieces)
