@@ -45,6 +45,7 @@ FLOORS = [
     {"doctor"},
     {"run"},
     {"bench"},
+    {"compare"},
     {"study"},
     {"thesis"},
     {"cli"},
