@@ -15,6 +15,8 @@ from ..server import (
     SceneBuffers,
     ScenePasses,
     SceneTextures,
+    Server,
+    Target,
     clear_depth,
     moving_parts,
     stands_still,
@@ -25,9 +27,10 @@ if TYPE_CHECKING:
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Scene
-    from ..server import Server
 
 Size = tuple[int, int]
+# Share of the triangles, scale of the textures, whether lit.
+_Key = tuple[float, float, bool]
 
 
 class ClientScene:
@@ -39,7 +42,8 @@ class ClientScene:
 
     def __init__(self, server: Server, cache: Path | None = None) -> None:
         self._server, self._cache = server, cache
-        self._models: dict[tuple[float, float, bool], DrawnModel] = {}
+        self._models: dict[_Key, DrawnModel] = {}
+        self._scenes: dict[_Key, SceneOnClient] = {}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
@@ -53,19 +57,55 @@ class ClientScene:
             self._models[key] = DrawnModel(self._server.gpu, scene, lit=lit)
         return self._models[key]
 
+    def scene(self, share: float, *, lit: bool, texture: float = 1.0) -> SceneOnClient:
+        """Return a scene that is drawn whole, see ClientGeometry.scene."""
+        key = (share, texture, lit)
+        if key not in self._scenes:
+            self._scenes[key] = SceneOnClient(self._server, self._part(key))
+        return self._scenes[key]
+
+    def _part(self, key: _Key) -> Scene:
+        """Return the scene that is drawn for a key: the server's own where nothing is reduced."""
+        share, texture, lit = key
+        whole = self._server.scene
+        if (share, texture) != (1, 1):
+            whole = reduced(whole, share, self._cache, texture=texture, matt=False)
+        return whole if lit else unlit(whole)
+
     def weights(self) -> list[dict[str, float | int]]:
         """Return what the client must hold of each model that was made: triangles and bytes.
 
         A model drawn with light and without counts once: it differs by three numbers a vertex.
         """
-        found = {(share, texture): model.scene for (share, texture, _), model in self._models.items()}
+        made = {**self._models, **self._scenes}
+        found = {(share, texture): model.scene for (share, texture, _), model in made.items()}
         return [{"share": share, "texture": texture, **weight_of(scene)} for (share, texture), scene in found.items()]
 
     def close(self) -> None:
         """Free the models; the caller closes the server."""
-        for model in self._models.values():
+        for model in (*self._models.values(), *self._scenes.values()):
             model.close()
         self._models.clear()
+        self._scenes.clear()
+
+
+class SceneOnClient:
+    """A client.DrawnScene: a renderer of the client's own, or the server's for the same scene."""
+
+    def __init__(self, server: Server, scene: Scene) -> None:
+        self.scene = scene
+        self._is_own = scene is not server.scene
+        self._renderer = Server(server.gpu, scene) if self._is_own else server
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw the whole picture, see DrawnScene.draw."""
+        target = Target(into.colour.texture, into.depth)
+        self._renderer.draw(view, target.size, target, time_ns)
+
+    def close(self) -> None:
+        """Free its renderer."""
+        if self._is_own:
+            self._renderer.close()
 
 
 class DrawnModel:
