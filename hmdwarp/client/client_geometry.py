@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     import moderngl
 
+    from ..frames.layers.scene_update import Delivery
     from ..geometry import View
     from .shown_picture import ShownPicture
 
@@ -57,3 +58,6 @@ class ClientGeometry(Protocol):
         With a share and a texture scale of 1, lit, it is drawn as the server draws it, to the last
         bit. Parameters, errors: as of model().
         """
+
+    def arriving(self, delivery: Delivery) -> DrawnScene:
+        """Return the scene as it has arrived so far: all holes before anything can be drawn."""

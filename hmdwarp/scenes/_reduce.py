@@ -64,9 +64,7 @@ def reduced(
         raise SceneError(f"share {share:g} of a scene's triangles: expected more than 0 and at most 1")
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface and (matt or not mesh.material.reflectivity)]
     share = max(share, min(1.0, least / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
-    triangles = (
-        [mesh.triangles for mesh in surfaces] if share == 1 else _cached(surfaces, share, folder or cache_folder())
-    )
+    triangles = fewer_triangles(surfaces, share, folder)
     fewer = {
         id(mesh): with_triangles(mesh, kept, matt=matt) if len(kept) else None
         for mesh, kept in zip(surfaces, triangles, strict=True)
@@ -78,13 +76,16 @@ def reduced(
 
 def _smaller(texture: Texture, scale: float) -> Texture:
     """Return the texture at that scale."""
-    return Texture(texture.name, lambda: _resampled(texture, scale), texture.srgb, texture.repeat)
+    return Texture(texture.name, lambda: scaled(texture, scale), texture.srgb, texture.repeat)
 
 
-def _resampled(texture: Texture, scale: float) -> NDArray[np.uint8]:
+def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:
+    """Return its image at that scale, averaged in linear light; a side has one texel at least."""
     from PIL import Image
 
     image = texture.image
+    if scale == 1:
+        return image
     size = tuple(max(1, round(scale * side)) for side in image.shape[1::-1])
     linear = image / np.float32(255)
     if texture.srgb:
@@ -139,9 +140,14 @@ def cache_folder() -> Path:
     return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home is no error)
 
 
-def _cached(meshes: Sequence[Mesh], share: float, folder: Path) -> Triangles:
-    """Return decimated(), from the cache if it holds a result that fits the meshes."""
-    path = folder / f"{_key(meshes, share)}.npz"
+def fewer_triangles(meshes: Sequence[Mesh], share: float, folder: Path | None) -> Triangles:
+    """Return decimated(), from the cache if it holds a result that fits the meshes.
+
+    With a share of 1, all triangles.
+    """
+    if share == 1:
+        return [mesh.triangles for mesh in meshes]
+    path = (folder or cache_folder()) / f"{_key(meshes, share)}.npz"
     found = _read(path, meshes)
     if found is None:
         found = decimated(meshes, share)

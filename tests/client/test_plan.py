@@ -57,7 +57,8 @@ ALL = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS),
 
 def _draws(warp: str, fill: str) -> bool:
     """Whether it wants the scene's triangles on the client."""
-    return CLIENT_DEPTH in warps.get(warp).reads or any(CLIENT_MODEL in one.entry.reads for one in parse_fills(fill))
+    entries = (warps.get(warp), *(one.entry for one in parse_fills(fill)))
+    return any({CLIENT_DEPTH, CLIENT_MODEL} & {*entry.reads} for entry in entries)
 
 
 POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or not _draws(w, f)]

@@ -61,7 +61,7 @@ def test_no_plan_for_a_client_uses_what_it_lacks(name, warp):
         if client.scene == "none":
             assert not {each for each in read if each.startswith("client.")}
         if client.scene == "reduced":
-            assert all(getattr(each.settings, "share", 0.0) < 1 for each in plan.fills)
+            assert all(getattr(each.settings, "share", 0.0) < 1 for each in (plan.choice, *plan.fills))
         if not client.more_layers:
             assert not read & sent
         if not client.compute_shaders:

@@ -130,7 +130,7 @@ class Warp(ABC):
 
     @classmethod
     def reads_for(cls, settings: Any) -> tuple[str, ...]:
-        """Return what it reads with these settings: `reads`, or some of it."""
+        """Return what it reads with these settings: `reads`, or less or more of it."""
         return cls.reads
 
     @classmethod
