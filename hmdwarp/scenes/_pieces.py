@@ -122,8 +122,8 @@ class Pieces:
         """
         meshes = [one for mesh, parts in self.cut for one in (map(_blank, parts) if parts else (mesh,))]
         meshes += [_blank(mesh) for mesh in self.stand_ins if mesh is not None]
-        sent = {texture for texture, _ in self.levels}
-        textures = [_grey(each) if k in sent else each for k, each in enumerate(self.scene.textures)]
+        known = {*self._textures_at_start}
+        textures = [each if k in known else _grey(each) for k, each in enumerate(self.scene.textures)]
         return attrs.evolve(self.scene, meshes=meshes, textures=textures)
 
     def meshes_in(self, number: int, thing: bytes) -> list[tuple[int, Mesh]]:

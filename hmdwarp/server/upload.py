@@ -52,6 +52,7 @@ class SceneTextures:
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
         self._made = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+        self.revision = 0  # counts changes
 
     def __getitem__(self, index: int) -> moderngl.Texture:
         return self._made[index]
@@ -60,6 +61,7 @@ class SceneTextures:
         """Replace the image of one texture by another of the same size."""
         self._made[index].write(_texels(image))
         self._made[index].build_mipmaps()
+        self.revision += 1
 
     def close(self) -> None:
         """Free them."""
@@ -76,6 +78,7 @@ class SceneBuffers:
         self.chunks: Chunks
         self.visibility: Visibility
         self.meshes = list(meshes)
+        self.revision = 0  # counts changes
         # Of all chunks: the mesh of each, its indices, and which are drawn.
         self._owner: NDArray[np.int64]
         self._all: Chunks
@@ -126,6 +129,7 @@ class SceneBuffers:
             else Chunks(every.first[drawn], every.count[drawn], every.batch[drawn], every.boxes[:, drawn])
         )
         self.visibility = Visibility(self.chunks)
+        self.revision += 1
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; return the chunks' indices."""

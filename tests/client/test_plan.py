@@ -135,7 +135,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
         assert entry.source
         assert set(entry.reads) <= known
         if registry is warps:
-            assert entry.kind in ("gather", "scatter")
+            assert entry.kind in ("gather", "scatter", "draw")
             assert entry.exact_when
             assert entry.gets_wrong
         else:
@@ -261,7 +261,7 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     chain, warp_type = parse_fills(choice[1]), warps.get(choice[0])
     reads_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
     beside = reads_depth and warp_type.depth_reads is not None
-    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside))
+    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside), geometry=geometry)
     made = [warp]
     for k, one in enumerate(chain):
         read = any(SHOWN_DEPTH in after.entry.reads for after in chain[k + 1 :])

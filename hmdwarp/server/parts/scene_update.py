@@ -105,6 +105,8 @@ class _Sender:
         self._budget = delivery.budget
         self._pieces = pieces_of(scene, delivery.share, delivery.texture, lit=delivery.lit)
         self.outbox = Outbox(self._pieces.things)
+        numbers = map(self._pieces.number_of_mesh, range(len(self._pieces.meshes)))
+        self._bytes = np.array([len(self._pieces.things[number]) for number in numbers], float)
         self._rest = _boxes(self._pieces.meshes)
         # Textures that cross: of the pieces, and of mirrors alone.
         cross = {texture for texture, _ in self._pieces.levels}
@@ -125,9 +127,9 @@ class _Sender:
     def _order(self, views: Sequence[View], head: _Head, now_ns: int) -> Iterator[int]:
         """Yield what to send: first what makes a whole picture.
 
-        Then what is visible from any place that the head can reach until it arrives, what looks
-        largest first, with coarse textures and then sharper ones; then the rest. Of what is visible
-        the last texels come after all triangles.
+        Then what is visible from any place that the head can reach until it arrives, what covers
+        most of the picture for its bytes first, with coarse textures and then sharper ones; then
+        the rest. Of what is visible the last texels come after all triangles.
         """
         yield from self._pieces.first
         boxes = self._boxes_at(now_ns)
@@ -135,8 +137,8 @@ class _Sender:
         seen = np.any([self._visible(boxes, view, metres, radians) for view in views], axis=0)
         eye = np.mean([view.pose.position_m for view in views], axis=0) - self._pieces.scene.origin_m
         away = np.linalg.norm(np.maximum(np.abs(boxes.centres - eye) - boxes.halves, 0), axis=1)
-        looks = np.linalg.norm(boxes.halves, axis=1) / np.maximum(away - metres, NEAREST_M)
-        by_size = np.argsort(-looks, kind="stable")
+        looks = np.minimum(np.linalg.norm(boxes.halves, axis=1) / np.maximum(away - metres, NEAREST_M), 1.0)
+        by_size = np.argsort(-(looks**2) / self._bytes, kind="stable")
         shown, rest = by_size[seen[by_size]].tolist(), by_size[~seen[by_size]].tolist()
         steps = [(shown, COARSE), (shown, HALF), (rest, COARSE), (shown, FULL), (rest, HALF), (rest, FULL)]
         for group, scale in steps:
