@@ -24,6 +24,7 @@ import front_page
 import gpu_tables
 import guard
 import layouts
+import models
 import panel
 import passes
 import prediction_tables
@@ -199,6 +200,12 @@ def strategies_compared(folder: Path, *ready: str) -> None:
     replace("strategies", "\n".join(lines))
     replace("strategies measured", compare_markdown(data["rows"]))
     replace("strategies assigned", assigned_markdown(data))
+
+
+def scene_on_the_client(folder: Path) -> None:
+    """Measure what it takes and brings that the client has the scene: some ten minutes."""
+    (folder / "models").mkdir()
+    replace("models", models.table(folder / "models", program))
 
 
 def defaults(folder: Path) -> None:
@@ -435,6 +442,7 @@ PARTS = {
     "border": border,
     "defaults": defaults,
     "strategies": strategies_compared,
+    "models": scene_on_the_client,
     "prediction": prediction,
     "effects": effects,
     "fills": fills,

@@ -61,7 +61,8 @@ class Outbox:
         order: a thing may occur more than once. budget: bytes; one fragment is sent however small
         it is.
         """
-        out, sent = bytearray(), []
+        out = bytearray()
+        sent: list[Fragment] = []
         for piece, data in self._next(order):
             if sent and len(out) + _HEAD.size + len(data) > budget:
                 break

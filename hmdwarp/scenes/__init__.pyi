@@ -8,6 +8,7 @@ from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture
 from ._mirrors import SceneMirror as SceneMirror
 from ._pieces import COARSE as COARSE
+from ._pieces import COARSEST as COARSEST
 from ._pieces import FULL as FULL
 from ._pieces import HALF as HALF
 from ._pieces import Pieces as Pieces

@@ -7,8 +7,7 @@ import functools
 import numpy as np
 import pytest
 
-from hmdwarp.scenes import Background, Mesh, Pieces, Scene, load_scene, partial_scene, pieces_of
-from hmdwarp.scenes._pieces import COARSEST, FULL
+from hmdwarp.scenes import COARSEST, FULL, Background, Mesh, Pieces, Scene, load_scene, partial_scene, pieces_of
 
 
 @functools.cache
