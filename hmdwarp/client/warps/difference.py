@@ -8,9 +8,8 @@ import attrs
 
 from ...errors import PlanError
 from ...frames import Needs
-from ...frames.layers.difference import Simplified
+from ...frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
 from ...geometry import View, WarpMap
-from ...gpu.display_bytes import BINDING, display_bytes
 from ...gpu.textures import SCALAR, Canvas, allocate
 from ..settings import share_of
 from ..shown_picture import ShownPicture
@@ -116,7 +115,7 @@ class Difference(Warp):
             model.depth.bind_to_image(_MODEL_DEPTH, read=True, write=False)
         self._then.depth.bind_to_image(_RENDERED_DEPTH, read=True, write=False)
         into.bind_for_writing(_WRITTEN)
-        self._bytes.bind_to_storage_buffer(BINDING)
+        self._bytes.bind_to_storage_buffer(BYTES_BINDING)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
             self._program.uniforms.set(shown_inverse_depth=_DEPTH)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...frames.layers.difference import Simplified
-from ...gpu.display_bytes import BINDING, display_bytes
+from ...frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
 from ...gpu.textures import COLOUR
 from ...scenes import partial_scene
 from ..targets import Target, TargetPool
@@ -44,7 +43,7 @@ class Difference(Part):
             for unit, texture in enumerate((eye.colour, target.colour)):
                 texture.bind_to_image(unit, read=True, write=False)
             made[each].bind_to_image(2, read=False, write=True)
-            self._bytes.bind_to_storage_buffer(BINDING)
+            self._bytes.bind_to_storage_buffer(BYTES_BINDING)
             self._program.uniforms.set(full=0, simplified=1, difference=2, rendered_size=eye.size)
             self._program.run(*eye.size)
             self.context.gpu.barrier()
