@@ -39,7 +39,7 @@ from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
 from hmdwarp.frames.layers.difference import Simplified
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, ShaderLibrary, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, ShaderLibrary, allocate
 from hmdwarp.headsets import load_headset
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
