@@ -28,9 +28,11 @@ from .changes import Changes
 from .channel import Channel
 from .client_scene import ClientScene
 from .frame_coder import Coder
+from .frame_source import ServerFrames
 from .layers_read import Reads
-from .loop import Loop, PoseRequest
+from .loop import Loop
 from .options import PipelineOptions
+from .requested import PoseRequest
 from .sized import SizedCompensator
 from .sizes import check_room, eye_sizes
 
@@ -188,7 +190,8 @@ def build_pipeline(
             auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
         changes = Changes(scene) if options.network.send == CHANGES else None
-        loop = Loop(requested, server, channel, history, compensator, target.eyes, changes)
+        source = ServerFrames(server, requested, target.eyes)
+        loop = Loop(requested, source, channel, history, compensator, target.eyes, changes)
         parts = (gpu, server, geometry, channel, loop, auto, lens_of, options)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..frames import Needs
 from ..link.codec import check_codec
-from ..pipeline.loop import PoseRequest
 from ..pipeline.options import PipelineOptions
+from ..pipeline.requested import PoseRequest
 from ..poses import PoseSample, PoseSource, PoseTrack
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
@@ -47,8 +47,8 @@ def pose_request(
     showing it. size: (w, h) of one eye.
     """
 
-    def predicted(now_ns: int) -> PoseSample:
-        return predict(known(now_ns), now_ns, now_ns + age_ns, options.predict, options.horizon_ns)
+    def predicted(now_ns: int, later_ns: int) -> PoseSample:
+        return predict(known(now_ns), now_ns, now_ns + age_ns + later_ns, options.predict, options.horizon_ns)
 
     predicts = predicted if options.predict != "none" else None
     return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6))
