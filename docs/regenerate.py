@@ -277,6 +277,12 @@ def link(folder: Path) -> None:
     layers(folder)
     depth_codes(folder)
     server_rates(folder)
+    proxies(folder)
+
+
+def proxies(folder: Path) -> None:
+    """Measure a proxy between server and client: ten minutes."""
+    replace("proxy", passes.proxy_table(partial(run, folder)))
 
 
 def layers(folder: Path) -> None:
@@ -427,6 +433,7 @@ PARTS = {
     "layers": layers,
     "depth-code": depth_codes,
     "server-rates": server_rates,
+    "proxy": proxies,
     "readme": readme,
 }
 

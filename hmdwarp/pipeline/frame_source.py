@@ -1,4 +1,4 @@
-"""Where the frames of a loop come from: the server."""
+"""Where the frames of a loop come from: the server, or what stands between it and the loop."""
 
 from __future__ import annotations
 
@@ -26,6 +26,9 @@ class FrameSource(Protocol):
         scale: the share of the full width and height that it should have.
         """
 
+    def recycle(self, frame: Frame) -> None:
+        """Take back a frame that is no longer needed."""
+
 
 @attrs.frozen(eq=False)
 class ServerFrames:
@@ -45,6 +48,10 @@ class ServerFrames:
             views, (size, guard) = self.eyes.views(head.pose), self._resolution(scale)
             frame = self.server.draw_frame(views, now_ns, size, guard, asked.needs, shown_size=asked.size)
         return attrs.evolve(frame, head=head, drawing=timer.lap())
+
+    def recycle(self, frame: Frame) -> None:
+        """Return the frame to the server's pools."""
+        self.server.recycle(frame)
 
     def _resolution(self, scale: float) -> tuple[tuple[int, int], Guard]:
         """Return the size to draw in, without the guard band, and the guard band."""

@@ -71,8 +71,8 @@ class Refresh:
 class Loop:
     """The loop over refreshes: `draw` sends what is due, `show` warps the newest that has arrived.
 
-    source: the server, or what stands between it and the link. eyes: the views that belong to a head
-    pose. changes: leaves out frames in which nothing has moved; None to draw every one.
+    source: the server, or what stands between it and the link. eyes: the views that belong to a
+    head pose. changes: leaves out frames in which nothing has moved; None to draw every one.
     """
 
     def __init__(

@@ -30,7 +30,8 @@ def check_names(options: PipelineOptions) -> None:
     check_codec(options.coding.codec)
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
-    options.network.check(round(options.latency_ms * 1e6))
+    check_codec(options.proxy.codec)
+    options.client_link.check(round(options.latency_ms * 1e6))
 
 
 def pose_request(
