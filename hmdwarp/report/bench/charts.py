@@ -11,7 +11,7 @@ import numpy as np
 
 from ...metrics import PRIMARY, error_and_time, metrics
 from ..files import write_bytes
-from ..scatter import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
+from ..named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
 from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text, warp_of
 from .rows import Case, Row, cases, measure_label
 

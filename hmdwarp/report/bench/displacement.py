@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...metrics import PRIMARY
-from ..labels import spread
+from ..label_places import spread
 from ..style import PAGE, dashes_of, drawing, dress, not_measured, svg_text
 from .rows import measure_label
 

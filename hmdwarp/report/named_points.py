@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .labels import leaders, place_labels
+from .label_places import leaders, place_labels
 from .style import Palette, Style
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ _LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
 
 
 def scatter_figure(width_in: float, height_in: float) -> Figure:
+    """Return an empty figure of that size."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
