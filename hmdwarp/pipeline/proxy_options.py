@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 import attrs
 
@@ -12,6 +12,9 @@ from ..link import LinkOptions, StageTimes
 from ..link.codec import Coding
 from ..options import DEFAULT_GUARD, Declared, Number, names_in, option, options_of
 from .defaults import DEFAULT_FILL, DEFAULT_WARP, default_fill
+
+# Of the whole way, the part before the proxy, where only the whole is given.
+_SHARE = 0.75
 
 
 @attrs.frozen
@@ -63,6 +66,13 @@ class ProxyOptions(Declared):
             if said.get(one.name) not in (None, one.default) and not said.get("proxy"):
                 raise InputError(f"{one.flag} {said[one.name]}: there is no proxy; add --proxy, or leave it out")
         return super().values_of(said)
+
+    def within(self, total_ms: float) -> Self:
+        """Return the same proxy on a way of that latency, which it divides as by default: 3 to 1.
+
+        What remains of the total is that of the link to the client.
+        """
+        return attrs.evolve(self, latency_ms=_SHARE * total_ms)
 
     @property
     def coding(self) -> Coding:
