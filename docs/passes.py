@@ -104,6 +104,19 @@ PROXY_FIGURES = (
     "Mbit/s to the proxy",
 )
 
+# Chosen views beside what comes anyway (multi) and what edges uncover (layered).
+CHOSEN = [
+    *COMMON,
+    *shlex.split("--predict cautious --fill memory+pyramid --size 160x200 --rate 20 --start 4 --seconds 1.5"),
+    *shlex.split("--metrics-every 3 --codec h264 --send changes"),
+]
+VIEWS = {
+    "`multi`": "multi",
+    "`multi:views=2,frames=1,eye=own`": "multi:views=2,frames=1,eye=own",
+    "`layered`": "layered",
+}
+VIEWS_FIGURES = ("holes %", "FLIP", "PSNR dB", "Mbit/s", "client: ms an eye", "server ms", "not sent")
+
 
 def _line(*cells: object) -> str:
     return "| " + " | ".join(map(str, cells)) + " |"
@@ -203,6 +216,25 @@ def proxy_table(run: Run) -> str:
             both = -10 * math.log10(sum(10 ** (-_quality(part, "psnr_db") / 10) for part in parts))
             rows.append(_line(trace, f"sum: `{client}` at 100 ms, `iterative` at 300 ms", "", f"{both:.2f}", *[""] * 7))
     return "\n".join(rows)
+
+
+def views_table(run: Run) -> str:
+    """Return the pictures of chosen views beside those that come anyway and peeled ones."""
+    rows = _head("recording", "ms", "warp", *VIEWS_FIGURES)
+    for trace in ("look-around", "walk"):
+        for latency in ("200", "400", "800"):
+            for name, warp in VIEWS.items():
+                summary = run(trace, *CHOSEN, "--latency", latency, "--warp", warp)
+                rows.append(_line(trace, latency, name, *_views_figures(summary)))
+    return "\n".join(rows)
+
+
+def _views_figures(summary: Summary) -> list[str]:
+    link = summary["link"]
+    share = f"{100 * _quality(summary, 'hole_share'):.2f}"
+    quality = [f"{_quality(summary, 'flip'):.3f}", f"{_quality(summary, 'psnr_db'):.2f}"]
+    times = [f"{summary['time_ms']['total']['median']:.1f}", f"{link['response_ms']['render_ms']:.0f}"]
+    return [share, *quality, f"{link['mbit_s']:.1f}", *times, str(link["frames"]["unchanged"])]
 
 
 def _latency(summary: Summary) -> str:

@@ -27,7 +27,9 @@ def scene_drawn(plan: Plan) -> str:
 
 def layers_beyond_picture(plan: Plan) -> list[str]:
     """Return the layers that warp and fills read beside the pictures with depth of all frames."""
-    read = dict.fromkeys([*plan.warp.reads, *(name for fill in plan.fills for name in fill.entry.reads)])
+    read = dict.fromkeys(
+        [*plan.warp.reads_for(plan.choice.settings), *(name for fill in plan.fills for name in fill.entry.reads)]
+    )
     sent = {layer.readable() for layer in layers if layer.drawn_by and not layer.always}
     return [name for name in read if name in sent]
 

@@ -275,6 +275,7 @@ def _proxy(
         made.shown,
         asked.guard,
         plan.needs,
+        age_ns=age_ns,
     )
     loop = Loop(request, ServerFrames(server, request, eyes), channel, history, compensator, eyes)
     about = {

@@ -46,7 +46,9 @@ class ServerFrames:
         asked, timer = self.requested, self.server.gpu.timer
         with timer.stage("render"):
             views, (size, guard) = self.eyes.views(head.pose), self._resolution(scale)
-            frame = self.server.draw_frame(views, now_ns, size, guard, asked.needs, shown_size=asked.size)
+            frame = self.server.draw_frame(
+                views, now_ns, size, guard, asked.needs, shown_size=asked.size, age_ns=asked.age_ns
+            )
         return attrs.evolve(frame, head=head, drawing=timer.lap())
 
     def recycle(self, frame: Frame) -> None:

@@ -30,6 +30,8 @@ class PoseRequest:
     needs: Needs
     # Time from the first row of the display to its last.
     scanout_ns: int = 0
+    # From drawing a frame to showing it, as far as that is known beforehand.
+    age_ns: int = 0
 
     def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
         """Return the pose for a frame drawn now: the current or the predicted one.

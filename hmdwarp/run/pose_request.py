@@ -52,7 +52,7 @@ def pose_request(
         return predict(known(now_ns), now_ns, now_ns + age_ns + later_ns, options.predict, options.horizon_ns)
 
     predicts = predicted if options.predict != "none" else None
-    return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6))
+    return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6), age_ns)
 
 
 class RecentPoses:
