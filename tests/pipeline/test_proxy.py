@@ -20,6 +20,7 @@ from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
 from hmdwarp.pipeline.proxy_options import ProxyOptions
 from hmdwarp.poses import angle_between
+from hmdwarp.report import coding_rows
 
 MS = 1_000_000
 # What hmdwarp replay takes for warp none: the picture as it is.
@@ -74,7 +75,8 @@ def test_effects_are_compensated_by_the_proxy():
 
 def test_both_links_tell_their_bytes_and_each_machine_its_work(tmp_path):
     options = proxied(50.0, 100.0, warp="iterative", fill="pyramid")
-    link = run(tmp_path, coding=Coding("h264"), **options).summary["link"]
+    summary = run(tmp_path, coding=Coding("h264"), **options).summary
+    link = summary["link"]
     first = link["proxy"]
     assert list(link["layers_mbit_s"]) == ["colour"], "a client gets no depth"
     assert set(first["layers_mbit_s"]) == {"colour", "inverse_depth"}
@@ -85,6 +87,9 @@ def test_both_links_tell_their_bytes_and_each_machine_its_work(tmp_path):
     assert first["age_ms"]["median"] == pytest.approx(6 * REFRESH_MS)
     assert set(first["time_ms"]) == {"warp", "fill", "total"}
     assert first["time_ms"]["total"]["median"] > 0 and link["response_ms"]["render_ms"] > 0
+    told = dict(coding_rows(summary))
+    assert told["proxy"] == "iterative + pyramid"
+    assert told["from the server to the proxy"] == f"100 ms, {first['mbit_s']:.1f} Mbit/s uncompressed"
 
 
 def test_the_first_link_is_coded_where_that_is_asked_for(tmp_path):
