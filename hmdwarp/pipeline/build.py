@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 import attrs
@@ -16,7 +16,7 @@ from ..client.history import History
 from ..client.plan import Plan, needs_of
 from ..clients import load_client
 from ..errors import InputError
-from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
+from ..frames import EyeSizes, Frame, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes, GuardBand, Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -198,7 +198,7 @@ def build_pipeline(
         source: FrameSource = proxy or ServerFrames(server, requested, target.eyes)
         history = History(needs.others.past, needs.others.spacing_ns, source.recycle)
         stack.callback(history.close)
-        channel = _channel(options, target, plans, history, source)
+        channel = _channel(options, target, plans, history, source, geometry)
         stack.callback(channel.close)
         channel.before = proxy.summary if proxy is not None else None
         with ExitStack() as unfinished:
@@ -219,13 +219,29 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, source: FrameSource
+    options: PipelineOptions,
+    target: Target,
+    plans: Sequence[Plan],
+    history: History,
+    source: FrameSource,
+    geometry: ClientScene,
 ) -> Channel:
-    latency, rate_hz = target.link_latency_ns, target.rate_hz
+    link, latency, rate_hz = options.client_link, target.link_latency_ns, target.rate_hz
     # It waits for the next refresh at most.
     age_ns = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz)
-    coder = _coder(options.coding, rate_hz, age_ns)
-    return Channel(options.client_link, latency, coder, Reads.of(plans), history.offer, source.recycle, rate_hz)
+    coder, settled = _coder(options.coding, rate_hz, age_ns), _settled(source, geometry)
+    return Channel(link, latency, coder, Reads.of(plans), history.offer, source.recycle, rate_hz, settled)
+
+
+def _settled(source: FrameSource, geometry: ClientScene) -> Callable[[Frame, bool, int], None]:
+    """Return what is done with a frame whose fate is known: both ends take note of it."""
+
+    def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:
+        if arrived:
+            geometry.receive(frame)
+        source.heard(frame, arrived, heard_ns)
+
+    return settled
 
 
 def _coder(coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
@@ -261,9 +277,6 @@ def _proxy(
     age_ns = _expected(first, asked.latency_ms, round(refresh_ns), rate_hz)
     history = History(plan.needs.others.past, plan.needs.others.spacing_ns, server.recycle)
     stack.callback(history.close)
-    coder = _coder(asked.coding, rate_hz, age_ns)
-    channel = Channel(first, latency_ns, coder, Reads.of([plan]), history.offer, server.recycle, rate_hz)
-    stack.callback(channel.close)
     geometry = ClientScene(server)
     stack.callback(geometry.close)
     compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
@@ -277,7 +290,11 @@ def _proxy(
         plan.needs,
         age_ns=age_ns,
     )
-    loop = Loop(request, ServerFrames(server, request, eyes), channel, history, compensator, eyes)
+    frames, coder = ServerFrames(server, request, eyes), _coder(asked.coding, rate_hz, age_ns)
+    reads, settled = Reads.of([plan]), _settled(frames, geometry)
+    channel = Channel(first, latency_ns, coder, reads, history.offer, frames.recycle, rate_hz, settled)
+    stack.callback(channel.close)
+    loop = Loop(request, frames, channel, history, compensator, eyes)
     about = {
         "latency_ms": asked.latency_ms,
         "total_latency_ms": options.total_latency_ms,

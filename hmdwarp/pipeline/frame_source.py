@@ -26,6 +26,12 @@ class FrameSource(Protocol):
         scale: the share of the full width and height that it should have.
         """
 
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether there is something to send even if nothing has moved."""
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Take note of whether a frame arrived, which the sender hears at that instant."""
+
     def recycle(self, frame: Frame) -> None:
         """Take back a frame that is no longer needed."""
 
@@ -50,6 +56,14 @@ class ServerFrames:
                 views, now_ns, size, guard, asked.needs, shown_size=asked.size, age_ns=asked.age_ns
             )
         return attrs.evolve(frame, head=head, drawing=timer.lap())
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether the server has something to send even if nothing has moved."""
+        return self.server.has_more(now_ns)
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Tell the server whether a frame arrived."""
+        self.server.heard(frame, arrived, heard_ns)
 
     def recycle(self, frame: Frame) -> None:
         """Return the frame to the server's pools."""

@@ -115,6 +115,13 @@ class Proxy:
         self._out[canvas.texture] = canvas
         return EyeImage(made.view, canvas.texture, self._no_depth, drawn_ns=now_ns)
 
+    def has_more(self, now_ns: int) -> bool:
+        """Return False: all that it sends are pictures."""
+        return False
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Do nothing: no picture is sent twice."""
+
     def recycle(self, frame: Frame) -> None:
         """Take a frame's pictures back; later ones will overwrite them."""
         for eye in frame.eyes:
