@@ -4,7 +4,7 @@
 // Source: Sinha et al. 2012, Image-Based Rendering for Scenes with Reflections, section 4.
 #include "lib/rows.glsl"
 #include "effects/mirrored.glsl"
-layout(rgba16f) writeonly uniform image2DArray written;
+layout(rgba16f, binding = 2) writeonly uniform image2DArray written;
 uniform int layer;
 #ifdef OWN
 layout(rgba16f) readonly uniform image2D given; // the rendered colour

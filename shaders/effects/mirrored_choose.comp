@@ -12,8 +12,8 @@ const float LEAST = 0.002;  // by which it must be below that
 const float NEAR = 0.97;    // the same as BETTER, in the narrow window
 const float CLEAR = 0.05;   // a difference that leaves no doubt
 #if PASS == 0
-layout(rg16f) readonly uniform image2DArray given;
-layout(rgba16f) writeonly uniform image2DArray written;
+layout(rg16f, binding = 1) readonly uniform image2DArray given;
+layout(rgba16f, binding = 2) writeonly uniform image2DArray written;
 
 void visit(ivec2 block, int plane) {
     vec2 wide = vec2(0.0), narrow = vec2(0.0);
@@ -26,7 +26,7 @@ void visit(ivec2 block, int plane) {
     imageStore(written, ivec3(block, plane), vec4(narrow, wide));
 }
 #else
-layout(rgba16f) readonly uniform image2DArray given;
+layout(rgba16f, binding = 1) readonly uniform image2DArray given;
 layout(rg32f) writeonly uniform image2D written;
 
 // x: of the narrow window; y: of both

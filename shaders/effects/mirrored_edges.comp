@@ -9,7 +9,7 @@ uniform sampler2DArray aligned;
 uniform vec2 rendered_pixel; // 1 / rendered_size
 uniform ivec2 half_size;
 uniform int pictures;
-layout(rgba16f) writeonly uniform image2DArray written;
+layout(rgba16f, binding = 2) writeonly uniform image2DArray written;
 const vec3 BRIGHTNESS = vec3(0.2126, 0.7152, 0.0722);
 const float KNEE = 0.1; // steps beyond it count for little more: lamps are thousands of times as bright as paper
 

@@ -8,7 +8,7 @@ layout(local_size_x = GROUP_X, local_size_y = 1) in;
 #include "effects/mirrored.glsl"
 uniform sampler2DArray edges;
 uniform vec2 edges_pixel; // 1 / (their size in rendered pixels)
-layout(rg16f) writeonly uniform image2DArray written;
+layout(rg16f, binding = 2) writeonly uniform image2DArray written;
 uniform ivec2 blocks;
 uniform int pictures;
 uniform vec3 eyes[4]; // of the pictures; that of the rendered one is not used

@@ -25,6 +25,7 @@ PAIR = (2, "f4")
 STILL = 1e-6  # of the place of an eye, in pixels times metres: rounding of equal poses
 # Texture units of what is sampled, and image units of what is read or written pixel by pixel.
 _ALIGNED, _EDGES, _LIGHT, _DEPTH_OF_IMAGES, _TRUST, _OTHER = range(6)
+# moderngl sets no units of arrays: the shaders state those of _IN and _OUT themselves.
 _DEPTH, _IN, _OUT, _OTHER_DEPTH = range(4)
 _UNITS = {
     **{"aligned": _ALIGNED, "edges": _EDGES, "light_before": _LIGHT, "image_depth": _DEPTH_OF_IMAGES, "trust": _TRUST},
