@@ -36,6 +36,7 @@ from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
+from hmdwarp.report.compare_page import assigned_markdown, compare_markdown
 from hmdwarp.run.outside import OUTSIDE
 
 FIGURES = (*QUALITY, "mismatch")
@@ -180,6 +181,24 @@ def prediction(folder: Path) -> None:
             options = ("--latency", latency, "--warp", "forward", "--predict", predict)
             rows.append(((latency, predict), run(folder, "look-around", *options)))
     replace("prediction", table(("latency ms", "predict"), rows))
+
+
+def strategies_compared(folder: Path, *ready: str) -> None:
+    """Compare all strategies: what each is, the figures, and who can run it.
+
+    ready: compare.json of an earlier run, to use instead.
+    """
+    if not ready:
+        program("compare", "--quiet", "--out", str(folder / "compare"))
+        ready = (str(folder / "compare" / "compare.json"),)
+    data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
+    heads = ("strategy", "crosses the link", "the client", "late")
+    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    for one in data["strategies"]:
+        lines.append("| " + " | ".join((f"`{one['name']}`", one["crosses"], one["client"], one["late"])) + " |")
+    replace("strategies", "\n".join(lines))
+    replace("strategies measured", compare_markdown(data["rows"]))
+    replace("strategies assigned", assigned_markdown(data))
 
 
 def defaults(folder: Path) -> None:
@@ -415,6 +434,7 @@ PARTS = {
     "bench-large": bench_large,
     "border": border,
     "defaults": defaults,
+    "strategies": strategies_compared,
     "prediction": prediction,
     "effects": effects,
     "fills": fills,
