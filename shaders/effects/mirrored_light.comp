@@ -16,6 +16,9 @@ uniform sampler2D light_before;
 uniform vec2 rendered_pixel; // 1 / rendered_size
 uniform int pictures;
 uniform vec3 eyes[4];
+// Towards no light at all, as part of a picture: where few pictures tell, what the rays do not decide
+// stays with the surface instead of piling up along them.
+const float PULL = 0.3;
 #endif
 
 vec4 light_at(ivec2 pixel) {
@@ -34,7 +37,7 @@ vec4 light_at(ivec2 pixel) {
         sum += counts ? vec4(here.rgb - there.rgb + seen.rgb / seen.a, 1.0) : vec4(0.0);
     }
     vec3 before = texelFetch(light_before, pixel, 0).rgb;
-    return vec4(sum.a > 0.0 ? sum.rgb / sum.a : before, 1.0);
+    return vec4(sum.a > 0.0 ? sum.rgb / (sum.a + PULL) : before, 1.0);
 #endif
 }
 

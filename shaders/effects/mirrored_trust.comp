@@ -16,6 +16,17 @@ uniform int pictures;
 uniform vec3 eyes[4];
 layout(rg32f) writeonly uniform image2D written;
 
+// What a surface may differ by where pictures do not fit to the pixel: its contrast to the next pixel.
+vec3 slack_at(ivec2 pixel, vec3 here) {
+    vec3 most = vec3(0.0);
+    for (int side = 0; side < 4; ++side) {
+        ivec2 step = (side & 1) == 0 ? ivec2(side - 1, 0) : ivec2(0, side - 2);
+        ivec2 beside = clamp(pixel + step, ivec2(0), rendered_size - 1);
+        most = max(most, abs(texelFetch(aligned, ivec3(beside, 0), 0).rgb - here));
+    }
+    return most;
+}
+
 void visit(ivec2 block) {
     vec2 sum = vec2(0.0);
     for (int index = 0; index < BLOCK * BLOCK; ++index) {
@@ -25,13 +36,16 @@ void visit(ivec2 block) {
         vec3 from = vec3(vec2(pixel) + 0.5, 1.0);
         if (!(image_at(from.xy, own) < own)) continue;
         vec3 here = texelFetch(aligned, ivec3(pixel, 0), 0).rgb, light = texelFetch(light_before, pixel, 0).rgb;
+        vec3 slack = slack_at(pixel, here);
         for (int k = 1; k < pictures; ++k) {
             vec4 there = texelFetch(aligned, ivec3(pixel, k), 0);
             vec2 place = image_seen(from, own, eyes[k]);
             vec4 seen = textureLod(light_before, place * rendered_pixel, 0.0);
             if (there.a < 0.5 || place.x < 0.0 || seen.a < 0.5) continue;
             vec3 differs = here - there.rgb, left = differs - light + seen.rgb / seen.a;
-            sum += min(vec2(dot(abs(left), vec3(1.0)), dot(abs(differs), vec3(1.0))), vec2(1e4));
+            left = max(abs(left) - slack, 0.0);
+            differs = max(abs(differs) - slack, 0.0);
+            sum += min(vec2(left.r + left.g + left.b, differs.r + differs.g + differs.b), vec2(1e4));
         }
     }
     imageStore(written, block, vec4(sum, 0.0, 0.0));

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
 
 PICTURES = 4  # the rendered one and three more: as many as the shaders' vectors hold
-PLANES = 32  # depths that are tried behind a surface, equally far apart in inverse depth
-ROUNDS = 10  # that separate the light in mirrors from that of the surfaces
+PLANES = 16  # depths that are tried behind a surface, equally far apart in inverse depth
+ROUNDS = 6  # that separate the light in mirrors from that of the surfaces
 BLOCK = 8  # as in shaders/effects/mirrored.glsl
 PAIR = (2, "f4")
 STILL = 1e-6  # of the place of an eye, in pixels times metres: rounding of equal poses

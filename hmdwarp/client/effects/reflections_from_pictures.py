@@ -14,6 +14,7 @@ effects.register(
         "moves as the world behind the mirror, with no data on mirrors",
         applies=lambda scene, mesh: False,
         by_name_only=True,
+        instead_of=("planar_reflections", "glossy_reflections", "curved_reflections"),
         made_by=MirroredPass,
         needs=Needs(others=Others(past=2, spacing_ns=300_000_000, other_eye=True)),
         without="reflections stick to the mirrors, as if painted on them",

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import attrs
 
 from . import EyeSizes, Layer, layers
+
+if TYPE_CHECKING:
+    from ..frame import EyeImage
 
 
 @attrs.frozen
@@ -21,6 +26,11 @@ class Others:
     def __bool__(self) -> bool:
         """Return whether any other picture is used."""
         return bool(self.past or self.other_eye)
+
+    def of(self, carried: Others, pictures: tuple[EyeImage, ...]) -> tuple[EyeImage, ...]:
+        """Return those that this needs of the pictures that `carried` brought, the other eye's first."""
+        skipped = int(carried.other_eye and not self.other_eye)
+        return pictures[skipped : skipped + self.count]
 
     @property
     def count(self) -> int:
