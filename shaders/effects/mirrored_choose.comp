@@ -1,6 +1,6 @@
 // Choose the depth of the mirror image for each block, by what the blocks around it say too.
-// PASS 0 sums the costs along rows, over 3 and over WIDE blocks; PASS 1 along columns, and chooses.
-// Out: the inverse depth of the image, and how much better it is than the surface: 0 to 1.
+// PASS 0 sums the costs along rows, over 3 and over 9 blocks; PASS 1 along columns, and chooses.
+// In: per plane and block the sum of differences, and of how many samples. Out: the inverse depth of the image, and how much better it is than the surface: 0 to 1.
 // Source: Scharstein and Szeliski 2002, A Taxonomy of Dense Two-Frame Stereo (windows, parabola).
 #define GROUP_X 64
 layout(local_size_x = GROUP_X, local_size_y = 1) in;
@@ -66,6 +66,7 @@ void visit(ivec2 block, int plane) {
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    int plane = at.y / blocks.y;
-    if (at.x < blocks.x && plane <= (PASS == 0 ? PLANES : 0)) visit(ivec2(at.x, at.y % blocks.y), plane);
+    if (at.x >= blocks.x) return;
+    if (at.y >= blocks.y * (PASS == 0 ? PLANES + 1 : 1)) return;
+    visit(ivec2(at.x, at.y % blocks.y), at.y / blocks.y);
 }

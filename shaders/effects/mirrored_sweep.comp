@@ -16,9 +16,10 @@ const float MOST = 0.1; // of one difference
 
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (at.x >= blocks.x) return;
+    if (at.y >= blocks.y * (PLANES + 1)) return;
     ivec2 block = ivec2(at.x, at.y % blocks.y);
     int plane = at.y / blocks.y;
-    if (block.x >= blocks.x || plane > PLANES) return;
     // The surface around the middle of the block, as a linear function of the place.
     ivec2 middle = min(block * BLOCK + BLOCK / 2, rendered_size - 1);
     float own = depth_at(middle);

@@ -67,5 +67,6 @@ void visit(ivec2 block) {
 
 void main() {
     ivec2 block = ivec2(gl_GlobalInvocationID.xy);
-    if (block.x < blocks.x && block.y < blocks.y) visit(block);
+    if (block.x >= blocks.x || block.y >= blocks.y) return;
+    visit(block);
 }

@@ -102,7 +102,7 @@ def joined(rendered: Seen, found: Images, shown: View, sampler_pixels: float) ->
 
 
 def _image_at(found: Images, own: Array, places: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The inverse depth of the image at places, and whether it is one; else of the surface there."""
+    """The inverse depth of the image at places, else of the surface; and whether it is an image."""
     texels = np.clip(np.nan_to_num(places, nan=0.0).astype(int), 0, np.array(own.shape[1::-1]) - 1)
     surface = own[texels[..., 1], texels[..., 0]]
     looked = _looked(found.depth, places)
@@ -119,7 +119,7 @@ def _beside_border(found: Images, own: Array, places: Array) -> NDArray[np.bool_
 
 
 def _looked(blocks: Array, places: Array) -> Array:
-    """Blocks (h, w, c), each at its middle, looked at between them; clamped beyond the outer ones."""
+    """Blocks (h, w, c), each at its middle, looked at between them and clamped beyond."""
     at = np.nan_to_num(places, nan=0.0) / BLOCK - 0.5
     coords = [at[..., 1], at[..., 0]]
     planes = [ndimage.map_coordinates(plane, coords, order=1, mode="nearest") for plane in np.moveaxis(blocks, -1, 0)]

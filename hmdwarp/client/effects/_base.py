@@ -106,7 +106,7 @@ class EffectPass(ABC):
 class RenderedPass(EffectPass):
     """Changes the rendered pictures before the warp."""
 
-    writes = ("rendered.colour", "rendered.inverse_depth")
+    writes: ClassVar[tuple[str, ...]] = ("rendered.colour", "rendered.inverse_depth")
 
     @abstractmethod
     def run(self, inputs: PassInputs) -> PassInputs:

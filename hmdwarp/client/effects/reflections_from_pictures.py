@@ -10,8 +10,8 @@ effects.register(
     Effect(
         name="reflections_from_pictures",
         order=15,
-        summary="the other eye's picture and two older ones tell what mirrors show, and how far behind them; that light "
-        "moves as the world behind the mirror, with no data on mirrors",
+        summary="the other eye's picture and two older ones tell what mirrors show, and how far behind them; "
+        "no data on mirrors are needed",
         applies=lambda scene, mesh: False,
         by_name_only=True,
         instead_of=("planar_reflections", "glossy_reflections", "curved_reflections"),

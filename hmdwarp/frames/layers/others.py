@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 import attrs
 
 from . import EyeSizes, Layer, layers
 
-if TYPE_CHECKING:
-    from ..frame import EyeImage
+Picture = TypeVar("Picture")
 
 
 @attrs.frozen
@@ -27,8 +26,8 @@ class Others:
         """Return whether any other picture is used."""
         return bool(self.past or self.other_eye)
 
-    def of(self, carried: Others, pictures: tuple[EyeImage, ...]) -> tuple[EyeImage, ...]:
-        """Return those that this needs of the pictures that `carried` brought, the other eye's first."""
+    def of(self, carried: Others, pictures: tuple[Picture, ...]) -> tuple[Picture, ...]:
+        """Return those that this needs of the pictures that `carried` brought."""
         skipped = int(carried.other_eye and not self.other_eye)
         return pictures[skipped : skipped + self.count]
 
