@@ -267,6 +267,11 @@ def effects(folder: Path) -> None:
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 
+def reflections(folder: Path) -> None:
+    """Measure reflections from pictures alone beside known mirrors, and where there are no mirrors."""
+    replace("reflections", passes.pictures_table(partial(run, folder)))
+
+
 def fills(folder: Path) -> None:
     """Measure every fill, in former holes and over the whole picture."""
     replace("fills", passes.fills_table(partial(run, folder)))
@@ -437,6 +442,7 @@ PARTS = {
     "strategies": strategies_compared,
     "prediction": prediction,
     "effects": effects,
+    "reflections": reflections,
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
