@@ -115,7 +115,7 @@ def _effect_figures(summary: Summary) -> list[str]:
 
 
 def pictures_table(run: Run) -> str:
-    """Return what mirrors gain by their own data, and by pictures alone; and what a scene without loses."""
+    """Return what mirrors gain by their data, and by pictures alone, and what `room` loses."""
     names = {"`none`": "none", "known mirrors": "auto", "`reflections_from_pictures`": "reflections_from_pictures"}
     rows = _head("recording", "scene", "ms late", "effects", "PSNR dB", "FLIP", "flicker", "times the warp's time")
     for trace in ("look-around", "walk"):

@@ -268,7 +268,7 @@ def effects(folder: Path) -> None:
 
 
 def reflections(folder: Path) -> None:
-    """Measure reflections from pictures alone beside known mirrors, and where there are no mirrors."""
+    """Measure reflections from pictures alone, also where there are no mirrors."""
     replace("reflections", passes.pictures_table(partial(run, folder)))
 
 

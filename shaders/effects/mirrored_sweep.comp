@@ -29,18 +29,17 @@ void main() {
     vec2 slope = mix(vec2(0.0), 0.5 * (upper - lower), even);
     vec3 surface = vec3(slope, own - dot(slope, vec2(middle) + 0.5));
     float image = own * (1.0 - float(plane) / float(PLANES)), sum = 0.0, count = 0.0;
-    for (int k = 1; k < pictures && is_depth(own); ++k) {
-        vec3 eye = eyes[k];
-        float at_eye = dot(surface, eye);
-        for (int pixel = 0; pixel < BLOCK * BLOCK / 4; ++pixel) {
-            ivec2 texel = block * BLOCK + 2 * ivec2(pixel % (BLOCK / 2), pixel / (BLOCK / 2));
-            float here = depth_at(texel);
-            vec3 from = vec3(vec2(texel) + 1.0, 1.0);
-            vec3 q = crossing(from, plane == 0 ? here : min(image, here), here, at_eye, eye);
+    for (int pixel = 0; pixel < BLOCK * BLOCK / 4 && is_depth(own); ++pixel) {
+        ivec2 texel = block * BLOCK + 2 * ivec2(pixel % (BLOCK / 2), pixel / (BLOCK / 2));
+        float here = depth_at(texel);
+        vec3 from = vec3(vec2(texel) + 1.0, 1.0);
+        vec3 mine = textureLod(edges, vec3(from.xy * edges_pixel, 0.0), 0.0).rgb;
+        if (mine.z <= 0.99 || !is_depth(here)) continue;
+        for (int k = 1; k < pictures; ++k) {
+            vec3 q = crossing(from, plane == 0 ? here : min(image, here), here, dot(surface, eyes[k]), eyes[k]);
             vec2 place = q.xy / q.z;
-            vec3 mine = textureLod(edges, vec3(from.xy * edges_pixel, 0.0), 0.0).rgb;
             vec3 other = textureLod(edges, vec3(place * edges_pixel, float(k)), 0.0).rgb;
-            bool counts = is_depth(here) && q.z > 0.0 && in_rendered(place) && min(mine.z, other.z) > 0.99;
+            bool counts = q.z > 0.0 && in_rendered(place) && other.z > 0.99;
             sum += counts ? min(abs(mine.x - other.x) + abs(mine.y - other.y), MOST) : 0.0;
             count += float(counts);
         }

@@ -1,11 +1,10 @@
 // How far both layers explain the other pictures better than surfaces alone do: 0 for no better.
 // PASS 0 sums over each block what they leave unexplained, and what surfaces alone do; PASS 1 sums
 // over 3x3 blocks, and compares.
-// In: the aligned pictures, the light in mirrors. Out: per block 0 to 1.
+// In: the aligned pictures, places in them, the light in mirrors. Out: per block 0 to 1.
 // Source: none.
 #define GROUP_X 64
 layout(local_size_x = GROUP_X, local_size_y = 1) in;
-#define IMAGES
 #include "effects/mirrored.glsl"
 uniform ivec2 blocks;
 #if PASS == 0
@@ -13,7 +12,7 @@ uniform sampler2DArray aligned;
 uniform sampler2D light_before;
 uniform vec2 rendered_pixel; // 1 / rendered_size
 uniform int pictures;
-uniform vec3 eyes[4];
+layout(rg32f, binding = 1) readonly uniform image2DArray given; // places of mirrored_places.comp
 layout(rg32f) writeonly uniform image2D written;
 
 // What a surface may differ by where pictures do not fit to the pixel: its contrast to the next pixel.
@@ -32,17 +31,16 @@ void visit(ivec2 block) {
     for (int index = 0; index < BLOCK * BLOCK; ++index) {
         ivec2 pixel = block * BLOCK + ivec2(index % BLOCK, index / BLOCK);
         if (any(greaterThanEqual(pixel, rendered_size))) continue;
-        float own = depth_at(pixel);
-        vec3 from = vec3(vec2(pixel) + 0.5, 1.0);
-        if (!(image_at(from.xy, own) < own)) continue;
-        vec3 here = texelFetch(aligned, ivec3(pixel, 0), 0).rgb, light = texelFetch(light_before, pixel, 0).rgb;
+        vec3 here = texelFetch(aligned, ivec3(pixel, 0), 0).rgb;
+        vec4 light = texelFetch(light_before, pixel, 0);
+        if (light.a < 0.5) continue;
         vec3 slack = slack_at(pixel, here);
         for (int k = 1; k < pictures; ++k) {
             vec4 there = texelFetch(aligned, ivec3(pixel, k), 0);
-            vec2 place = image_seen(from, own, eyes[k]);
+            vec2 place = imageLoad(given, ivec3(pixel, k)).rg;
             vec4 seen = textureLod(light_before, place * rendered_pixel, 0.0);
             if (there.a < 0.5 || place.x < 0.0 || seen.a < 0.5) continue;
-            vec3 differs = here - there.rgb, left = differs - light + seen.rgb / seen.a;
+            vec3 differs = here - there.rgb, left = differs - light.rgb + seen.rgb / seen.a;
             left = max(abs(left) - slack, 0.0);
             differs = max(abs(differs) - slack, 0.0);
             sum += min(vec2(left.r + left.g + left.b, differs.r + differs.g + differs.b), vec2(1e4));

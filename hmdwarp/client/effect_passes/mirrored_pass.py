@@ -52,8 +52,8 @@ class MirroredPass(RenderedPass):
     def prepare(self) -> None:
         gl, size, shader = self.gpu.gl, self.rendered_size, self.gpu.shaders.compute
         self._half, self._blocks = tiles(size, 2), tiles(size, BLOCK)
-        names = ("align", "edges", "spread", "light", "join")
-        self._align, self._edges, self._spread, self._light, self._join = (
+        names = ("align", "edges", "spread", "places", "light", "join")
+        self._align, self._edges, self._spread, self._places, self._light, self._join = (
             shader(f"effects/mirrored_{name}.comp") for name in names
         )
         self._own = shader("effects/mirrored_align.comp", OWN=1)
@@ -66,6 +66,7 @@ class MirroredPass(RenderedPass):
         self.chosen, self._unexplained = (allocate(gl, self._blocks, PAIR) for _ in range(2))
         self.image_depth = allocate(gl, self._blocks, PAIR, linear=True)
         self.light, self._next = (allocate(gl, size, COLOUR, linear=True) for _ in range(2))
+        self.places = gl.texture_array((*size, PICTURES), 2, dtype="f4")
         self.trust = allocate(gl, self._blocks, SCALAR, linear=True)
         self._joined = allocate(gl, size, COLOUR, linear=True)
 
@@ -124,16 +125,19 @@ class MirroredPass(RenderedPass):
         self.image_depth.use(_DEPTH_OF_IMAGES)
 
     def _separate(self, pictures: int, eyes: np.ndarray) -> None:
+        self.places.bind_to_image(_OUT, read=False, write=True)
+        self._run(self._places, self.rendered_size, pictures=pictures, eyes=eyes)
         self.light.bind_to_image(_OUT, read=False, write=True)
         self._run(self._start, self.rendered_size)
+        self.places.bind_to_image(_IN, read=True, write=False)
         for _ in range(ROUNDS):
             self.light.use(_LIGHT)
             self._next.bind_to_image(_OUT, read=False, write=True)
-            self._run(self._light, self.rendered_size, pictures=pictures, eyes=eyes)
+            self._run(self._light, self.rendered_size, pictures=pictures)
             self.light, self._next = self._next, self.light
         self.light.use(_LIGHT)
         self._unexplained.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._explain, self._blocks, pictures=pictures, eyes=eyes)
+        self._run(self._explain, self._blocks, pictures=pictures)
         self._unexplained.bind_to_image(_IN, read=True, write=False)
         self.trust.bind_to_image(_OUT, read=False, write=True)
         self._run(self._compare, self._blocks)
@@ -150,7 +154,7 @@ class MirroredPass(RenderedPass):
 
     def close(self) -> None:
         release_all(self.aligned, self.edges, self.costs, self._row_sums, self.chosen, self._unexplained)
-        release_all(self.image_depth, self.light, self._next, self.trust, self._joined)
+        release_all(self.image_depth, self.places, self.light, self._next, self.trust, self._joined)
 
 
 def _seen_from(rendered: EyeImage, eye: View) -> np.ndarray:
