@@ -19,8 +19,8 @@ SMALL = [
     *COMMON,
     *shlex.split("--size 240x300 --rate 20 --start 1 --seconds 0.8 --metrics-every 4"),
 ]  # slow
-# Long enough for frames 300 and 600 ms older than the one that is shown.
-OLDER = [*COMMON, *shlex.split("--size 240x300 --rate 10 --start 1 --seconds 2.4 --metrics-every 4")]
+# Long enough for frames 400 and 800 ms older than the one that is shown.
+OLDER = [*COMMON, *shlex.split("--size 240x300 --rate 5 --start 2 --seconds 2 --metrics-every 2")]
 LONG = [
     *COMMON,
     *shlex.split("--rate 20 --start 2 --seconds 6 --metrics-every 15"),
