@@ -38,9 +38,20 @@ def decoded_mpx_s(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> fl
 
 
 def start_bytes(summary: Mapping[str, Any]) -> int:
-    """Return what the client must have got before the first picture, beside the first frame."""
-    models = summary.get("client_models", ())
-    return sum(int(model["geometry_bytes"] + model["texture_bytes"]) for model in models)
+    """Return what the client must have got before the first picture, beside the first frame.
+
+    Packed where a model says so. One that has not become a picture counts with all that came.
+    """
+    return sum(
+        int(model.get("first_picture_bytes") or model["arrived_bytes"])
+        if "arrived_bytes" in model
+        else _held_bytes(model)
+        for model in summary.get("client_models", ())
+    )
+
+
+def _held_bytes(model: Mapping[str, Any]) -> int:
+    return int(model["geometry_bytes"] + model["texture_bytes"])
 
 
 def client_bytes(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> int:
@@ -48,4 +59,4 @@ def client_bytes(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> int
     frames = (1 + plan.needs.others.past) * sum(frame_bytes(plan.needs, sizes, set(plan.layers)).values())
     rendered = sizes.rendered[0] * sizes.rendered[1]
     kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills)
-    return frames + kept + start_bytes(summary)
+    return frames + kept + sum(map(_held_bytes, summary.get("client_models", ())))
