@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -140,17 +141,23 @@ def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> s
     """
     latencies = list(dict.fromkeys(row["latency_ms"] for row in data["rows"]))
     fits: dict[str, Callable[[Row], bool]] = {
-        f"`{client['name']}`: {client['summary']}": lambda row, name=client["name"]: not row["unfit"][name]
-        for client in data["clients"]
+        f"`{client['name']}`: {client['summary']}": partial(_can_run, client["name"]) for client in data["clients"]
     }
-    for rate in links_mbit_s:
-        fits[f"a link of {rate:g} Mbit/s, any client"] = lambda row, most=rate: row["mbit_s"] <= most
+    fits |= {f"a link of {rate:g} Mbit/s, any client": partial(_is_carried, rate) for rate in links_mbit_s}
     lines = ["| for whom | " + " | ".join(f"{latency:g} ms" for latency in latencies) + " |"]
     lines.append("| --- |" + " --- |" * len(latencies))
     for who, fit in fits.items():
         cells = [_best_of([row for row in data["rows"] if row["latency_ms"] == latency], fit) for latency in latencies]
         lines.append(f"| {who} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
+
+
+def _can_run(client: str, row: Row) -> bool:
+    return not row["unfit"][client]
+
+
+def _is_carried(mbit_s: float, row: Row) -> bool:
+    return bool(row["mbit_s"] <= mbit_s)
 
 
 def _best_of(rows: Sequence[Row], fit: Callable[[Row], bool]) -> str:
