@@ -338,6 +338,18 @@ def link(folder: Path) -> None:
     layers(folder)
     depth_codes(folder)
     server_rates(folder)
+    proxies(folder)
+    chosen_views(folder)
+
+
+def proxies(folder: Path) -> None:
+    """Measure a proxy between server and client: ten minutes."""
+    replace("proxy", passes.proxy_table(partial(run, folder)))
+
+
+def chosen_views(folder: Path) -> None:
+    """Measure views that the server chooses."""
+    replace("views", passes.views_table(partial(run, folder)))
 
 
 def layers(folder: Path) -> None:
@@ -492,6 +504,8 @@ PARTS = {
     "layers": layers,
     "depth-code": depth_codes,
     "server-rates": server_rates,
+    "proxy": proxies,
+    "views": chosen_views,
     "readme": readme,
 }
 
