@@ -20,6 +20,8 @@ SMALL = [
     *COMMON,
     *shlex.split("--size 240x300 --rate 20 --start 1 --seconds 0.8 --metrics-every 4"),
 ]  # slow
+# Long enough for frames 400 and 800 ms older than the one that is shown.
+OLDER = [*COMMON, *shlex.split("--size 240x300 --rate 5 --start 2 --seconds 1.4 --metrics-every 2")]
 LONG = [
     *COMMON,
     *shlex.split("--rate 20 --start 2 --seconds 6 --metrics-every 15"),
@@ -152,6 +154,23 @@ def _effect_figures(summary: Summary) -> list[str]:
     quality = [f"{_quality(summary, 'psnr_db'):.2f}", *(f"{_quality(summary, key):.3f}" for key in ("flip", "flicker"))]
     ms, size = summary["time_ms"]["effects"]["median"], summary["link"]["frame_bytes"] / 1e6
     return [*quality, f"{ms:.1f}", f"{size:.1f}"]
+
+
+def pictures_table(run: Run) -> str:
+    """Return what mirrors gain by their data, and by pictures alone, and what `room` loses."""
+    names = {"`none`": "none", "known mirrors": "auto", "`reflections_from_pictures`": "reflections_from_pictures"}
+    rows = _head("recording", "scene", "ms late", "effects", "PSNR dB", "FLIP", "flicker", "times the warp's time")
+    for trace in ("look-around", "walk"):
+        for scene, latency in (*(("gallery", latency) for latency in ("200", "400", "800")), ("room", "400")):
+            for name, effects in names.items():
+                if scene == "room" and effects == "auto":
+                    continue  # the same as none
+                choices = f"--scene {scene} --latency {latency} --warp iterative --fill pyramid --effects {effects}"
+                summary = run(trace, *OLDER, *shlex.split(choices))
+                ms, warp = (summary["time_ms"][stage]["median"] for stage in ("effects", "warp"))
+                figures = [*_effect_figures(summary)[:3], f"{ms / warp:.1f}"]
+                rows.append(_line(trace, f"`{scene}`", latency, name, *figures))
+    return "\n".join(rows)
 
 
 def fills_table(run: Run) -> str:

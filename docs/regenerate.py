@@ -304,6 +304,11 @@ def effects(folder: Path) -> None:
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 
+def reflections(folder: Path) -> None:
+    """Measure reflections from pictures alone, also where there are no mirrors."""
+    replace("reflections", passes.pictures_table(partial(run, folder)))
+
+
 def fills(folder: Path) -> None:
     """Measure every fill, in former holes and over the whole picture."""
     replace("fills", passes.fills_table(partial(run, folder)))
@@ -488,6 +493,7 @@ PARTS = {
     "models": scene_on_the_client,
     "prediction": prediction,
     "effects": effects,
+    "reflections": reflections,
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
