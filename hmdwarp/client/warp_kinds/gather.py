@@ -49,7 +49,7 @@ class GatherWarp(Warp):
     """
 
     kind = "gather"
-    Settings = GatherSettings
+    Settings: ClassVar[type] = GatherSettings
     depth_reads: ClassVar[tuple[str, ...] | None] = ("rendered.inverse_depth",)
     fuses = True
     scans_out = True
