@@ -1,4 +1,4 @@
-# Shows: a loop over many frames with one GPU context, each shown for a head that went on moving.
+# Shows: a loop over many frames with one Warper, each shown for a head that went on moving.
 # Writes: loop.gif
 
 import sys
@@ -7,10 +7,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-import hmdwarp
-from hmdwarp import Fov, Pose, View
-from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.gpu import Gpu
+from hmdwarp import Fov, Pose, View, Warper
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/frame_loop")
 out.mkdir(parents=True, exist_ok=True)
@@ -27,11 +24,11 @@ def render(number: int) -> np.ndarray:
 
 
 pictures = []
-with Gpu() as gpu:  # keeps compiled shaders from frame to frame
+with Warper((128, 128)) as warper:  # compiles and allocates once
     for number in range(24):
         sway = 0.15 * np.sin(2 * np.pi * np.array([number, number + 4]) / 24)  # now, and 4 frames later
         rendered, shown = (View(Pose(position_m=(x, 0, 0)), fov) for x in sway)
-        warped = hmdwarp.warp_image(render(number), depth_m, rendered, shown, warp="iterative", gpu=gpu)
-        pictures.append(Image.fromarray(srgb8_from_linear(warped.colour)))
+        warped = warper.warp(render(number), depth_m, rendered, shown)
+        pictures.append(Image.fromarray(warped.colour))
 
 pictures[0].save(out / "loop.gif", save_all=True, append_images=pictures[1:], duration=80, loop=0)

@@ -9,7 +9,6 @@ from PIL import Image
 
 import hmdwarp
 from hmdwarp import Fov, Pose, View
-from hmdwarp.colour import srgb8_from_linear
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/rgbd_frame")
 out.mkdir(parents=True, exist_ok=True)
@@ -32,4 +31,4 @@ print(f"{warped.hole_share:.1%} of the pixels are new to the eye; the fill guess
 print({stage: f"{ms:.2f} ms" for stage, ms in warped.time_ms.items()})
 
 Image.fromarray(colour).save(out / "rendered.png")
-Image.fromarray(srgb8_from_linear(warped.colour)).save(out / "shown.png")
+Image.fromarray(warped.colour).save(out / "shown.png")

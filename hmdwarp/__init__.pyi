@@ -7,7 +7,8 @@ from .geometry import Pose as Pose
 from .geometry import View as View
 from .geometry import WarpMap as WarpMap
 from .geometry import inverse_depth_from_clip as inverse_depth_from_clip
-from .image.warping import WarpedImage as WarpedImage
+from .image.warper import WarpedImage as WarpedImage
+from .image.warper import Warper as Warper
 from .image.warping import warp_image as warp_image
 from .poses import PoseTrack as PoseTrack
 from .poses import load_trace as load_trace

@@ -35,6 +35,7 @@ FLOORS = [
     {"server"},
     {"link"},
     {"client"},
+    {"strategies"},
     {"auto"},
     {"metrics"},
     {"report"},
@@ -44,6 +45,7 @@ FLOORS = [
     {"doctor"},
     {"run"},
     {"bench"},
+    {"compare"},
     {"study"},
     {"thesis"},
     {"cli"},
@@ -70,7 +72,7 @@ CLOCK_READERS = {
     "study/store/clock.py",
 }
 # Display: its clock is the one all live times are on.
-CLOCK_FOLDERS = ("cli/", "run/", "bench/", "display/", "thesis/")
+CLOCK_FOLDERS = ("cli/", "run/", "bench/", "compare/", "display/", "thesis/")
 HEAVY = (
     "scipy",
     "moderngl",

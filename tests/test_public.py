@@ -22,6 +22,7 @@ PUBLIC = {
     "View",
     "WarpMap",
     "WarpedImage",
+    "Warper",
     "inverse_depth_from_clip",
     "load_trace",
     "replay",

@@ -36,15 +36,17 @@ def every_compared() -> list[str]:
     """Each warp with its defaults, its variants, and its settings that are somebody's baseline.
 
     Without mesh:grid=512, whose twin would meet each ray with half a million triangles; it is
-    mesh:grid=64 with another number.
+    mesh:grid=64 with another number. Without what draws a scene and warps no picture: that is
+    compared with the server's pictures, see tests/client/test_model.py.
     """
-    return [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512")]
+    every = [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512")]
+    return [spec for spec in every if parse_warp(spec).entry.kind != "draw"]
 
 
 def every_choice() -> list[str]:
     """The same, and each warp with every other word that one of its settings may be."""
     specs = every_compared()
-    for warp in warps:
+    for warp in (one for one in warps if one.kind != "draw"):
         for field in attrs.fields(warp.Settings):
             words = typing.get_args(typing.get_type_hints(warp.Settings)[field.name])
             specs += [f"{warp.name}:{field.name}={word}" for word in words if word != field.default]

@@ -24,6 +24,7 @@ _PLAIN = (
     "trace",
     "scene",
     "latency_ms",
+    "strategy",
     "warp",
     "fill",
     "lens",
@@ -59,8 +60,8 @@ def row_of(
     """Return one row of bench.json.
 
     It has the keys of summary.json, the error by region, the eyes' mismatch, the time and bound of
-    each pass, why the client cannot run it ("" if it can), and the system that the warp stands for
-    as a baseline ("" if none).
+    each pass, the strategy where it was asked for as one, why the client cannot run it ("" if it
+    can), and the system that the warp stands for as a baseline ("" if none).
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
@@ -70,6 +71,7 @@ def row_of(
     rendered_pixels, shown_pixels = (w * h for w, h in (setup.pipeline.sizes.rendered, setup.pipeline.sizes.shown))
     return {
         **base,
+        **({"strategy": combination.strategy} if combination.strategy else {}),
         "frames": len(pictures),
         "client": client.name,
         "lacks": OUTSIDE_LACKS if combination.is_outside else lacking(combination.plan, client),
@@ -97,7 +99,7 @@ def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
     machine = {key: row["machine"][key] for key in ("gl_renderer", "cpu_count")}
     return {
-        **{key: row[key] for key in _PLAIN},
+        **{key: row.get(key, "") for key in _PLAIN},
         "width": row["size"][0],
         "height": row["size"][1],
         "mismatch": row["mismatch"],

@@ -101,7 +101,8 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             with _pool(options, headset, size) as pool:
                 for work in group:
                     rows += _case_rows(options, work, batched[work.case], pool, bandwidth, client, steps)
-        first, has_grid, has_fused = works[0], options.grid, options.fused and headset.lens is not None
+        first = works[0]
+        has_grid, has_fused = (wanted and bool(_warped(first)) for wanted in _sections(options, headset))
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -121,7 +122,9 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
             "fused_at": _fused_at(options, rows[0]) if has_fused else None,
             "choice": None,
         }
-        data["choice"], refused = _choice([row for row in rows if not row["lacks"]], options.budget_ms)
+        data["choice"], refused = _choice(
+            [row for row in rows if not row["lacks"] and not row.get("strategy")], options.budget_ms
+        )
         data["seconds"] = time.perf_counter() - started
         _write(out, data)
     return BenchResult(options.out, data, refused)
@@ -201,8 +204,16 @@ def _total(
     options: BenchOptions, headset: Headset, works: list[_Work], batched: dict[Case, list[list[Combination]]]
 ) -> int:
     count = sum(work.instants * len(batched[work.case]) for work in works)
-    count += len(displacement_grid.offsets()) + 1 if options.grid else 0
-    return count + (min(fused.INSTANTS, works[0].instants) if options.fused and headset.lens is not None else 0)
+    if not _warped(works[0]):
+        return count
+    has_grid, has_fused = _sections(options, headset)
+    count += len(displacement_grid.offsets()) + 1 if has_grid else 0
+    return count + (min(fused.INSTANTS, works[0].instants) if has_fused else 0)
+
+
+def _sections(options: BenchOptions, headset: Headset) -> tuple[bool, bool]:
+    """Return whether warps are compared over displacements, and fused with the lens."""
+    return options.grid, options.fused and headset.lens is not None
 
 
 def _pool(options: BenchOptions, headset: Headset, size: tuple[int, int]) -> QualityPool:
@@ -227,7 +238,7 @@ def _case_rows(
 
 
 def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -> list[dict[str, Any]]:
-    done = {c.warp: c.plan.effects for c in work.combinations if not c.is_outside}
+    done = {c.warp: c.plan.effects for c in _warped(work)}
     unfilled = [
         Combination(warp, "none", build_plan(effects, warp, "none", "none", client_geometry=True, named=effects))
         for warp, effects in done.items()
@@ -241,6 +252,11 @@ def _grid(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) -
         return displacement_grid.grid_rows(setup, unfilled, pool, steps)
 
 
+def _warped(work: _Work) -> list[Combination]:
+    """Return the combinations that compare warps with each other."""
+    return [c for c in work.combinations if not c.is_outside and not c.strategy]
+
+
 def _at_size(run: RunOptions, shown: tuple[int, int], size: tuple[int, int]) -> RunOptions:
     """Return the run at another size, with the same field of view."""
     guard = run.guard_band.factors(shown)
@@ -252,7 +268,7 @@ def _fused(options: BenchOptions, headset: Headset, work: _Work, steps: _Steps) 
         _pool(options, headset, work.case.size) as pool,
         set_up_replay(work.run, needs_of(c.plan for c in work.combinations)) as setup,
     ):
-        warps = list(dict.fromkeys(c.warp for c in work.combinations if not c.is_outside))
+        warps = list(dict.fromkeys(c.warp for c in _warped(work)))
         return fused.fused_rows(setup, options, warps, _fused_lens(options), pool, work.instants, options.rounds, steps)
 
 

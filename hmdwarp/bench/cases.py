@@ -8,7 +8,7 @@ from typing import Any
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
 from ..client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
-from ..errors import MachineError
+from ..errors import InputError, MachineError, listed
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
 from ..poses import PoseTrack
@@ -17,6 +17,7 @@ from ..run.options import RunOptions
 from ..run.outside import OUTSIDE, missing
 from ..run.schedule import schedule_of
 from ..scenes import Scene
+from ..strategies import options_of_strategy
 from .options import FILLS, BenchOptions
 
 # A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
@@ -75,11 +76,14 @@ def fills_of(options: BenchOptions) -> list[str]:
 
 
 def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combination]:
-    """Return each warp with each fill. Without a scene yet, only the names are checked.
+    """Return each warp with each fill, and the strategies.
 
-    Errors: as build_plan.
+    Without a scene yet, only the names are checked. Errors: as build_plan; InputError for a
+    strategy that takes more than a warp, fills and effects: those cannot share the late frames.
     """
-    return [_combination(options, scene, warp, fill) for warp, fill in pairs_of(options)]
+    pairs = pairs_of(options) if options.warps or not options.strategies else []
+    own = [_combination(options, scene, warp, fill) for warp, fill in pairs]
+    return own + [_strategy(options, scene, text) for text in options.strategies]
 
 
 def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
@@ -104,15 +108,36 @@ def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: st
     return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
 
 
-def plan_of(
-    options: BenchOptions, scene: Scene | None, warp: str, fill: str, lens: str, *, fused: bool = False
-) -> Plan:
-    """Return the plan of a warp and fill in a scene, with the effects of the options.
+def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
+    sets = options_of_strategy(text)
+    if beyond := sorted({*sets} - {"warp", "fill", "effects"}):
+        raise InputError(
+            f"--strategy {text}: it sets {listed(beyond)} too, and all of a bench share the same late frames; "
+            "'hmdwarp compare' runs each for itself"
+        )
+    run = RunOptions.of({"strategy": text}, trace=options.recordings[0])
+    effects_too = ",".join((options.effects, sets["effects"])) if "effects" in sets else options.effects
+    plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too)
+    return Combination(run.warp, run.fill, plan, text)
 
-    Errors: as build_plan.
+
+def plan_of(
+    options: BenchOptions,
+    scene: Scene | None,
+    warp: str,
+    fill: str,
+    lens: str,
+    *,
+    fused: bool = False,
+    effect_names: str = "",
+) -> Plan:
+    """Return the plan of a warp and fill in a scene.
+
+    effect_names: in place of the effects of the options. Errors: as build_plan.
     """
-    selected = effects.selected(options.effects, effects.of(scene) if scene is not None else ())
-    named = effects.forced(options.effects)
+    wanted = effect_names or options.effects
+    selected = effects.selected(wanted, effects.of(scene) if scene is not None else ())
+    named = effects.forced(wanted)
     return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused)
 
 

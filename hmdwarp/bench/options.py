@@ -79,6 +79,13 @@ class BenchOptions(Declared):
         "Settings follow a colon, as in mesh:cut=slope.",
         split=split_names,
     )
+    # Those made of a warp, fills and effects; beside the warps that are named, or alone.
+    strategies: tuple[str, ...] = several(
+        _RUN.strategy,
+        (),
+        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('strategies')}.",
+        split=split_names,
+    )
     fills: tuple[str, ...] = several(
         _RUN.fill, FILLS, f"Fill: {names_in('client/fills')}, or several with +", split=split_names
     )

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..headsets import Headset
     from ..options import Option
     from ..poses import PoseTrack
+    from ..strategies import Strategy
     from ..study.design import Design
     from ..study.scales import Scale
 
@@ -29,10 +30,30 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: warps, fills, effects, lenses, scenes, headsets, clients, axes, formats, layers,
-    recordings, scales, studies, options.
+    kind: strategies, warps, fills, effects, lenses, scenes, headsets, clients, axes, formats,
+    layers, recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
+
+
+def _strategies() -> list[dict[str, str]]:
+    from ..strategies import strategies
+
+    return [_strategy_row(strategy) for strategy in strategies]
+
+
+def _strategy_row(strategy: type[Strategy]) -> dict[str, str]:
+    sets = strategy.options("")
+    return {
+        "name": strategy.name,
+        "summary": strategy.summary,
+        "crosses": strategy.crosses,
+        "client": strategy.client,
+        "late": strategy.late,
+        "sets": ", ".join(f"{name}={value}" for name, value in sets.items()) or "nothing",
+        "classes": ", ".join(f"class-{number}" for number in strategy.classes),
+        "source": strategy.source,
+    }
 
 
 def _warps() -> list[dict[str, str]]:
@@ -48,6 +69,8 @@ def _warp_row(warp: type[Warp]) -> dict[str, str]:
         "kind": warp.kind,
         "reads": ", ".join(warp.reads),
         "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
+        "baselines": "; ".join(f"{warp.name}:{settings} ({system})" for settings, system in warp.baselines.items())
+        or "none",
         "fused_with_the_lens": "yes" if warp.fuses else "no",
         "follows_scanout": "yes" if warp.scans_out else "no",
         "exact_when": warp.exact_when,
@@ -269,6 +292,7 @@ def _option_row(option: Option, name: str, commands: list[str]) -> dict[str, str
 
 
 _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
+    "strategies": _strategies,
     "warps": _warps,
     "fills": _fills,
     "effects": _effects,

@@ -10,6 +10,7 @@ from ..options import Declared, option
 from ._options import Said, as_json, takes
 
 KINDS = {
+    "strategies": "What crosses the link, and what the client does with it.",
     "warps": "Move a late picture to the newest head pose.",
     "fills": "Close the holes that a warp leaves.",
     "effects": "What a scene may call for beside plain surfaces: mirrors, moving bodies, glass, overlays.",

@@ -49,7 +49,9 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 @takes(WarpOptions)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
+    from ..client.plan import PICTURE
     from ..image import read_frame, read_view
+    from ..image.usable import plan_of
     from ..image.warping import warp_image
     from ..report import refuse_existing, refuse_source, write_image_result
 
@@ -57,6 +59,7 @@ def warp(said: Said) -> None:
     for source in (options.frame, options.to):
         refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
+    plan_of(options.warp, options.fill, given=PICTURE)
     frame = read_frame(options.frame)
     result = warp_image(
         frame.colour,
@@ -68,6 +71,7 @@ def warp(said: Said) -> None:
         options.size,
         depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
         encoding=options.encoding or frame.encoding,
+        result="linear",
     )
     write_image_result(options.out, result.colour, result.coverage, result.time_ms)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())

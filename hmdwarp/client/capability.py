@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import PlanError, listed
 from ..frames.layers import layers
 from .plan import CLIENT_DEPTH, CLIENT_MODEL, Plan
+from .variants import Choice
 
 if TYPE_CHECKING:
     from ..clients import Client
@@ -15,19 +16,22 @@ if TYPE_CHECKING:
 def scene_drawn(plan: Plan) -> str:
     """Return what of the scene the client draws for the plan, one of clients.SCENES.
 
-    Depth, and a model of fewer triangles than the scene's, take a reduced scene. The fills whose
-    setting `share` is 1, and those without one, take all of it.
+    Depth, and a model of fewer triangles than the scene's, take a reduced scene. The warps and
+    fills whose setting `share` is 1, and those without one, take all of it.
     """
-    drawn = [getattr(fill.settings, "share", 1.0) for fill in plan.fills if CLIENT_MODEL in fill.entry.reads]
+    passes: list[Choice[Any]] = [plan.choice, *plan.fills]
+    drawn = [getattr(one.settings, "share", 1.0) for one in passes if CLIENT_MODEL in one.entry.reads]
     of_effects = any(CLIENT_MODEL in one.reads for one in plan.effect_passes)
-    if of_effects or CLIENT_MODEL in plan.warp.reads or any(share == 1 for share in drawn):
+    if of_effects or any(share == 1 for share in drawn):
         return "whole"
     return "reduced" if drawn or plan.reads(CLIENT_DEPTH) else "none"
 
 
 def layers_beyond_picture(plan: Plan) -> list[str]:
     """Return the layers that warp and fills read beside the pictures with depth of all frames."""
-    read = dict.fromkeys([*plan.warp.reads, *(name for fill in plan.fills for name in fill.entry.reads)])
+    read = dict.fromkeys(
+        [*plan.warp.reads_for(plan.choice.settings), *(name for fill in plan.fills for name in fill.entry.reads)]
+    )
     sent = {layer.readable() for layer in layers if layer.drawn_by and not layer.always}
     return [name for name in read if name in sent]
 

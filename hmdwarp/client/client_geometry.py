@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     import moderngl
 
+    from ..frames.layers.scene_update import Delivery
     from ..geometry import View
     from .shown_picture import ShownPicture
 
@@ -27,6 +28,16 @@ class ClientModel(Protocol):
         """Draw into the holes of `picture`; elsewhere copy its colour and inverse depth."""
 
 
+class DrawnScene(Protocol):
+    """A scene that the client draws with all that is in it: mirrors, glass, overlays.
+
+    It draws rgba16f colour and r32f inverse depth.
+    """
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw the whole picture."""
+
+
 class ClientGeometry(Protocol):
     """Draws for any view and instant; programs and buffers are made on first use."""
 
@@ -40,3 +51,13 @@ class ClientGeometry(Protocol):
         textures' resolution on both axes. Errors: SceneError for a share or scale that is not above
         0 and at most 1.
         """
+
+    def scene(self, share: float, *, lit: bool, texture: float = 1.0) -> DrawnScene:
+        """Return the scene with about `share` of the triangles of its plain surfaces.
+
+        With a share and a texture scale of 1, lit, it is drawn as the server draws it, to the last
+        bit. Parameters, errors: as of model().
+        """
+
+    def arriving(self, delivery: Delivery) -> DrawnScene:
+        """Return the scene as it has arrived so far: all holes before anything can be drawn."""

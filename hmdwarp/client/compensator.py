@@ -105,7 +105,7 @@ class Compensator:
             lens = plan.lens(gpu, headset, shown_size)
         self._lens = None if plan.fused else lens
         output = Output(lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice)
-        self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output)
+        self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         pictures = pictures_read(plan.warp_needs)
         carry = Carry(self._warp)
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None

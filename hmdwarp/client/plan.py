@@ -203,7 +203,7 @@ def build_plan(
     )
     for one in rendered:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
-    _plan_client_depth(choice.entry, client_geometry, draft)
+    _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
     follows = scanout and choice.entry.scans_out
     depth_for = _readers_of_depth([fill.entry for fill in chain], [one.made_by for one in shown], takes_depth)
     beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
@@ -297,6 +297,8 @@ def _why_not(
 
 
 def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) -> str:
+    if warp.kind == "draw":
+        return f"warp '{warp.name}' draws it as it is now: nothing is left to compensate"
     if warp.imposter and effect.name not in named:
         return f"warp '{warp.name}' compensates nothing unless asked for by name: {effect.without}"
     if effect.made_by.carries and not warp.carries:
@@ -316,8 +318,10 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     )
 
 
-def _plan_client_depth(warp: type[Warp], client_geometry: bool, draft: _Draft) -> None:
-    if CLIENT_DEPTH in warp.reads and client_geometry:
+def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
+    if is_brought:
+        draft.leave_out("client_depth", "it comes with the pictures")
+    elif CLIENT_DEPTH in warp.reads and client_geometry:
         draft.add(
             "client_depth", "client_depth", f"warp '{warp.name}' reads the client's own depth", (), (CLIENT_DEPTH,)
         )

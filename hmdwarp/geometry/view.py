@@ -49,6 +49,32 @@ class Fov:
         """Return the field of view of the four tangents left, right, down, up."""
         return cls(*np.arctan(np.asarray(tangents, dtype=np.float64)))
 
+    @classmethod
+    def from_intrinsics(
+        cls, fx: float, fy: float, cx: float, cy: float, width: int, height: int, *, centre: float = 0.0
+    ) -> Fov:
+        """Return the field of view of a camera without lens distortion.
+
+        fx, fy: focal lengths in pixels; cx, cy: principal point, x to the right and y down. centre:
+        the coordinate of the first pixel's middle: 0 as OpenCV, ROS and TUM have it; 0.5 where
+        (0, 0) is the picture's corner, as for COLMAP, nerfstudio and OpenGL.
+        Errors: InputError for focal lengths or sizes that are not above 0, and for a field of view
+        that ends beyond +-89.5 degrees.
+        Source: Hartley and Zisserman 2004, Multiple View Geometry, section 6.1.
+        """
+        numbers = (fx, fy, cx, cy, width, height, centre)
+        if not all(math.isfinite(one) for one in numbers) or min(fx, fy, width, height) <= 0:
+            shown = f"fx {fx:g}, fy {fy:g}, cx {cx:g}, cy {cy:g}, {width:g}x{height:g} pixels"
+            raise InputError(f"no camera: {shown}: expected finite numbers, with fx, fy and the size above 0")
+        left, up = cx + 0.5 - centre, cy + 0.5 - centre  # pixels from the picture's corner
+        return cls.from_tangents((-left / fx, (width - left) / fx, -(height - up) / fy, up / fy))
+
+    def intrinsics(self, size: tuple[int, int], *, centre: float = 0.0) -> tuple[float, float, float, float]:
+        """Return (fx, fy, cx, cy) in pixels of a (w, h) picture: the inverse of from_intrinsics."""
+        left, right, down, up = self.tangents.tolist()
+        fx, fy = size[0] / (right - left), size[1] / (up - down)
+        return fx, fy, -left * fx - 0.5 + centre, up * fy - 0.5 + centre
+
     @cached_property
     def tangents(self) -> NDArray[np.float64]:
         """(4,) left, right, down, up on the plane z = -1; read-only."""

@@ -36,6 +36,11 @@ class Link(Generic[Payload]):
     wasted: called with those it never received: dropped and lost ones at once, undecodable ones,
     those in transit at the end; None for `discard`. Each frame goes to one of them, once.
 
+    settled: called once with each frame whose fate is known: the frame, whether the client received
+    it, and the instant when the sender hears of that. The news of it takes as long to return as the
+    frame has travelled on the network, and never gets lost. A lost frame is settled when it is
+    sent, before `wasted`; one in transit at the end never is.
+
     Errors: ValueError for times that run backwards and for a negative delay or size, which are
     mistakes of the caller.
     """
@@ -50,13 +55,14 @@ class Link(Generic[Payload]):
         wasted: Callable[[Payload], None] | None = None,
         receive: Callable[[Payload], bool] | None = None,
         decoding: Callable[[Payload], int] = lambda frame: 0,
+        settled: Callable[[Payload, bool, int], None] = lambda frame, arrived, heard_ns: None,
     ) -> None:
         self._delays, self._losses = delays, losses
         self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
         # When the sender first learns of a loss that no key frame has repaired.
         self._heard_ns: int | None = None
-        self._decoding = decoding
+        self._decoding, self._settled = decoding, settled
         # Heaps: ready_ns, then number, which is unique. On the network, and in the decoder.
         self._under_way: list[tuple[int, int, TransitStats, Payload]] = []
         self._decoded: list[tuple[int, int, TransitStats, Payload]] = []
@@ -129,6 +135,7 @@ class Link(Generic[Payload]):
         self._count("lost" if taken else "dropped")
         heard_ns = transit.ready_ns + delay_ns
         self._heard_ns = heard_ns if self._heard_ns is None else min(self._heard_ns, heard_ns)
+        self._settled(frame, False, heard_ns)
         self._wasted(frame)
         return transit
 
@@ -174,7 +181,9 @@ class Link(Generic[Payload]):
         """Return the frames that have been decoded since the last call, in sending order."""
         while self._under_way and self._under_way[0][0] <= now_ns:
             _, _, transit, frame = heapq.heappop(self._under_way)
-            if self._receive is None or self._receive(frame):
+            received = self._receive is None or self._receive(frame)
+            self._settled(frame, received, transit.ready_ns + transit.delay_ns)
+            if received:
                 transit = self._through_decoder(transit, self._decoding(frame))
                 heapq.heappush(self._decoded, (transit.ready_ns, transit.number, transit, frame))
             else:

@@ -226,6 +226,7 @@ class LinkOptions(Declared):
         wasted: Callable[[Any], None] | None = None,
         receive: Callable[[Any], bool] | None = None,
         decoding: Callable[[Any], int] = lambda frame: 0,
+        settled: Callable[[Any, bool, int], None] = lambda frame, arrived, heard_ns: None,
     ) -> Link:
         """Return a new link through this network; see `Link` for the callbacks.
 
@@ -242,4 +243,5 @@ class LinkOptions(Declared):
             wasted=wasted,
             receive=receive,
             decoding=decoding,
+            settled=settled,
         )

@@ -16,7 +16,7 @@ from ..client.history import History
 from ..client.plan import Plan, needs_of
 from ..clients import load_client
 from ..errors import InputError
-from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
+from ..frames import EyeSizes, Frame, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -174,7 +174,7 @@ def build_pipeline(
         stack.callback(geometry.close)
         history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        channel = _channel(options, target, plans, history, server)
+        channel = _channel(options, target, plans, history, server, geometry)
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
@@ -194,13 +194,24 @@ def build_pipeline(
 
 
 def _channel(
-    options: PipelineOptions, target: Target, plans: Sequence[Plan], history: History, server: Server
+    options: PipelineOptions,
+    target: Target,
+    plans: Sequence[Plan],
+    history: History,
+    server: Server,
+    geometry: ClientScene,
 ) -> Channel:
     latency, rate_hz, recycle = target.link_latency_ns, target.rate_hz, server.recycle
     # It waits for the next refresh at most.
     age_s = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz) * 1e-9
     coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, rate_hz, age_s)
-    return Channel(options.network, latency, coder, Reads.of(plans), history.offer, recycle, rate_hz)
+
+    def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:
+        if arrived:
+            geometry.receive(frame)
+        server.heard(frame, arrived, heard_ns)
+
+    return Channel(options.network, latency, coder, Reads.of(plans), history.offer, recycle, rate_hz, settled)
 
 
 def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:

@@ -27,7 +27,8 @@ class Channel:
 
     coder: None for frames that arrive as drawn. reads: what the client reads of a frame; no other
     layer is coded or counted. offer: called with each frame that the client used and no longer
-    needs. recycle: called with each frame that it never used. rate_hz: of the display.
+    needs. recycle: called with each frame that it never used. settled: as of the link, with frames
+    as they arrived. rate_hz: of the display.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class Channel:
         offer: Callable[[Frame], None],
         recycle: Callable[[Frame], None],
         rate_hz: float,
+        settled: Callable[[Frame, bool, int], None] = lambda frame, arrived, heard_ns: None,
     ) -> None:
         self._coder, self._reads, self._beside = coder, reads, Reads()
         self.latency_ns = latency_ns
@@ -60,6 +62,7 @@ class Channel:
             wasted=lambda coded: recycle(coded.frame),
             receive=coder.receive if coder is not None else None,
             decoding=self._decoding,
+            settled=lambda coded, arrived, heard_ns: settled(coded.frame, arrived, heard_ns),
         )
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:

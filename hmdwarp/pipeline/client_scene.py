@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 
 from ..gpu.scopes import drawing_into
 from ..gpu.textures import SCALAR, allocate
-from ..scenes import reduced, unlit
+from ..scenes import Pieces, partial_scene, pieces_of, reduced, unlit
 from ..server import (
     Framebuffers,
     SceneBuffers,
     ScenePasses,
     SceneTextures,
+    Server,
+    Target,
     clear_depth,
     moving_parts,
     stands_still,
 )
+from .arriving_scene import ArrivingScene
 
 if TYPE_CHECKING:
     from ..client import ShownPicture
+    from ..frames import Frame
+    from ..frames.deliveries import Update
+    from ..frames.layers.scene_update import Delivery
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Scene
-    from ..server import Server
 
 Size = tuple[int, int]
+# Share of the triangles, scale of the textures, whether lit.
+_Key = tuple[float, float, bool]
 
 
 class ClientScene:
@@ -39,7 +47,9 @@ class ClientScene:
 
     def __init__(self, server: Server, cache: Path | None = None) -> None:
         self._server, self._cache = server, cache
-        self._models: dict[tuple[float, float, bool], DrawnModel] = {}
+        self._models: dict[_Key, DrawnModel] = {}
+        self._scenes: dict[_Key, SceneOnClient] = {}
+        self._arriving: dict[Delivery, ArrivingScene] = {}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
@@ -53,19 +63,74 @@ class ClientScene:
             self._models[key] = DrawnModel(self._server.gpu, scene, lit=lit)
         return self._models[key]
 
-    def weights(self) -> list[dict[str, float | int]]:
+    def scene(self, share: float, *, lit: bool, texture: float = 1.0) -> SceneOnClient:
+        """Return a scene that is drawn whole, see ClientGeometry.scene."""
+        key = (share, texture, lit)
+        if key not in self._scenes:
+            whole = partial_scene(self._server.scene, share, texture, lit=lit, folder=self._cache)
+            self._scenes[key] = SceneOnClient(self._server, whole)
+        return self._scenes[key]
+
+    def arriving(self, delivery: Delivery) -> ArrivingScene:
+        """Return a scene that arrives little by little, see ClientGeometry.arriving."""
+        if delivery not in self._arriving:
+            pieces = pieces_of(self._server.scene, delivery.share, delivery.texture, lit=delivery.lit)
+            self._arriving[delivery] = ArrivingScene(self._server.gpu, pieces)
+        return self._arriving[delivery]
+
+    def receive(self, frame: Frame) -> None:
+        """Take what a frame brings of the scene; call it with each frame that arrives."""
+        updates: Mapping[Delivery, Update] = frame.eyes[0].get("scene_update", {})
+        for delivery, update in updates.items():
+            self.arriving(delivery).receive(update.content)
+
+    def weights(self) -> list[dict[str, Any]]:
         """Return what the client must hold of each model that was made: triangles and bytes.
 
         A model drawn with light and without counts once: it differs by three numbers a vertex.
+        Scenes that are drawn instead of a picture say what crossed for them too, packed: at the
+        start, until the first whole picture, and in all.
         """
         found = {(share, texture): model.scene for (share, texture, _), model in self._models.items()}
-        return [{"share": share, "texture": texture, **weight_of(scene)} for (share, texture), scene in found.items()]
+        weights: list[dict[str, Any]] = [
+            {"share": share, "texture": texture, **weight_of(scene)} for (share, texture), scene in found.items()
+        ]
+        for (share, texture, _), whole in self._scenes.items():
+            packed = Pieces(whole.scene).whole_bytes
+            weights.append(
+                {"share": share, "texture": texture, **weight_of(whole.scene), "start_up_bytes": packed}
+                | {"first_picture_bytes": packed, "arrived_bytes": packed}
+            )
+        for delivery, arriving in self._arriving.items():
+            named = {"share": delivery.share, "texture": delivery.texture, "budget": delivery.budget}
+            weights.append({**named, **weight_of(arriving.scene), **arriving.weight()})
+        return weights
 
     def close(self) -> None:
         """Free the models; the caller closes the server."""
-        for model in self._models.values():
-            model.close()
-        self._models.clear()
+        for made in (self._models, self._scenes, self._arriving):
+            for model in made.values():
+                model.close()
+            made.clear()
+
+
+class SceneOnClient:
+    """A client.DrawnScene: a renderer of the client's own, or the server's for the same scene."""
+
+    def __init__(self, server: Server, scene: Scene) -> None:
+        self.scene = scene
+        self._is_own = scene is not server.scene
+        self._renderer = Server(server.gpu, scene) if self._is_own else server
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw the whole picture, see DrawnScene.draw."""
+        target = Target(into.colour.texture, into.depth)
+        self._renderer.draw(view, target.size, target, time_ns)
+
+    def close(self) -> None:
+        """Free its renderer."""
+        if self._is_own:
+            self._renderer.close()
 
 
 class DrawnModel:

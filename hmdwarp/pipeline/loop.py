@@ -133,7 +133,7 @@ class Loop:
                     self._channel.leave_out(instant_ns)
 
     def _has_moved(self, head: PoseSample, now_ns: int) -> bool:
-        if self._changes is None or self._channel.has_to_send(now_ns):
+        if self._changes is None or self._channel.has_to_send(now_ns) or self._server.has_more(now_ns):
             return True
         return self._changes.moved_px(self._eyes.views(head.pose), now_ns) > SEEN_PX
 

@@ -28,10 +28,12 @@ from ..options import (
     guard_field,
     names_in,
     option,
+    options_of,
     parse_size,
     rendered_size_field,
 )
 from ..scenes.options import SceneKey, SceneOptions
+from ..strategies import options_of_strategy, with_strategy
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
@@ -109,7 +111,18 @@ class PipelineOptions(Declared):
         f"What the client can do: {names_in('clients', '*.toml')}, or a .toml file; what it lacks is refused, and "
         "never chosen. By default all, and picture where --warp auto chooses.",
     )
-    warp: str = option(DEFAULT_WARP, f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill.")
+    # With settings after a colon; "" for none by name. It sets other options, see values_of.
+    strategy: str = option(
+        "",
+        f"What crosses the link, and what the client does with it: {names_in('strategies')}. Sets the warp and what "
+        "else it takes.",
+    )
+    warp: str = option(
+        DEFAULT_WARP,
+        f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill. [default: {DEFAULT_WARP}, or the "
+        "strategy's]",
+        default=None,
+    )
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
         None, "Milliseconds for one eye that --warp auto keeps to.", kind=float, unit="ms", valid=Number(above=True)
@@ -202,6 +215,7 @@ class PipelineOptions(Declared):
     )
 
     def __attrs_post_init__(self) -> None:
+        self._check_strategy()
         if self.chooses_warp:
             self._check_auto()
         elif self.budget_ms is not None:
@@ -216,6 +230,7 @@ class PipelineOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
+        said = with_strategy(said, {one.name: one.default for one in options_of(cls)})
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
@@ -260,6 +275,16 @@ class PipelineOptions(Declared):
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
+
+    def _check_strategy(self) -> None:
+        sets = options_of_strategy(self.strategy) if self.strategy else {}
+        for name in sorted({*sets} & {"warp", "fill", "effects"}):
+            found = getattr(self, name)
+            if found != sets[name]:
+                raise InputError(
+                    f"strategy '{self.strategy}' with {name} '{found}': it sets {name} to '{sets[name]}'; "
+                    f"{type(self).__name__}.of({{'strategy': ..}}) does so"
+                )
 
     def _check_auto(self) -> None:
         if self.budget_ms is None:

@@ -13,6 +13,12 @@ from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
 from .frame_ways import timeline_svg as timeline_svg
+from .label_places import boxes_touch as boxes_touch
+from .label_places import groups_of as groups_of
+from .label_places import leaders as leaders
+from .label_places import place_labels as place_labels
+from .label_places import segments_hit as segments_hit
+from .label_places import spread as spread
 from .live_lines import budget_rows as budget_rows
 from .live_lines import live_lines as live_lines
 from .live_page import render_live_report as render_live_report

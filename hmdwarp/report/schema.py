@@ -127,6 +127,7 @@ _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("server_rate_hz", "a number above 0, or null", lambda v: v is None or (_is_number(v) and v > 0)),
     ("guard", "a number from 1, or a text like 1.25x1.125", _is_guard),
     ("predict", "a text", _is_text),
+    ("strategy", "a text", _is_text),
 )
 
 

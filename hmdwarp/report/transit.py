@@ -56,15 +56,26 @@ def filled_rows(summary: Summary) -> Pairs:
 
 
 def model_rows(summary: Summary) -> Pairs:
-    """Return (model, what it weighs) of each model that the client drew for itself."""
-    return [
-        (
-            f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}",
-            f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
-            f"textures {one['texture_bytes'] / 1e6:.1f} MB",
-        )
-        for one in summary.get("client_models") or ()
-    ]
+    """Return (model, what it weighs) of each model that the client drew for itself.
+
+    With what crossed for it, packed, where the summary says so.
+    """
+    rows = []
+    for one in summary.get("client_models") or ():
+        named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
+        weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
+        rows.append((named, f"{weight}textures {one['texture_bytes'] / 1e6:.1f} MB"))
+        if "start_up_bytes" in one:
+            first = one["first_picture_bytes"]
+            whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
+            rows.append(
+                (
+                    "of that crossed, packed",
+                    f"{one['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, {one['arrived_bytes'] / 1e6:.2f} MB "
+                    "in all",
+                )
+            )
+    return rows
 
 
 def response_rows(summary: Summary) -> Pairs:

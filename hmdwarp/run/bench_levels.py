@@ -41,7 +41,10 @@ class LevelSet:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Return the rows of a bench.json. Errors: InputError naming the file and its fault."""
+    """Return the rows of a bench.json, less those of strategies.
+
+    Errors: InputError naming the file and its fault.
+    """
     try:
         bench = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -60,7 +63,7 @@ def read_rows(path: Path) -> list[Row]:
         faults = summary_faults(row)
         if faults:
             raise InputError(f"{path}: row {number}: {'; '.join(faults)}")
-    return bench["rows"]
+    return [row for row in bench["rows"] if not row.get("strategy")]
 
 
 def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> LevelSet:

@@ -196,7 +196,7 @@ class Comparison:
         coverages: dict[str, list[NDArray]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
-            warp = measured.combination.warp
+            warp = measured.combination.group
             if warp not in coverages:
                 coverages[warp] = [coverage(result) for result in results]
             measured.mismatch.append(shared.compare(*coverages[warp]))

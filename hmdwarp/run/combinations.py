@@ -37,17 +37,24 @@ class Case:
 
 @attrs.frozen
 class Combination:
-    """One warp with its settings and one fill."""
+    """One warp with its settings and one fill, or a strategy made of them."""
 
     warp: str
     fill: str
     # Of one of run.outside.OUTSIDE: a plan that reads what it reads.
     plan: Plan
+    # With its settings, if it was asked for as one.
+    strategy: str = ""
 
     @property
     def is_outside(self) -> bool:
         """Whether another library warps."""
         return self.warp in OUTSIDE
+
+    @property
+    def group(self) -> str:
+        """Name of those whose pictures have the same holes: the warp, or the strategy by itself."""
+        return self.strategy or self.warp
 
     @property
     def remembers(self) -> bool:

@@ -7,12 +7,15 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Any
 
+import attrs
 import numpy as np
 
+from ..client.plan import Plan
 from ..colour import picture_from_linear
 from ..errors import InputError
+from ..frames import EyeSizes
 from ..gpu.textures import download
-from ..metrics import QualityPool, pooled, worker_count
+from ..metrics import Kept, QualityPool, pooled, worker_count
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, VideoWriter
 from .frame_rows import Row
@@ -66,15 +69,36 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
 def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, Any]:
     """Return what summary.json of a replay would have, without writing anything.
 
+    Errors: as measured.
+    """
+    return measured(attrs.evolve(options, images=0), progress).summary
+
+
+@attrs.frozen(eq=False)
+class Measured:
+    """What a replay without a folder gave."""
+
+    # As summary.json.
+    summary: dict[str, Any]
+    # About options.images refreshes, both eyes of each.
+    kept: list[Kept]
+    plan: Plan
+    sizes: EyeSizes
+
+
+def measured(options: RunOptions, progress: Progress = lambda done, total: None) -> Measured:
+    """Run a replay without writing anything.
+
     Errors: as replay; InputError for warp "auto" and for a video.
     """
     if options.chooses_warp or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with set_up_replay(options) as setup, QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool:
-        log = _run(setup, Probe(setup, pool, None), None, progress)
+        log = _run(setup, Probe(setup, pool, _keep_every(setup)), None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
-        return result_of(setup, log, [], {}).summary
+        summary = result_of(setup, log, [], {}).summary
+        return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)
 
 
 def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
@@ -143,4 +167,4 @@ def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]
     return [log.compared(*one) for one in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
 
 
-__all__ = ["ReplayResult", "figures", "replay"]
+__all__ = ["Measured", "ReplayResult", "figures", "measured", "replay"]

@@ -68,6 +68,7 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
         "scene": facts.scene,
         "effects": facts.effects,
         "latency_ms": options.latency_ms,
+        **({"strategy": options.strategy} if options.strategy else {}),
         "warp": warp,
         "fill": fill,
         "lens": lens,

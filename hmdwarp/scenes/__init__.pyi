@@ -1,3 +1,4 @@
+from ._chunks import chunks_of as chunks_of
 from ._content import Body as Body
 from ._content import Deformation as Deformation
 from ._content import Material as Material
@@ -6,6 +7,13 @@ from ._load import load_scene as load_scene
 from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture
 from ._mirrors import SceneMirror as SceneMirror
+from ._pieces import COARSE as COARSE
+from ._pieces import COARSEST as COARSEST
+from ._pieces import FULL as FULL
+from ._pieces import HALF as HALF
+from ._pieces import Pieces as Pieces
+from ._pieces import partial_scene as partial_scene
+from ._pieces import pieces_of as pieces_of
 from ._reduce import only_light as only_light
 from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit

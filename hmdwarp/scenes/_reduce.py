@@ -38,12 +38,19 @@ Triangles = list[NDArray[np.uint32]]
 
 
 def reduced(
-    scene: Scene, share: float, folder: Path | None = None, *, texture: float = 1.0, least: int = LEAST_TRIANGLES
+    scene: Scene,
+    share: float,
+    folder: Path | None = None,
+    *,
+    texture: float = 1.0,
+    least: int = LEAST_TRIANGLES,
+    matt: bool = True,
 ) -> Scene:
-    """Return the scene's surfaces with about `share` of their triangles, matt, with baked light.
+    """Return the scene's surfaces with about `share` of their triangles, and baked light.
 
-    Mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Bodies and
-    deformations move as before.
+    Bodies and deformations move as before.
+    matt: mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Else
+    all of these stay as they are, with all their triangles.
     folder: where results are kept, the user's cache folder if None. A folder that cannot be read or
     written is no error; the scene is reduced again, in about 3 s for 75,000 triangles.
     texture: scale of the textures' resolution on both axes, averaged in linear light; every texture
@@ -55,25 +62,30 @@ def reduced(
         raise SceneError(f"textures at {texture:g} of their resolution: expected more than 0 and at most 1")
     if not 0 < share <= 1:
         raise SceneError(f"share {share:g} of a scene's triangles: expected more than 0 and at most 1")
-    surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+    surfaces = [mesh for mesh in scene.meshes if mesh.is_surface and (matt or not mesh.material.reflectivity)]
     share = max(share, min(1.0, least / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
-    triangles = (
-        [mesh.triangles for mesh in surfaces] if share == 1 else _cached(surfaces, share, folder or cache_folder())
-    )
-    meshes = [_with_triangles(mesh, kept) for mesh, kept in zip(surfaces, triangles, strict=True) if len(kept)]
+    triangles = fewer_triangles(surfaces, share, folder)
+    fewer = {
+        id(mesh): with_triangles(mesh, kept, matt=matt) if len(kept) else None
+        for mesh, kept in zip(surfaces, triangles, strict=True)
+    }
+    meshes = [one for mesh in scene.meshes if (one := fewer.get(id(mesh), None if matt else mesh)) is not None]
     textures = scene.textures if texture == 1 else [_smaller(each, texture) for each in scene.textures]
     return attrs.evolve(scene, meshes=meshes, textures=textures)
 
 
 def _smaller(texture: Texture, scale: float) -> Texture:
     """Return the texture at that scale."""
-    return Texture(texture.name, lambda: _resampled(texture, scale), texture.srgb, texture.repeat)
+    return Texture(texture.name, lambda: scaled(texture, scale), texture.srgb, texture.repeat)
 
 
-def _resampled(texture: Texture, scale: float) -> NDArray[np.uint8]:
+def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:
+    """Return its image at that scale, averaged in linear light; a side has one texel at least."""
     from PIL import Image
 
     image = texture.image
+    if scale == 1:
+        return image
     size = tuple(max(1, round(scale * side)) for side in image.shape[1::-1])
     linear = image / np.float32(255)
     if texture.srgb:
@@ -128,9 +140,14 @@ def cache_folder() -> Path:
     return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home is no error)
 
 
-def _cached(meshes: Sequence[Mesh], share: float, folder: Path) -> Triangles:
-    """Return decimated(), from the cache if it holds a result that fits the meshes."""
-    path = folder / f"{_key(meshes, share)}.npz"
+def fewer_triangles(meshes: Sequence[Mesh], share: float, folder: Path | None) -> Triangles:
+    """Return decimated(), from the cache if it holds a result that fits the meshes.
+
+    With a share of 1, all triangles.
+    """
+    if share == 1:
+        return [mesh.triangles for mesh in meshes]
+    path = (folder or cache_folder()) / f"{_key(meshes, share)}.npz"
     found = _read(path, meshes)
     if found is None:
         found = decimated(meshes, share)
@@ -202,8 +219,11 @@ class _Subset:
         return self.whole.velocities(time_ns)[self.kept]
 
 
-def _with_triangles(mesh: Mesh, triangles: NDArray[np.uint32]) -> Mesh:
-    """Return the mesh with these triangles, without the vertices that they do not use."""
+def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = False) -> Mesh:
+    """Return the mesh with these triangles, without the vertices that they do not use.
+
+    matt: with a plain material.
+    """
     kept, which = np.unique(triangles, return_inverse=True)
     return attrs.evolve(
         mesh,
@@ -214,5 +234,5 @@ def _with_triangles(mesh: Mesh, triangles: NDArray[np.uint32]) -> Mesh:
         triangles=which.reshape(-1, 3),
         albedo=None if mesh.albedo is None else mesh.albedo[kept],
         deformation=None if mesh.deformation is None else _Subset(mesh.deformation, kept),
-        material=Material(),
+        material=Material() if matt else mesh.material,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import moderngl
@@ -117,6 +117,30 @@ class Server:
             shared |= part.of_frame(guarded, drawings[0])
         eyes = [self._draw(view, grown, drawing) for view, drawing in zip(guarded, drawings, strict=True)]
         return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
+
+    def clear(self, into: Target) -> None:
+        """Empty a target: coverage 0, no depth."""
+        self._framebuffers.over(into.colour).clear()
+        self._framebuffers.over(into.inverse_depth).clear(red=-1.0)
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Take note of whether a frame arrived, which the server hears at that instant."""
+        for part in self._parts.values():
+            part.heard(frame, arrived, heard_ns)
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether a part has something to send even if nothing has moved."""
+        return any(part.has_more(now_ns) for part in self._parts.values())
+
+    def surfaces(self) -> Iterator[SceneBuffers]:
+        """Yield the buffers of all plain surfaces: those that stand still, then those that move."""
+        yield self._buffers
+        yield from (one.buffers for one in self._moving)
+
+    @property
+    def textures(self) -> SceneTextures:
+        """The scene's textures."""
+        return self._textures
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; later frames will overwrite them."""

@@ -207,7 +207,7 @@ class Ball(MirrorSurface):
     """A curved mirror.
 
     Its surroundings are drawn once around its centre, and again only for another instant of a
-    moving scene.
+    moving scene and where a scene that arrives has changed.
     """
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
@@ -217,7 +217,8 @@ class Ball(MirrorSurface):
         layout = [(self._vertices, "3f4 8x 3f4", "in_position", "in_normal")]
         self._curved = gl.vertex_array(self._image.program, layout)
         self._around: Target | None = None
-        self._drawn_ns: int | None = None
+        # Of the surroundings that were drawn: instant if anything moves, and revisions.
+        self._around_of: tuple[int, int, int] | None = None
 
     def draw_image(
         self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target
@@ -246,14 +247,17 @@ class Ball(MirrorSurface):
             self._curved.render(moderngl.TRIANGLES)
 
     def _draw_around(self, around: Target, time_ns: int) -> None:
-        moves = bool(self._context.colour.moving)
-        if self._around is around and (self._drawn_ns == time_ns or not moves):
+        passes = self._context.colour
+        for one in passes.moving:
+            one.set_time(time_ns)
+        key = (time_ns if passes.moving else 0, passes.revision, self._context.textures.revision)
+        if self._around is around and self._around_of == key:
             return
         centre = View(Pose(self.mirror.shape.centre_m), Fov.from_tangents((-1, 1, -1, 1)))
         over = self._context.framebuffers.over(around.colour, around.inverse_depth)
-        draw_cube(self._context.gpu.gl, self._context.colour, centre, over, time_ns)
+        draw_cube(self._context.gpu.gl, passes, centre, over, time_ns)
         over.viewport = (0, 0, *over.size)
-        self._around, self._drawn_ns = around, time_ns
+        self._around, self._around_of = around, key
 
     def close(self) -> None:
         self._curved.release()

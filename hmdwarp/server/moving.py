@@ -82,11 +82,13 @@ class DeformingMesh(Moving):
         assert mesh.deformation is not None
         self.mesh, self._deformation, self._origin_m = mesh, mesh.deformation, scene.origin_m
         self._set_ns: int | None = None
+        # The arrays that were moved, which may be replaced.
+        self._moved = mesh
 
     def set_time(self, time_ns: int) -> None:
-        if time_ns != self._set_ns:
+        if time_ns != self._set_ns or self.buffers.meshes[0] is not self._moved:
             self.buffers.move_to(_checked(self.mesh, "positions", self._deformation.positions(time_ns)))
-            self._set_ns = time_ns
+            self._set_ns, self._moved = time_ns, self.buffers.meshes[0]
 
     def velocities(self) -> NDArray[np.float32]:
         """Return its vertices' velocities, (n, 3) m/s in world axes, at the last set instant."""

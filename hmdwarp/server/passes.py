@@ -51,6 +51,11 @@ class ScenePasses:
         ]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
+    @property
+    def revision(self) -> int:
+        """Counts changes of what is drawn, apart from textures."""
+        return self.buffers.revision + sum(one.buffers.revision for one in self.moving)
+
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
         """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import attrs
 import moderngl
@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size, flip_rows
-from ..scenes import Mesh, Scene, Texture
+from ..scenes import Mesh, Scene, Texture, chunks_of
 from .projection import boxes_of
 from .visibility import Chunks, Visibility
 
 SRGB8_ALPHA8 = 0x8C43
-CHUNK_TRIANGLES = 1024
 
 
 @attrs.frozen(eq=False)
@@ -28,39 +27,23 @@ class Batch:
     double_sided: bool
 
 
-def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
-    """Return the mesh's triangles in compact pieces of at most CHUNK_TRIANGLES."""
-    triangles = mesh.triangles
-    if len(triangles) <= CHUNK_TRIANGLES:
-        return [triangles] if len(triangles) else []
-    order = np.argsort(_morton(mesh.positions[triangles].mean(axis=1)), kind="stable")
-    return np.array_split(triangles[order], -(-len(triangles) // CHUNK_TRIANGLES))
-
-
-def _morton(points: NDArray) -> NDArray[np.uint64]:
-    """Return the Z-order of points, 10 bits per axis: close in order is close in space."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    cell = ((points - low) / max(float((high - low).max()), 1e-30) * 1023).astype(np.uint64)
-    code = np.zeros(len(points), np.uint64)
-    for bit in range(10):
-        for axis in range(3):
-            code |= ((cell[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
-    return code
-
-
 def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
     """Upload a texture with mipmaps; the sampler decodes sRGB before it filters."""
     height, width = texture.image.shape[:2]
     check_size(gpu.gl, (width, height))
-    image = texture.image
-    if image.shape[2] == 3:
-        image = np.concatenate([image, np.full((height, width, 1), 255, np.uint8)], axis=2)
-    data = np.ascontiguousarray(flip_rows(image)).tobytes()
+    data = _texels(texture.image)
     made = gpu.gl.texture((width, height), 4, data, internal_format=SRGB8_ALPHA8 if texture.srgb else None)
     made.build_mipmaps()
     made.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     made.repeat_x = made.repeat_y = texture.repeat
     return made
+
+
+def _texels(image: NDArray[np.uint8]) -> bytes:
+    """Return the image as four channels, bottom row first."""
+    if image.shape[2] == 3:
+        image = np.concatenate([image, np.full((*image.shape[:2], 1), 255, np.uint8)], axis=2)
+    return np.ascontiguousarray(flip_rows(image)).tobytes()
 
 
 class SceneTextures:
@@ -69,9 +52,16 @@ class SceneTextures:
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
         self._made = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+        self.revision = 0  # counts changes
 
     def __getitem__(self, index: int) -> moderngl.Texture:
         return self._made[index]
+
+    def put(self, index: int, image: NDArray[np.uint8]) -> None:
+        """Replace the image of one texture by another of the same size."""
+        self._made[index].write(_texels(image))
+        self._made[index].build_mipmaps()
+        self.revision += 1
 
     def close(self) -> None:
         """Free them."""
@@ -84,43 +74,85 @@ class SceneBuffers:
 
     def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.batches: list[Batch] = []
+        # Those that are drawn.
         self.chunks: Chunks
         self.visibility: Visibility
-        indices = self._cut(meshes, textures)
-        self._meshes, self._order = meshes, indices
+        self.meshes = list(meshes)
+        self.revision = 0  # counts changes
+        # Of all chunks: the mesh of each, its indices, and which are drawn.
+        self._owner: NDArray[np.int64]
+        self._all: Chunks
+        self._order = indices = self._cut(meshes, textures)
+        self._drawn = np.ones(len(self._owner), bool)
+        self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
 
     def move_to(self, positions: NDArray) -> None:
         """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
-        rows = _vertex_rows(self._meshes)
+        rows = _vertex_rows(self.meshes)
         rows[:, :3] = positions
         self._vertices.write(rows.tobytes())
         corners = positions[np.concatenate(self._order)].astype(np.float64)
-        low, high = (extreme.reduceat(corners, self.chunks.first, axis=0) for extreme in (np.minimum, np.maximum))
-        self.chunks = attrs.evolve(self.chunks, boxes=boxes_of((low + high) / 2, (high - low) / 2))
+        low, high = (extreme.reduceat(corners, self._all.first, axis=0) for extreme in (np.minimum, np.maximum))
+        self._all = attrs.evolve(self._all, boxes=boxes_of((low + high) / 2, (high - low) / 2))
+        self._choose()
+
+    def put(self, number: int, mesh: Mesh) -> None:
+        """Replace the arrays of one of the meshes by others with as many vertices and triangles.
+
+        What deforms is then where it is at rest, until it is moved.
+        """
+        start = int(self._starts[number])
+        self.meshes[number] = mesh
+        self._vertices.write(_vertex_rows([mesh]).tobytes(), offset=_ROW_BYTES * start)
+        boxes = self._all.boxes.copy()
+        for chunk, triangles in zip(np.flatnonzero(self._owner == number).tolist(), chunks_of(mesh), strict=True):
+            self._order[chunk] = indices = triangles.ravel() + np.uint32(start)
+            self._indices.write(indices.astype(np.uint32).tobytes(), offset=4 * int(self._all.first[chunk]))
+            low, high = _extremes(mesh, triangles)
+            boxes[:, [chunk]] = boxes_of((low + high)[None] / 2, (high - low)[None] / 2)
+        self._all = attrs.evolve(self._all, boxes=boxes)
+        self._choose()
+
+    def draw_only(self, numbers: Collection[int]) -> None:
+        """Draw these meshes alone from now on."""
+        self._drawn = np.isin(self._owner, list(numbers))
+        self._choose()
+
+    def _choose(self) -> None:
+        """Take the chunks that are drawn."""
+        every, drawn = self._all, self._drawn
+        self.chunks = (
+            every
+            if drawn.all()
+            else Chunks(every.first[drawn], every.count[drawn], every.batch[drawn], every.boxes[:, drawn])
+        )
         self.visibility = Visibility(self.chunks)
+        self.revision += 1
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; return the chunks' indices."""
         starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
-        groups: dict[tuple[bool, int], list[tuple[Mesh, int]]] = {}
-        for mesh, start in zip(meshes, starts, strict=False):
-            groups.setdefault((mesh.double_sided, mesh.texture), []).append((mesh, int(start)))
-        indices, batch_of, boxes = [], [], []
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for number, mesh in enumerate(meshes):
+            groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
+        indices, batch_of, boxes, owner = [], [], [], []
         for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
-            for mesh, start in members:
+            for number in members:
+                mesh, start = meshes[number], int(starts[number])
                 for chunk in chunks_of(mesh):
-                    corners = mesh.positions[chunk.ravel()].astype(np.float64)
-                    boxes.append((corners.min(axis=0), corners.max(axis=0)))
+                    boxes.append(_extremes(mesh, chunk))
                     indices.append(chunk.ravel() + np.uint32(start))
                     batch_of.append(len(self.batches))
+                    owner.append(number)
             self.batches.append(Batch(textures[texture], double_sided))
         count = np.array([len(part) for part in indices], np.int64)
         low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
         around = boxes_of((low + high) / 2, (high - low) / 2)
-        self.chunks = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
+        self.chunks = self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
         self.visibility = Visibility(self.chunks)
+        self._owner = np.array(owner, np.int64)
         return indices
 
     def vertex_array(
@@ -135,6 +167,15 @@ class SceneBuffers:
         """Free the buffers."""
         self._vertices.release()
         self._indices.release()
+
+
+def _extremes(mesh: Mesh, triangles: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the lowest and highest corner of the box around some of a mesh's triangles."""
+    corners = mesh.positions[triangles.ravel()].astype(np.float64)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+_ROW_BYTES = 4 * (3 + 2 + 3)
 
 
 def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:

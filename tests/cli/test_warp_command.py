@@ -145,7 +145,7 @@ def test_size_and_names_are_taken(warp, tmp_path):
         ({"depth_m": None}, {}, [], "no depth_m"),
         ({"colour": None, "fov": None}, {}, [], "no colour, fov"),
         ({"colour": np.zeros((8, 10))}, {}, [], "(8, 10)"),
-        ({"colour": np.zeros((8, 10, 4), np.uint8)}, {}, [], "(8, 10, 4)"),
+        ({"colour": np.zeros((8, 10, 2), np.uint8)}, {}, [], "(8, 10, 2)"),
         ({"colour": np.zeros((8, 10, 3), np.int32)}, {}, [], "int32"),
         ({"colour": np.full((8, 10, 3), np.nan)}, {}, [], "row 0, column 0"),
         ({"depth_m": np.ones((10, 8))}, {}, [], "(10, 8)"),

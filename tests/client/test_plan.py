@@ -37,8 +37,9 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
+from hmdwarp.frames.layers.difference import Simplified
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, ShaderLibrary, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, ShaderLibrary, allocate
 from hmdwarp.headsets import load_headset
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
@@ -57,7 +58,8 @@ ALL = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS),
 
 def _draws(warp: str, fill: str) -> bool:
     """Whether it wants the scene's triangles on the client."""
-    return CLIENT_DEPTH in warps.get(warp).reads or any(CLIENT_MODEL in one.entry.reads for one in parse_fills(fill))
+    entries = (warps.get(warp), *(one.entry for one in parse_fills(fill)))
+    return any({CLIENT_DEPTH, CLIENT_MODEL} & {*entry.reads} for entry in entries)
 
 
 POSSIBLE = [(w, f, n, g) for w, f, n, g in ALL if g or not _draws(w, f)]
@@ -134,7 +136,7 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
         assert entry.source
         assert set(entry.reads) <= known
         if registry is warps:
-            assert entry.kind in ("gather", "scatter")
+            assert entry.kind in ("gather", "scatter", "draw")
             assert entry.exact_when
             assert entry.gets_wrong
         else:
@@ -241,7 +243,8 @@ def given_for(gpu, warp: str) -> PassInputs:
     world = World(gpu, 1, RENDERED_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
-    return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered))
+    beside = {Simplified(): allocate(gpu.gl, RENDERED_SIZE, COLOUR)}
+    return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered, difference=beside))
 
 
 @pytest.fixture(scope="module")
@@ -260,7 +263,7 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     chain, warp_type = parse_fills(choice[1]), warps.get(choice[0])
     reads_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
     beside = reads_depth and warp_type.depth_reads is not None
-    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside))
+    warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside), geometry=geometry)
     made = [warp]
     for k, one in enumerate(chain):
         read = any(SHOWN_DEPTH in after.entry.reads for after in chain[k + 1 :])

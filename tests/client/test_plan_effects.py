@@ -86,11 +86,19 @@ def test_fused_with_the_lens_nothing_is_composited(warp):
             assert "nothing can be composited" in dict(plan.left_out)[effect.name]
 
 
-@pytest.mark.parametrize("warp", [warp.name for warp in warps if not warp.carries])
+@pytest.mark.parametrize("warp", [warp.name for warp in warps if not warp.carries and warp.kind != "draw"])
 def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
     left_out = dict(plan_of(EVERY_EFFECT, warp).left_out)
     for effect in map(effects.get, EVERY_EFFECT):
         assert ("carries nothing" in left_out.get(effect.name, "")) == effect.made_by.carries
+
+
+@pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.kind == "draw"])
+def test_what_the_client_draws_itself_leaves_nothing_to_compensate(warp):
+    plan = plan_of(EVERY_EFFECT, warp, named=EVERY_EFFECT)
+    assert plan.effects == () and plan.layers == ()
+    reasons = [dict(plan.left_out)[name] for name in EVERY_EFFECT]
+    assert all(f"warp '{warp}' draws it as it is now" in one or one.startswith("it refines") for one in reasons)
 
 
 @pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")

@@ -61,7 +61,7 @@ def test_no_plan_for_a_client_uses_what_it_lacks(name, warp):
         if client.scene == "none":
             assert not {each for each in read if each.startswith("client.")}
         if client.scene == "reduced":
-            assert all(getattr(each.settings, "share", 0.0) < 1 for each in plan.fills)
+            assert all(getattr(each.settings, "share", 0.0) < 1 for each in (plan.choice, *plan.fills))
         if not client.more_layers:
             assert not read & sent
         if not client.compute_shaders:
@@ -117,7 +117,11 @@ def test_larger_kernels_run_over_a_list_so_they_take_compute_shaders(fill):
         _plan("class-1", "rotation", fill)
 
 
-@pytest.mark.parametrize("entry", [each for each in (*warps, *fills) if not each.needs_compute], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "entry",
+    [each for each in (*warps, *fills) if not each.needs_compute and getattr(each, "kind", "") != "draw"],
+    ids=lambda e: e.name,
+)
 def test_what_does_without_compute_shaders_shares_nothing_between_pixels(gpu: Gpu, entry):
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:

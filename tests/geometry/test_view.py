@@ -233,3 +233,45 @@ def test_eyes_that_mirror_each_other_get_their_own(fov, size, factor):
     fovs, common = guarded_eyes([View(Pose(), fov), View(Pose(), mirrored)], factor, size)
     assert (fovs[0], common) == fov.guarded(factor, size)
     assert (fovs[1], common) == mirrored.guarded(factor, size)
+
+
+@given(FOVS, SIZES, st.sampled_from([0.0, 0.5]))
+def test_intrinsics_and_back(fov, size, centre):
+    fx, fy, cx, cy = fov.intrinsics(size, centre=centre)
+    back = Fov.from_intrinsics(fx, fy, cx, cy, *size, centre=centre)
+    # Three float64 operations on numbers up to the widest tangent, 115.
+    assert back.tangents == pytest.approx(fov.tangents, rel=1e-12, abs=1e-12)
+
+
+@given(FOVS, SIZES, st.sampled_from([0.0, 0.5]), st.integers(0, 10**6))
+def test_a_camera_projects_each_pixel_where_the_view_has_its_ray(fov, size, centre, pick):
+    """Through the pinhole equation x = fx X / Z + cx, of a camera that looks along +z, y down."""
+    fx, fy, cx, cy = fov.intrinsics(size, centre=centre)
+    column, row = pick % size[0], pick // size[0] % size[1]
+    x, y, z = View(Pose(), fov).rays(size)[size[1] - 1 - row, column] * (1, -1, -1)
+    # A pixel's coordinate, up to the tangent's share of a very narrow view's focal length.
+    assert fx * x / z + cx == pytest.approx(column + centre, abs=1e-6 + 1e-12 * fx)
+    assert fy * y / z + cy == pytest.approx(row + centre, abs=1e-6 + 1e-12 * fy)
+
+
+def test_a_known_camera():
+    """TUM's first Kinect: 640x480, its principal point given for whole-numbered centres."""
+    fov = Fov.from_intrinsics(517.3, 516.5, 318.6, 255.3, 640, 480)
+    assert fov.tangents == pytest.approx(
+        [-(318.6 + 0.5) / 517.3, (639.5 - 318.6) / 517.3, -(479.5 - 255.3) / 516.5, (255.3 + 0.5) / 516.5]
+    )
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [(0, 500, 320, 240, 640, 480), (500, -1, 320, 240, 640, 480), (500, 500, math.nan, 240, 640, 480),
+     (500, 500, 320, 240, 0, 480), (math.inf, 500, 320, 240, 640, 480)],
+)  # fmt: skip
+def test_what_is_no_camera_is_refused(camera):
+    with pytest.raises(InputError, match="no camera: fx"):
+        Fov.from_intrinsics(*camera)
+
+
+def test_a_camera_wider_than_a_picture_is_refused():
+    with pytest.raises(InputError, match="no field of view"):
+        Fov.from_intrinsics(1, 1, 320, 240, 640, 480)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
 from client_scene import ClientScene
@@ -21,9 +21,11 @@ from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
-from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, Copier, Gpu, ShaderLibrary, allocate, flatten
+from hmdwarp.geometry import DepthLayer, Fov, Pose, View
+from hmdwarp.gpu import COLOUR, SCALAR, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
+from hmdwarp.image.given_arrays import ENCODINGS
+from hmdwarp.image.given_textures import INVERSE, METRES, GivenTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
@@ -83,10 +85,22 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         with Copier(gpu, 16):
             pass
         HoleCounter(gpu).close()
+        _take_textures_over(gpu)
+        for spec, depth in product(("difference", "difference:warped=off"), (False, True)):
+            choice = parse_warp(spec)
+            choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(depth=depth), ClientScene(gpu)).close()
         _present(gpu)
         return gpu.shaders.used
     finally:
         gpu.shaders = before
+
+
+def _take_textures_over(gpu: Gpu) -> None:
+    """Somebody else's, in every form that they may have."""
+    into = allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)
+    colour = gpu.gl.texture((9, 7), 4)
+    for depth_as, encoding in product((INVERSE, METRES, DepthLayer()), ENCODINGS):
+        GivenTextures(gpu, (9, 7)).taken_over(colour, into[1], depth_as, encoding, into)
 
 
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:

@@ -21,7 +21,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
 from hmdwarp.errors import PlanError, UnknownNameError
 from hmdwarp.gpu import Gpu
-from hmdwarp.image.warping import checked
+from hmdwarp.image.given_arrays import checked
 
 
 def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **more) -> hmdwarp.WarpedImage:
@@ -66,8 +66,10 @@ def test_bytes_are_srgb_and_floats_linear(warp):
     there = view(position=(0.1, 0, 0))
     as_bytes = warp_image(picture, depth, view(), there, warp)
     as_floats = warp_image(linear_from_srgb(picture).astype(np.float64), depth, view(), there, warp)
-    assert np.array_equal(as_bytes.colour, as_floats.colour)
-    assert np.array_equal(srgb8_from_linear(warp_image(picture, depth, view(), view(), warp).colour), picture)
+    assert (as_bytes.encoding, as_floats.encoding) == ("srgb8", "linear")
+    assert as_bytes.colour.dtype == np.uint8 and as_floats.colour.dtype == np.float32
+    assert np.array_equal(as_bytes.colour, srgb8_from_linear(as_floats.colour))
+    assert np.array_equal(warp_image(picture, depth, view(), view(), warp).colour, picture)
 
 
 @pytest.mark.parametrize("warp", ["forward", "planar"])
@@ -157,10 +159,10 @@ def test_row_0_is_the_top(warp):
     colour[-1] = (0, 0, 255)
     depth = np.full((12, 16), 3.0)
     out = warp_image(colour, depth, view(), view(), warp).colour
-    assert (out[0] == (1, 0, 0)).all() and (out[-1] == (0, 0, 1)).all()
+    assert (out[0] == (255, 0, 0)).all() and (out[-1] == (0, 0, 255)).all()
     if warp != "none":
         upper = warp_image(colour, depth, view(), view((-1, 1, 0, 0.75)), warp, size=(16, 6)).colour
-        assert (upper[0] == (1, 0, 0)).all() and (upper[1:] == 0).all()
+        assert (upper[0] == (255, 0, 0)).all() and (upper[1:] == 0).all()
 
 
 @pytest.mark.parametrize("warp", MOVING)
@@ -319,13 +321,60 @@ def test_eight_bits_as_floats_are_refused_not_taken_as_light():
         assert np.array_equal(warp_image(colour, DEPTH, view(), view(), encoding=said).colour, colour)
 
 
-def test_float_colour_may_be_srgb():
+@pytest.mark.parametrize("result", [None, "srgb8", "srgb", "linear"])
+@pytest.mark.parametrize("given", ["srgb8", "srgb", "linear"])
+def test_colour_comes_back_as_it_went_in_or_as_asked_for(given, result):
+    """Each of the nine ways gives the same bytes: halves hold a byte's light to 2**-11 of it."""
     picture = np.random.default_rng(24).integers(0, 256, (4, 6, 3), dtype=np.uint8)
-    wanted = warp_image(picture, DEPTH, view(), view())
-    found = warp_image((picture / 255).astype(np.float32), DEPTH, view(), view(), encoding="srgb")
-    assert np.array_equal(srgb8_from_linear(found.colour), picture)
-    assert np.array_equal(srgb8_from_linear(wanted.colour), picture)
-    assert np.array_equal(warp_image(picture, DEPTH, view(), view(), encoding="srgb").colour, wanted.colour)
+    said = None
+    if given == "srgb8":
+        colour = picture
+    elif given == "srgb":
+        colour, said = (picture / 255).astype(np.float32), "srgb"
+    else:
+        colour = linear_from_srgb(picture)
+    out = warp_image(colour, DEPTH, view(), view(), encoding=said, result=result)
+    assert out.encoding == (result or given)
+    assert out.colour.dtype == (np.uint8 if out.encoding == "srgb8" else np.float32)
+    as_bytes = {
+        "srgb8": out.colour,
+        "srgb": np.rint(out.colour * 255).astype(np.uint8),
+        "linear": srgb8_from_linear(out.colour),
+    }
+    assert np.array_equal(as_bytes[out.encoding], picture)
+
+
+def test_the_encoding_of_the_result_is_checked():
+    with pytest.raises(InputError, match="result is 'rgb': expected srgb8, srgb, linear"):
+        warp_image(COLOUR, DEPTH, view(), view(), result="rgb")
+
+
+def test_alpha_is_coverage():
+    """0 is a hole, as depth of 0 is; anything else is seen, and no colour is blended."""
+    colour = np.random.default_rng(3).integers(0, 256, (4, 6, 4), dtype=np.uint8)
+    colour[..., 3] = 255
+    colour[1, 2, 3], colour[2, 4, 3] = 0, 1
+    out = warp_image(colour, DEPTH, view(), view())
+    gone = np.zeros((4, 6), bool)
+    gone[1, 2] = True
+    assert np.array_equal(out.coverage == 0, gone) and out.hole_share == 1 / 24
+    assert np.array_equal(out.colour[~gone], colour[..., :3][~gone])
+    depth = np.array(DEPTH, dtype=float)
+    depth[1, 2] = 0
+    same = warp_image(colour[..., :3], depth, view(), view())
+    assert np.array_equal(same.colour, out.colour) and np.array_equal(same.coverage, out.coverage)
+    with pytest.raises(InputError, match="alpha of colour at row 0, column 1 is -1"):
+        warp_image(np.where(np.arange(24).reshape(4, 6, 1) == 1, -1.0, 0.5) * np.ones(4), DEPTH, view(), view())
+
+
+def test_arrays_may_be_read_only_and_of_any_strides():
+    rng = np.random.default_rng(7)
+    large, deep = halves(rng, (12, 8)), rng.uniform(1, 4, (8, 12))
+    wanted = warp_image(large[::-2, ::2].copy(), deep[::-2, ::2].copy(), view(), view(position=(0.1, 0, 0)))
+    large.flags.writeable = deep.flags.writeable = False
+    found = warp_image(large[::-2, ::2], deep[::-2, ::2], view(), view(position=(0.1, 0, 0)))
+    turned = warp_image(np.asfortranarray(large[::-2, ::2]), deep[::-2, ::2], view(), view(position=(0.1, 0, 0)))
+    assert np.array_equal(found.colour, wanted.colour) and np.array_equal(turned.colour, wanted.colour)
 
 
 @pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64, np.longdouble])
@@ -396,7 +445,7 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
     ("arguments", "told"),
     [
         ({"colour": np.zeros((4, 6))}, r"colour has shape \(4, 6\)"),
-        ({"colour": np.zeros((4, 6, 4))}, r"\(4, 6, 4\): expected \(h, w, 3\)"),
+        ({"colour": np.zeros((4, 6, 2))}, r"\(4, 6, 2\): expected \(h, w, 3\), or \(h, w, 4\)"),
         ({"colour": np.zeros((0, 6, 3)), "depth_m": np.zeros((0, 6))}, r"\(0, 6, 3\)"),
         ({"colour": np.zeros((4, 6, 3), int)}, "colour is int64: expected uint8"),
         ({"colour": np.zeros((4, 6, 3), np.uint16)}, "uint16"),
@@ -434,7 +483,7 @@ def test_names_are_checked():
         warp_image(COLOUR, DEPTH, view(), view(), "foreward")
     with pytest.raises(UnknownNameError, match="did you mean 'interpolate'"):
         warp_image(COLOUR, DEPTH, view(), view(), fill="interpolation")
-    with pytest.raises(PlanError, match="backward.*geometry"):
+    with pytest.raises(InputError, match="backward.*client_depth_m"):
         warp_image(COLOUR, DEPTH, view(), view(), "backward")
     with pytest.raises(PlanError, match="warp layered needs layer 'peeled' from the server.*a single picture has none"):
         warp_image(COLOUR, DEPTH, view(), view(), "layered")

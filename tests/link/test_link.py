@@ -348,6 +348,30 @@ def test_the_sender_hears_of_a_loss_one_delay_after_it_and_once_a_key_frame_has_
     assert [link.needs_key(t) for t in (519, 520)] == [False, True]
 
 
+def test_each_frame_is_settled_once_and_heard_of_one_delay_after_it_came():
+    """Shown or not. A lost one is settled when it is sent, one in transit at the end never."""
+    delays, losses = iter([30, 10, 20, 5, 40]), iter([False, False, True, False, False])
+    settled, wasted = [], []
+    link = Link(delays, losses, wasted=wasted.append, settled=lambda *fate: settled.append(fate))
+    for frame in range(5):
+        link.send(frame, 0)
+        assert wasted == [2][: frame >= 2]
+    assert settled == [(2, False, 40)]
+    assert link.newest(10) == 3  # which came first, and is newer than 1
+    assert link.newest(35) == 3
+    link.close()
+    assert settled == [(2, False, 40), (3, True, 10), (1, True, 20), (0, True, 60)]
+
+
+def test_what_cannot_be_decoded_has_not_arrived():
+    settled = []
+    link = Link(itertools.repeat(7), receive=lambda frame: frame != 1, settled=lambda *fate: settled.append(fate))
+    for frame in range(3):
+        link.send(frame, frame)
+    link.newest(20)
+    assert settled == [(0, True, 14), (1, False, 15), (2, True, 16)]
+
+
 def test_a_dropped_frame_is_heard_of_as_well():
     link = Link(itertools.repeat(0), None, Bandwidth(8, queue_ms=0))
     link.send(0, 0, 1000, key=True)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import attrs
 
+from ..settings import share_of
 from . import fills
 from ._base import Fill
 
@@ -13,23 +14,15 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
 
-
-def _check_share(_: object, field: attrs.Attribute, value: float) -> None:
-    if not 0 < value <= 1:
-        raise ValueError(f"{field.name} is {value:g}: expected more than 0 and at most 1")
-
-
-def share_of_triangles() -> float:
-    """Return the setting that every fill with a client's model shares."""
-    return attrs.field(default=0.2, validator=_check_share)
+SHARE = 0.2  # of the scene's triangles, of every fill with a client's model
 
 
 @attrs.frozen
 class ModelSettings:
     # Share of the scene's triangles that the client draws, 0 to 1.
-    share: float = share_of_triangles()
+    share: float = share_of(SHARE)
     # Scale of its textures' resolution on both axes, 0 to 1.
-    texture: float = attrs.field(default=1.0, validator=_check_share)
+    texture: float = share_of(1.0)
     # off: the bare albedo, for a client that does not shade.
     light: Literal["baked", "off"] = "baked"
 

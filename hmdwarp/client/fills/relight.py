@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
+from ..settings import share_of
 from ..shown_picture import ShownPicture
 from . import fills
 from ._base import Fill
-from .model import share_of_triangles
+from .model import SHARE
 
 if TYPE_CHECKING:
     from ..inputs import PassInputs
@@ -38,7 +39,7 @@ class RelightSettings:
     """How the model is drawn and lit."""
 
     # Share of the scene's triangles that the client draws, 0 to 1.
-    share: float = share_of_triangles()
+    share: float = share_of(SHARE)
     samples: int = 32  # Places from which a pixel of a hole takes light.
     reach: float = 0.25  # The farthest of them, in picture widths.
     # The model's own light. none: all light comes from the picture. baked: the baked light is

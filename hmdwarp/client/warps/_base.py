@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
+    from ..client_geometry import ClientGeometry
     from ..inputs import PassInputs
     from ..lens import LensPass
 
@@ -46,8 +47,9 @@ class Warp(ABC):
 
     name: ClassVar[str]
     summary: ClassVar[str]
-    # Gather: each shown pixel finds where it was rendered. Scatter: rendered pixels move.
-    kind: ClassVar[Literal["gather", "scatter"]]
+    # Gather: each shown pixel finds where it was rendered. Scatter: rendered pixels move. Draw: the
+    # client draws what is shown, with all effects in it, and reads no rendered picture.
+    kind: ClassVar[Literal["gather", "scatter", "draw"]]
     reads: ClassVar[tuple[str, ...]]  # Layers that it reads, by the names of client/plan.py.
     exact_when: ClassVar[str]  # When the result equals the truth, for tables.
     gets_wrong: ClassVar[str]  # Its artefacts, for tables.
@@ -81,10 +83,13 @@ class Warp(ABC):
         shown_size: tuple[int, int],
         settings: Any = None,
         output: Output | None = None,
+        geometry: ClientGeometry | None = None,
     ) -> None:
+        """Make the warp for one pair of sizes. geometry: for warps that read client.model."""
         self.gpu, self.rendered_size, self.shown_size = gpu, rendered_size, shown_size
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
+        self.geometry = geometry
         rendered_pixel = (1 / rendered_size[0], 1 / rendered_size[1])
         self._size_uniforms: dict[str, object] = {
             "rendered_size": tuple(rendered_size),
@@ -125,7 +130,7 @@ class Warp(ABC):
 
     @classmethod
     def reads_for(cls, settings: Any) -> tuple[str, ...]:
-        """Return what it reads with these settings: `reads`, or some of it."""
+        """Return what it reads with these settings: `reads`, or less or more of it."""
         return cls.reads
 
     @classmethod

@@ -10,12 +10,6 @@ from .displacement import axes_of as axes_of
 from .displacement import curves as curves
 from .displacement import displacement_chart as displacement_chart
 from .displacement import displacement_text as displacement_text
-from .labels import boxes_touch as boxes_touch
-from .labels import groups_of as groups_of
-from .labels import leaders as leaders
-from .labels import place_labels as place_labels
-from .labels import segments_hit as segments_hit
-from .labels import spread as spread
 from .page import render_bench_page as render_bench_page
 from .rows import COLUMNS as COLUMNS
 from .rows import Case as Case

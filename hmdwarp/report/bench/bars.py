@@ -23,7 +23,9 @@ _KINDS = ("client_depth", "warp", "fill", "effects", "lens")
 
 
 def row_name(row: Row, with_fill: bool = True) -> str:
-    """Return a row's warp, and its fill where there are several."""
+    """Return a row's strategy, or its warp, and its fill where there are several."""
+    if row.get("strategy"):
+        return str(row["strategy"])
     return f"{row['warp']} + {row['fill']}" if with_fill and row["fill"] != "none" else row["warp"]
 
 

@@ -11,19 +11,15 @@ import numpy as np
 
 from ...metrics import PRIMARY, error_and_time, metrics
 from ..files import write_bytes
+from ..named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
 from ..style import PAGE, PAPER, Palette, Style, drawing, dress, markers_of, not_measured, svg_text, warp_of
-from .labels import leaders, place_labels
 from .rows import Case, Row, cases, measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _WIDTH_IN, _HEIGHT_IN = 9.6, 4.2
 _WARPS_IN = 1.65  # width of the list of warps with their colours
-_MARKER_PT = 6.5
-_CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
-_LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
 _ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
 _KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
 _COLOURS_A_LINE = 7
@@ -41,8 +37,8 @@ def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, st
     """
     markers = markers or markers_of(row["fill"] for row in case.rows)
     with drawing((case.label, measure, _content(case, measure))):
-        figure = _figure(_WIDTH_IN, _HEIGHT_IN)
-        axes = _axes_in(figure, (0.62, 0.5, _WIDTH_IN - _WARPS_IN, _HEIGHT_IN - 0.36))
+        figure = scatter_figure(_WIDTH_IN, _HEIGHT_IN)
+        axes = axes_in(figure, (0.62, 0.5, _WIDTH_IN - _WARPS_IN, _HEIGHT_IN - 0.36))
         _draw(axes, case, measure, markers, PAGE)
         here = {fill: marker for fill, marker in markers.items() if fill in {row["fill"] for row in case.rows}}
         axes.legend(handles=_key(here, PAGE), loc="lower left", bbox_to_anchor=(0, 1), ncols=5, **_key_style(PAGE))
@@ -73,7 +69,7 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
         colours = _colours(groups, measure, PAPER)
         foot = 0.17 * -(-len(colours) // _COLOURS_A_LINE) + 0.1
         total = lines * height + _KEY_IN + foot
-        figure = _figure(8, total)
+        figure = scatter_figure(8, total)
         figure.patch.set_facecolor("white")
         if groups:
             style = _key_style(PAPER)
@@ -83,7 +79,7 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
             figure.legend(handles=colours, loc="upper left", bbox_to_anchor=bottom, ncols=_COLOURS_A_LINE, **style)
         for number, group in enumerate(groups):
             left, top_in = number % columns * width, foot + (lines - number // columns) * height
-            axes = _axes_in(figure, (left + 0.55, top_in - height + 0.45, left + width - 0.1, top_in - 0.3))
+            axes = axes_in(figure, (left + 0.55, top_in - height + 0.45, left + width - 0.1, top_in - 0.3))
             axes.annotate(group.label, (0, 1), (0, 5), **_ABOVE, weight="bold", color=PAPER.ink, parse_math=False)
             _draw(axes, group, measure, markers, PAPER)
         buffer = io.BytesIO()
@@ -107,22 +103,6 @@ def _content(case: Case, measure: str) -> list[tuple[Any, ...]]:
     return [(row["warp"], row["fill"], *error_and_time(row, measure)) for row in case.rows]
 
 
-def _figure(width_in: float, height_in: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width_in, height_in))
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """Add axes at a fixed place (left, bottom, right, top in inches): placing labels needs it."""
-    width, height = figure.get_size_inches()
-    left, bottom, right, top = box
-    return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
-
-
 def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], palette: Palette) -> None:
     rows = [row for row in case.rows if None not in error_and_time(row, measure)]
     dress(axes, palette)
@@ -135,60 +115,24 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         return
     time = np.array([_total(row) for row in rows])
     error = np.array([row["quality"][measure]["mean"] for row in rows])
-    _scale(axes.xaxis, time, logarithmic=True)
-    _scale(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better and error.min() > 0)
+    scale_axis(axes.xaxis, time, logarithmic=True)
+    scale_axis(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better and error.min() > 0)
     best = {id(row) for row in case.front(measure)}
     is_best = np.array([id(row) in best for row in rows])
-    line = _draw_front(axes, time[is_best], error[is_best], measure, palette)
+    line = draw_front(axes, time[is_best], error[is_best], palette, higher=metrics.get(measure).higher_is_better)
     for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
         colour = palette.warp(row["warp"])
         style: Style = {
             "marker": markers[row["fill"]],
-            "markersize": _MARKER_PT,
+            "markersize": MARKER_PT,
             "markeredgewidth": 1.5,
             "color": colour,
             "linestyle": "none",
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
-    _draw_names(axes, _names(rows, is_best, error, measure), np.stack([time, error], axis=1), is_best, line, palette)
+    draw_names(axes, _names(rows, is_best, error, measure), np.stack([time, error], axis=1), is_best, line, palette)
     better = "better ↖" if metrics.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
-
-
-def _scale(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
-    """Set limits with a margin around the values, and plain numbers at the ticks.
-
-    A time below a microsecond counts as one.
-    """
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
-
-    limits = axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim
-    if not logarithmic:
-        low, high = values.min(), values.max()
-        margin = max(0.08 * (high - low), 0.5)
-        limits(low - margin, high + margin)
-        axis.set_major_locator(MaxNLocator(6))
-        return
-    low, high = np.log10(np.maximum([values.min(), values.max()], 1e-3))
-    # At least a factor of four, so that two ticks are in it.
-    margin = max(0.06 * (high - low), (np.log10(4) - (high - low)) / 2)
-    scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
-    scale("log")
-    limits(10 ** (low - margin), 10 ** (high + margin))
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7)))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-
-
-def _draw_front(axes: Axes, time: np.ndarray, error: np.ndarray, measure: str, palette: Palette) -> np.ndarray:
-    """Draw the staircase that bounds these methods; return it as (m, 2) in data coordinates."""
-    order = np.argsort(time, kind="stable")
-    time, error = time[order], error[order]
-    worst = axes.get_ylim()[0 if metrics.get(measure).higher_is_better else 1]
-    x = np.concatenate([[time[0]], time, [axes.get_xlim()[1]]])
-    y = np.concatenate([[worst], error, error[-1:]])
-    axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)
-    return np.stack([np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]], axis=1)
 
 
 def _names(rows: Sequence[Row], is_best: np.ndarray, error: np.ndarray, measure: str) -> dict[str, list[int]]:
@@ -208,47 +152,6 @@ def _names(rows: Sequence[Row], is_best: np.ndarray, error: np.ndarray, measure:
         # Breaking a long name after its colon keeps it near its point.
         chosen[f"{name}\n({baseline})" if baseline else name.replace(":", ":\n", 1)] = best
     return chosen
-
-
-def _draw_names(
-    axes: Axes, names: Mapping[str, list[int]], points: np.ndarray, is_best: np.ndarray, line: np.ndarray,
-    palette: Palette,
-) -> None:  # fmt: skip
-    """Write each name beside one of its points."""
-    to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
-    area = (box.width * to_points, box.height * to_points)
-    at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points
-    bends = (axes.transData.transform(line) - (box.x0, box.y0)) * to_points
-    groups = list(names.values())
-    weights = ["bold" if is_best[group].any() else "normal" for group in groups]
-    sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(names, weights, strict=True)])
-    corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends, others=at)
-    for text, group, weight, corner, size in zip(names, groups, weights, corners, sizes, strict=True):
-        style: Style = {
-            "weight": weight,
-            "ha": "center",
-            "va": "center",
-            "color": palette.ink,
-            "parse_math": False,
-            "linespacing": 1.0,
-            "zorder": 6,
-        }
-        x, y = (corner + size / 2) / area
-        axes.text(x, y, text, transform=axes.transAxes, **style)
-        (start,), (tip,) = leaders(at[group], np.array([[*corner, *(corner + size)]]))
-        length = np.linalg.norm(tip - start)
-        if length > _CLEAR_PT + _LEADER_PT:
-            ends = np.stack([start + (tip - start) * (_MARKER_PT / 2 / length), tip]) / area
-            axes.plot(*ends.T, transform=axes.transAxes, color=palette.ink, linewidth=0.7, zorder=2)
-
-
-def _size_pt(figure: Any, text: str, weight: str) -> tuple[float, float]:
-    from matplotlib.text import Text
-
-    extent = Text(0, 0, text, weight=weight, parse_math=False, linespacing=1.0, figure=figure).get_window_extent(
-        figure.canvas.get_renderer()
-    )
-    return extent.width * 72 / figure.dpi, extent.height * 72 / figure.dpi
 
 
 def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...metrics import PRIMARY
+from ..label_places import spread
 from ..style import PAGE, dashes_of, drawing, dress, not_measured, svg_text
-from .labels import spread
 from .rows import measure_label
 
 if TYPE_CHECKING:

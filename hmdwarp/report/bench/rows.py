@@ -111,8 +111,9 @@ class Column:
 
 
 def warp_text(row: Row) -> str:
-    """Return the warp, and as a baseline its system: 'mesh:grid=64 (CloudXR.js)'."""
-    return f"{row['warp']} ({row['baseline']})" if row.get("baseline") else str(row.get("warp"))
+    """Return the warp, and what it stands for: 'mesh:grid=64 (CloudXR.js)', 'none (imposter)'."""
+    stands_for = row.get("strategy") or row.get("baseline")
+    return f"{row['warp']} ({stands_for})" if stands_for else str(row.get("warp"))
 
 
 def _text_column(name: str, label: str, value: Callable[[Row], Any] | None = None) -> Column:

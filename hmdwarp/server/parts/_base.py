@@ -13,7 +13,7 @@ from ...frames import Needs
 if TYPE_CHECKING:
     import moderngl
 
-    from ...frames import EyeImage
+    from ...frames import EyeImage, Frame
     from ...geometry import View
     from ...gpu.context import Gpu
     from ...scenes import Scene
@@ -88,6 +88,13 @@ class Part(ABC):
         views: of the eyes, with guard band.
         """
         return {}
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most send nothing twice)
+        """Take note of whether a frame arrived, which the server hears at that instant."""
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether it has something to send even if nothing has moved."""
+        return False
 
     def close(self) -> None:  # noqa: B027 (some hold nothing)
         """Free its resources; the shader library owns programs, the server acquired targets."""

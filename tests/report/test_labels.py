@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.report.bench import boxes_touch, groups_of, leaders, place_labels, segments_hit, spread
+from hmdwarp.report import boxes_touch, groups_of, leaders, place_labels, segments_hit, spread
 
 AREA = (650.0, 260.0)
 

@@ -1,0 +1,33 @@
+"""hmdwarp compare: strategies of remote rendering beside each other."""
+
+from __future__ import annotations
+
+import typer
+
+from ..compare.options import CompareOptions
+from ._options import QUIET, Said, command_line, takes
+
+
+@takes(CompareOptions, QUIET)
+def compare(said: Said) -> None:
+    """Run every strategy of remote rendering on the same heads, over the same coded link.
+
+    Error, time, traffic and memory, and which class of clients can run what.
+    """
+    _run(CompareOptions.of(said, command=command_line()), said["quiet"])
+
+
+def _run(options: CompareOptions, quiet: bool) -> None:
+    from ..compare import compare as run
+    from ._show import console, paragraph, steps
+
+    with steps("runs", quiet=quiet) as (progress, _):
+        result = run(options, progress)
+    if quiet:
+        return
+    from ..report.compare_page import compare_table
+
+    console().print(compare_table(result.data["rows"]))
+    for one in result.data["left_out"]:
+        paragraph(f"note: {one['strategy']} is left out: {one['why']}")
+    typer.echo(f"report: {result.report}")

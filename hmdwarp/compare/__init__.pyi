@@ -1,0 +1,4 @@
+from .compare_run import CompareResult as CompareResult
+from .compare_run import compare as compare
+from .fitness import unfit as unfit
+from .options import CompareOptions as CompareOptions

@@ -1,0 +1,46 @@
+"""Which warps and fills somebody's own frames are enough for."""
+
+from __future__ import annotations
+
+from ..client.fills import fills
+from ..client.plan import CLIENT_DEPTH, PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
+from ..client.warps import warps
+from ..errors import InputError, PlanError
+
+OTHERS = "rendered.others"
+# What a caller can give: pictures with depth, and the depth of what is to be shown.
+GIVEN = (*PICTURE, OTHERS, CLIENT_DEPTH)
+
+
+def usable_warps() -> list[str]:
+    """Return the names of warps that need no more than one picture with depth."""
+    return [entry.name for entry in warps if set(entry.reads) <= set(PICTURE)]
+
+
+def usable_fills() -> list[str]:
+    """Return the names of fills that need no more than one picture with depth."""
+    return [entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH}]
+
+
+def plan_of(warp: str, fill: str, *, given: tuple[str, ...] = GIVEN, depth: bool = False) -> Plan:
+    """Return the plan for somebody's own frames.
+
+    given: what the caller has. depth: whether the depth of what is shown is asked for.
+    Errors: InputError for what is no name, and for warp "auto"; PlanError for passes that read
+    more; UnknownNameError.
+    """
+    for kind, name, usable in (("warp", warp, usable_warps), ("fill", fill, usable_fills)):
+        if not isinstance(name, str):
+            raise InputError(f"{kind} is {name!r}: expected a name: {', '.join(usable())}")
+    if warp == "auto":
+        raise InputError(
+            "warp 'auto' chooses during a run, by time and error over many pictures; for a single picture name one: "
+            f"{', '.join(usable_warps())}"
+        )
+    try:
+        return build_plan(
+            (), warp, fill, "none", client_geometry=False, brings=given, takes_depth="the caller" if depth else ""
+        )
+    except PlanError as error:
+        able = f"warps {', '.join(usable_warps())}; fills {', '.join(usable_fills())}"
+        raise PlanError(f"{error}; a single picture has none. Usable are {able}") from error

@@ -1,0 +1,308 @@
+"""Warp many RGB-D frames of somebody's own: compiled and allocated once."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, ExitStack
+from typing import Any
+
+import attrs
+import moderngl
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..client.compensator import Compensator, EyeResult
+from ..client.inputs import PassInputs
+from ..client.plan import CLIENT_DEPTH
+from ..colour import srgb8_from_linear, srgb_from_linear
+from ..errors import InputError
+from ..frames import EyeImage
+from ..geometry import DepthLayer, View, metres_from_inverse_depth
+from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
+from .given_arrays import LINEAR, SRGB, SRGB8, checked, checked_size, checked_view, encoding_of
+from .given_textures import INVERSE, GivenTextures
+from .shared_gpu import shared_gpu
+from .usable import OTHERS, plan_of
+
+Other = tuple[ArrayLike, ArrayLike, View]
+
+
+@attrs.frozen(eq=False)
+class WarpedImage:
+    """A warped picture; row 0 is at the top."""
+
+    # (h, w, 3), black in holes; see `encoding`.
+    colour: NDArray[Any]
+    # (h, w), 0 in holes.
+    coverage: NDArray[np.float32]
+    # Milliseconds by stage name.
+    time_ms: dict[str, float]
+    # Share of pixels without coverage after the warp and before the fill.
+    hole_share: float
+    # Of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32).
+    encoding: str = LINEAR
+    # (h, w) metres along -z in the shown view, inf infinitely far, NaN unknown; None unless asked
+    # for.
+    depth_m: NDArray[np.float64] | None = None
+
+
+@attrs.frozen(eq=False)
+class WarpedTextures:
+    """A warped picture on the GPU; rows run bottom to top, as OpenGL has them.
+
+    The textures belong to the Warper, which overwrites them at the next picture of the same eye.
+    """
+
+    # rgba16f: linear light, coverage in alpha, 0 in holes.
+    colour: moderngl.Texture
+    # r32f in 1/m in the shown view, -1 where it is unknown; None unless asked for.
+    inverse_depth: moderngl.Texture | None
+
+
+class Warper:
+    """Warp pictures with depth, one after the other, into views of one size.
+
+    Compiles and allocates at the start. Use as a context manager, or call close().
+
+    size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill: as
+    warp_image takes them; a fill that remembers learns from each picture. depth: whether results
+    have the depth of what is shown. gpu: a context made in the calling thread, which then makes all
+    calls; by default one is shared with all threads, one at a time. Take
+    `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then your
+    textures can be read without a copy, and you bind your own state again after each call.
+    Errors: as warp_image.
+    """
+
+    def __init__(
+        self,
+        size: tuple[int, int],
+        *,
+        rendered_size: tuple[int, int] | None = None,
+        warp: str = "iterative",
+        fill: str = "pyramid",
+        depth: bool = False,
+        gpu: Gpu | None = None,
+    ) -> None:
+        self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
+        self.plan = plan_of(warp, fill, depth=depth)
+        self.size = checked_size(size)
+        self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
+        self._cleanup = ExitStack()
+        with self._gpu() as current, ExitStack() as stack:
+            check_size(current.gl, self.rendered_size)
+            check_size(current.gl, self.size)
+            self._compensator = Compensator(current, self.plan, None, self.rendered_size, self.size)
+            stack.callback(self._compensator.close)
+            self._given = GivenTextures(current, self.rendered_size)
+            self._client_depth = None
+            if self.plan.reads(CLIENT_DEPTH):
+                self._client_depth = allocate(current.gl, self.size, SCALAR)
+                stack.callback(self._client_depth.release)
+            # The picture itself, and the others that the plan reads.
+            count = 1 + self.plan.needs.others.count
+            self._pictures = [_Textures(current, self.rendered_size) for _ in range(count)]
+            for one in self._pictures:
+                stack.callback(one.close)
+            self._cleanup = stack.pop_all()
+
+    def warp(
+        self,
+        colour: ArrayLike,
+        depth_m: ArrayLike,
+        rendered: View,
+        shown: View,
+        *,
+        others: Sequence[Other] = (),
+        client_depth_m: ArrayLike | None = None,
+        depth_scale: float | None = None,
+        encoding: str | None = None,
+        result: str | None = None,
+        eye: int = 0,
+    ) -> WarpedImage:
+        """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
+
+        Arguments and errors: as warp_image. eye: 0 or 1; a fill that remembers keeps the two apart.
+        """
+        _check_eye(eye)
+        views = (checked_view("rendered", rendered), checked_view("shown", shown))
+        given = encoding_of(colour, encoding)
+        wanted = _checked_result(result, given)
+        picture = self._checked("", colour, depth_m, depth_scale, encoding)
+        beside = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
+        self._check_given(len(beside), client_depth_m is not None)
+        client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
+        with self._gpu() as gpu:
+            images = [self._pictures[0].holding(picture, views[0], self._next())]
+            images += [
+                textures.holding(arrays, view, self._count)
+                for textures, (arrays, view) in zip(self._pictures[1:], beside, strict=False)
+            ]
+            if client is not None and self._client_depth is not None:
+                upload(self._client_depth, client)
+            gpu.timer.collect()
+            made = self._compensator.run(self._inputs(images, views[1], eye))
+            warped = self._read(made, wanted, gpu)
+            gpu.check_not_lost()
+            return warped
+
+    def warp_textures(
+        self,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        rendered: View,
+        shown: View,
+        *,
+        depth_as: str | DepthLayer = INVERSE,
+        encoding: str = LINEAR,
+        eye: int = 0,
+    ) -> WarpedTextures:
+        """Return the view `shown` as textures, from textures of the same context.
+
+        colour, depth: of rendered_size, rows bottom to top; `gpu.gl.external_texture` makes one of
+        an OpenGL id. Alpha is coverage: 0 is a hole. depth_as: "inverse" (1/m; below 0 is none),
+        "metres" (0 is none), or the DepthLayer of a depth buffer. encoding: "linear", also for a
+        texture that OpenGL decodes itself, or "srgb". rgba16f colour in linear light beside r32f
+        inverse depth are read where they are; all else is taken over by one pass.
+        Errors: InputError for arguments that do not fit, and for a warp that reads more than a
+        picture with depth.
+        """
+        _check_eye(eye)
+        views = (checked_view("rendered", rendered), checked_view("shown", shown))
+        self._check_given(0, client_depth=False)
+        if self._own_gpu is None:
+            raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
+        with self._gpu() as gpu:
+            pair = self._given.taken_over(colour, depth, depth_as, encoding, self._pictures[0].pair)
+            image = EyeImage(views[0], *pair, drawn_ns=self._next())
+            made = self._compensator.run(self._inputs([image], views[1], eye))
+            gpu.check_not_lost()
+            assert made.shown is not None, "only a fused plan lacks it"
+            return WarpedTextures(made.shown.texture, made.inverse_depth)
+
+    @property
+    def time_ms(self) -> dict[str, float]:
+        """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
+        with self._gpu() as gpu:
+            return dict(gpu.timer.collect())
+
+    def close(self) -> None:
+        """Free all textures and buffers; further calls do nothing."""
+        with self._gpu():
+            self._cleanup.close()
+
+    def __enter__(self) -> Warper:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _gpu(self) -> AbstractContextManager[Gpu]:
+        if self._own_gpu is None:
+            return shared_gpu()
+        if threading.get_ident() != self._thread:
+            raise InputError("this Warper was made in another thread, with a context of that thread: call it there")
+        return self._own_gpu.current()
+
+    def _next(self) -> int:
+        self._count += 1
+        return self._count
+
+    def _checked(
+        self, name: str, colour: ArrayLike, depth_m: ArrayLike, scale: float | None, encoding: str | None
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        arrays = checked(colour, depth_m, scale, encoding)
+        found = arrays[1].shape[1::-1]
+        if found != self.rendered_size:
+            wide, high = self.rendered_size
+            raise InputError(f"{name}colour is {found[0]}x{found[1]} pixels: this Warper is for {wide}x{high}")
+        return arrays
+
+    def _other(
+        self, number: int, other: Other, scale: float | None, encoding: str | None
+    ) -> tuple[tuple[NDArray[np.float32], NDArray[np.float32]], View]:
+        try:
+            colour, depth_m, view = other
+        except (TypeError, ValueError) as error:
+            raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
+        name = f"others[{number}]: "
+        return self._checked(name, colour, depth_m, scale, encoding), checked_view(f"others[{number}]", view)
+
+    def _check_given(self, others: int, client_depth: bool) -> None:
+        """Check that the plan gets what it reads, and nothing that it does not."""
+        named, most = f"warp '{self.plan.choice}'", self.plan.needs.others.count
+        if most and not others and self.plan.reads(OTHERS):
+            raise InputError(f"{named} reads other pictures: give others=[(colour, depth_m, view), ..], at most {most}")
+        if others > most:
+            reads = f"reads at most {most}" if most else "reads none"
+            raise InputError(f"others has {others} pictures, and {named} with fill '{self.plan.fill}' {reads}")
+        reads_depth = self.plan.reads(CLIENT_DEPTH)
+        if client_depth and not reads_depth:
+            raise InputError(f"client_depth_m: {named} does not read it; leave it out, or choose warp 'backward'")
+        if reads_depth and not client_depth:
+            raise InputError(f"{named} reads the depth of the shown view: give client_depth_m, (h, w) metres")
+
+    def _client_inverse(self, depth_m: ArrayLike, scale: float | None) -> NDArray[np.float32]:
+        wide, high = self.size
+        blank = np.zeros((high, wide, 3), np.uint8)
+        if np.shape(depth_m) != (high, wide):
+            raise InputError(f"client_depth_m has shape {np.shape(depth_m)}: expected {(high, wide)}, as the result")
+        return checked(blank, depth_m, scale)[1]
+
+    def _inputs(self, images: list[EyeImage], shown: View, eye: int) -> PassInputs:
+        return PassInputs(
+            images[0],
+            shown,
+            eye,
+            others=tuple(images[1:]),
+            client_inverse_depth=self._client_depth,
+            shown_ns=self._count,
+        )
+
+    def _read(self, made: EyeResult, wanted: str, gpu: Gpu) -> WarpedImage:
+        assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
+        picture = download(made.shown.texture)
+        holes = float((download(made.warped.texture)[..., 3] == 0).mean())
+        depth = None
+        if made.inverse_depth is not None:
+            inverse = download(made.inverse_depth).astype(np.float64)
+            depth = metres_from_inverse_depth(np.where(inverse < 0, np.nan, inverse))
+        colour = _encoded(picture[..., :3], wanted)
+        coverage = picture[..., 3].astype(np.float32)
+        return WarpedImage(colour, coverage, dict(gpu.timer.collect()), holes, wanted, depth)
+
+
+class _Textures:
+    """Colour and inverse depth of one picture."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+
+    def holding(self, arrays: tuple[NDArray[np.float32], NDArray[np.float32]], view: View, drawn_ns: int) -> EyeImage:
+        for texture, array in zip(self.pair, arrays, strict=True):
+            upload(texture, array)
+        return EyeImage(view, *self.pair, drawn_ns=drawn_ns)
+
+    def close(self) -> None:
+        for texture in self.pair:
+            texture.release()
+
+
+def _encoded(linear: NDArray[np.float16], wanted: str) -> NDArray[Any]:
+    if wanted == SRGB8:
+        return srgb8_from_linear(linear)
+    return srgb_from_linear(linear.astype(np.float32)) if wanted == SRGB else linear.astype(np.float32)
+
+
+def _checked_result(result: str | None, given: str) -> str:
+    """Return the encoding of the result: that of the picture unless something else is asked for."""
+    known = (SRGB8, SRGB, LINEAR)
+    if result is not None and result not in known:
+        raise InputError(f"result is {result!r}: expected {', '.join(known)}, or None for that of the picture")
+    return given if result is None else result
+
+
+def _check_eye(eye: int) -> None:
+    if eye not in (0, 1):
+        raise InputError(f"eye is {eye!r}: expected 0 (left) or 1 (right)")

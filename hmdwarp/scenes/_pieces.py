@@ -1,0 +1,239 @@
+"""A scene cut into pieces that can be sent one by one, and what is drawn until they arrive."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ._chunks import chunks_of
+from ._mesh import Mesh, Texture
+from ._reduce import fewer_triangles, reduced, scaled, unlit, with_triangles
+from ._scene import Scene
+
+# A stand-in for the whole scene has as few triangles as this, or this share of them.
+STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02
+# Scales at which a texture crosses, one after the other.
+SCALES = COARSEST, COARSE, HALF, FULL = (1 / 32, 1 / 8, 1 / 2, 1.0)
+_LEVEL = 6
+_COUNT = struct.Struct("<I")
+
+
+def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Scene:
+    """Return what a client has of a scene: the scene itself where nothing is reduced.
+
+    Mirrors, and what is see-through or fixed to the head, are whole. Parameters, errors: as of
+    `reduced`; lit: with baked light, else as `unlit`.
+    """
+    if (share, texture) != (1, 1):
+        scene = reduced(scene, share, folder, texture=texture, matt=False)
+    return scene if lit else unlit(scene)
+
+
+@lru_cache(maxsize=2)  # the sender's and the receiver's of one run
+def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Pieces:
+    """Return the pieces of a partial_scene; the same object for the same arguments."""
+    return Pieces(partial_scene(scene, share, texture, lit=lit, folder=folder), folder)
+
+
+class Pieces:
+    """A scene in pieces.
+
+    Plain surfaces and textures are sent. Materials, motions, sky and how many vertices and
+    triangles each piece has are known at the start; so are mirrors and what is see-through or fixed
+    to the head, which are few.
+
+    cut: (mesh, its pieces) in the order of the scene. `meshes` are the pieces of all of them.
+    """
+
+    def __init__(self, scene: Scene, folder: Path | None = None) -> None:
+        self.scene = scene
+        self.cut = [(mesh, _cut(mesh)) for mesh in scene.meshes]
+        self.at_start = [mesh for mesh, parts in self.cut if not parts]
+        self.meshes: list[Mesh] = [part for _, parts in self.cut for part in parts]
+        self._folder = folder
+        # Where something is see-through, its texture says what kind of sheet it is.
+        at_start = {mesh.texture for mesh in scene.meshes if not mesh.is_surface}
+        self._textures_at_start = sorted(at_start - {-1})
+        # (texture, scale), as they are numbered after the meshes.
+        every = {each for mesh in scene.meshes for each in (mesh.texture, mesh.material.normal_map)}
+        used = sorted(every - at_start - {-1})
+        self.levels = [(texture, scale) for scale in SCALES for texture in used]
+        self._number_of_level = {level: 1 + len(self.meshes) + n for n, level in enumerate(self.levels)}
+
+    @cached_property
+    def stand_ins(self) -> list[Mesh | None]:
+        """For each mesh one with few triangles, None where that is too small to be missed."""
+        return _stand_ins(self.meshes, self._folder)
+
+    @cached_property
+    def things(self) -> tuple[bytes, ...]:
+        """What is sent: all stand-ins, then each mesh, then each level."""
+        standing = [(k, mesh) for k, mesh in enumerate(self.stand_ins) if mesh is not None]
+        return (
+            _packed_meshes(standing),
+            *(_packed_meshes([(k, mesh)]) for k, mesh in enumerate(self.meshes)),
+            *(_png(scaled(self.scene.textures[texture], scale)) for texture, scale in self.levels),
+        )
+
+    def number_of_mesh(self, index: int) -> int:
+        """Return the number of the thing that brings a mesh."""
+        return 1 + index
+
+    def number_of_level(self, texture: int, scale: float) -> int:
+        """Return the number of the thing that brings a texture at one of SCALES."""
+        return self._number_of_level[texture, scale]
+
+    @property
+    def first(self) -> list[int]:
+        """The things that make a whole picture, if a coarse one."""
+        return [0, *(self._number_of_level[level] for level in self.levels if level[1] == COARSEST)]
+
+    @cached_property
+    def start_bytes(self) -> int:
+        """Bytes that cross at the start, packed, where the rest comes in pieces."""
+        outline = [(len(m.positions), len(m.triangles), m.texture, m.double_sided, m.body) for m in self.meshes]
+        stood = [(0, 0) if m is None else (len(m.positions), len(m.triangles)) for m in self.stand_ins]
+        sizes = [self.scene.textures[texture].image.shape for texture, _ in self.levels]
+        numbers = np.array([*np.ravel(outline), *np.ravel(stood), *np.ravel(sizes)], np.int32)
+        return _bytes_of(self.at_start, self._images(self._textures_at_start)) + len(zlib.compress(numbers.tobytes()))
+
+    @cached_property
+    def whole_bytes(self) -> int:
+        """Bytes of the whole scene, packed, where all of it crosses at the start."""
+        used = {*self._textures_at_start, *(texture for texture, _ in self.levels)}
+        return _bytes_of([*self.at_start, *self.meshes], self._images(used))
+
+    def _images(self, textures: Iterable[int]) -> list[NDArray[np.uint8]]:
+        return [self.scene.textures[texture].image for texture in textures]
+
+    def blank(self) -> Scene:
+        """Return the scene as it is known at the start.
+
+        What is sent has its sizes, but no content. In the order of the scene's meshes each is its
+        pieces, or itself; the stand-ins come last.
+        """
+        meshes = [one for mesh, parts in self.cut for one in (map(_blank, parts) if parts else (mesh,))]
+        meshes += [_blank(mesh) for mesh in self.stand_ins if mesh is not None]
+        known = {*self._textures_at_start}
+        textures = [each if k in known else _grey(each) for k, each in enumerate(self.scene.textures)]
+        return attrs.evolve(self.scene, meshes=meshes, textures=textures)
+
+    def meshes_in(self, number: int, thing: bytes) -> list[tuple[int, Mesh]]:
+        """Return the meshes that a thing brings, each with its index; [] for a level.
+
+        Those of thing 0 are stand-ins.
+        """
+        if number > len(self.meshes):
+            return []
+        known = self.meshes if number else self.stand_ins
+        return [(k, _with_arrays(known[k], *arrays)) for k, *arrays in _unpacked_meshes(thing)]
+
+    def level_in(self, number: int, thing: bytes) -> tuple[int, float, NDArray[np.uint8]]:
+        """Return the texture, its scale and the image that a thing brings."""
+        from PIL import Image
+
+        with Image.open(io.BytesIO(thing)) as image:
+            return *self.levels[number - 1 - len(self.meshes)], np.asarray(image)
+
+
+def _cut(mesh: Mesh) -> list[Mesh]:
+    """Return the pieces of a plain surface: the renderer's chunks.
+
+    What deforms is one piece, as all its vertices move at once. Anything else has none.
+    """
+    if not mesh.is_surface or mesh.material.reflectivity:
+        return []
+    if mesh.deformation is not None:
+        return [mesh] if len(mesh.triangles) else []
+    chunks = chunks_of(mesh)
+    return [mesh] if len(chunks) == 1 else [with_triangles(mesh, chunk) for chunk in chunks]
+
+
+def _stand_ins(meshes: Sequence[Mesh], folder: Path | None) -> list[Mesh | None]:
+    count = sum(len(mesh.triangles) for mesh in meshes)
+    share = max(STAND_IN_SHARE, min(1.0, STAND_IN_TRIANGLES / max(1, count)))
+    kept = fewer_triangles(meshes, share, folder)
+    return [
+        with_triangles(mesh, triangles) if len(triangles) else None
+        for mesh, triangles in zip(meshes, kept, strict=True)
+    ]
+
+
+_Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
+
+
+def _packed_meshes(meshes: Sequence[tuple[int, Mesh]]) -> bytes:
+    """Return meshes with their indices: positions, places on the texture, light and triangles."""
+    sizes = np.array([(k, len(mesh.positions), len(mesh.triangles)) for k, mesh in meshes], np.uint32).reshape(-1, 3)
+    rows = [np.hstack([mesh.positions, mesh.uv, mesh.light]) for _, mesh in meshes]
+    vertices = np.concatenate([np.zeros((0, 8), np.float32), *rows])
+    corners = np.concatenate([np.zeros((0, 3), np.uint32), *(mesh.triangles for _, mesh in meshes)])
+    planes = b"".join(_byte_planes(array) for array in (vertices, corners))
+    return _COUNT.pack(len(sizes)) + zlib.compress(sizes.tobytes() + planes, _LEVEL)
+
+
+def _unpacked_meshes(data: bytes) -> Iterator[tuple[int, *_Arrays]]:
+    (count,) = _COUNT.unpack_from(data)
+    whole = zlib.decompress(data[_COUNT.size :])
+    sizes = np.frombuffer(whole, np.uint32, 3 * count).reshape(count, 3)
+    _, vertices, triangles = sizes.sum(axis=0).tolist()
+    at = sizes.nbytes
+    rows = _from_byte_planes(whole[at : at + 32 * vertices], (vertices, 8), np.float32)
+    corners = _from_byte_planes(whole[at + 32 * vertices :], (triangles, 3), np.uint32)
+    first_row = first_corner = 0
+    for k, rows_of, corners_of in sizes.tolist():
+        own, its = rows[first_row : first_row + rows_of], corners[first_corner : first_corner + corners_of]
+        yield k, own[:, :3], own[:, 3:5], own[:, 5:], its
+        first_row, first_corner = first_row + rows_of, first_corner + corners_of
+
+
+def _byte_planes(array: NDArray) -> bytes:
+    """Return the differences from row to row, equal bytes of all rows together."""
+    values = np.ascontiguousarray(array).view(np.uint8).reshape(len(array), 4 * array.shape[1])
+    return np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).T.tobytes()
+
+
+def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArray:
+    planes = np.frombuffer(data, np.uint8).reshape(-1, shape[0]) if shape[0] else np.zeros((4 * shape[1], 0), np.uint8)
+    values = np.cumsum(planes, axis=1, dtype=np.uint8).T
+    return np.ascontiguousarray(values).view(kind).reshape(shape)
+
+
+def _with_arrays(mesh: Mesh | None, positions: NDArray, uv: NDArray, light: NDArray, triangles: NDArray) -> Mesh:
+    assert mesh is not None
+    flat = np.zeros_like(positions)
+    return attrs.evolve(mesh, positions=positions, normals=flat, uv=uv, light=light, triangles=triangles, albedo=None)
+
+
+def _blank(mesh: Mesh) -> Mesh:
+    """Return a mesh of the same sizes and nature without content."""
+    vertices, triangles = len(mesh.positions), len(mesh.triangles)
+    nothing = np.zeros((vertices, 3), np.float32)
+    return _with_arrays(mesh, nothing, nothing[:, :2], nothing, np.zeros((triangles, 3), np.uint32))
+
+
+def _grey(texture: Texture) -> Texture:
+    """Return a texture of the same size and nature without content."""
+    return Texture(texture.name, lambda: np.full_like(texture.image, 128), texture.srgb, texture.repeat)
+
+
+def _bytes_of(meshes: Sequence[Mesh], images: Iterable[NDArray[np.uint8]]) -> int:
+    """Return the bytes of meshes and images, packed."""
+    return len(_packed_meshes(list(enumerate(meshes)))) + sum(len(_png(image)) for image in images)
+
+
+def _png(image: NDArray[np.uint8]) -> bytes:
+    """Return an image as PNG, which loses nothing."""
+    from PIL import Image
+
+    out = io.BytesIO()
+    Image.fromarray(image).save(out, "PNG")
+    return out.getvalue()

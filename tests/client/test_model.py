@@ -1,0 +1,210 @@
+"""The client draws the scene itself: what it shows is what the server would draw now."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from client_scene import ClientScene
+from replays import run, small
+from worlds import read
+
+from hmdwarp import warp_image
+from hmdwarp.client import PassInputs, ShownPicture, parse_warp
+from hmdwarp.client.warps import Output
+from hmdwarp.errors import PlanError
+from hmdwarp.frames import EyeImage
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.link import LinkOptions
+from hmdwarp.link.codec import Coding
+from hmdwarp.run import set_up_replay
+from hmdwarp.scenes import load_scene, scenes
+from hmdwarp.server import Server
+
+SIZE = (96, 80)
+FOV = Fov(-0.7, 0.6, -0.55, 0.5)
+HERE, THERE = View(Pose((0.05, 1.6, 0.1)), FOV), View(Pose((0.3, 1.5, -0.2), (0.05, 0.3, 0.02, 0.95)), FOV)
+
+
+def drawn(gpu, geometry: ClientScene, spec: str, shown: View, time_ns: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Colour and inverse depth that the warp shows, from a black frame drawn elsewhere."""
+    choice = parse_warp(spec)
+    warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
+    black = EyeImage(HERE, allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
+    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
+    warp.run_with_depth(PassInputs(black, shown, shown_ns=time_ns), canvas, depth)
+    gpu.gl.memory_barrier()
+    beside = read(canvas.texture), read(depth)[..., 0]
+    warp.run(PassInputs(black, shown, shown_ns=time_ns), canvas)
+    gpu.gl.memory_barrier()
+    assert np.array_equal(beside[0], read(canvas.texture)), "with and without depth"
+    warp.close()
+    return beside
+
+
+def truth(geometry: ClientScene, shown: View, time_ns: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    image = geometry._server.draw(shown, SIZE, time_ns=time_ns)
+    return read(image.colour), read(image.inverse_depth)[..., 0]
+
+
+@pytest.mark.parametrize("scene", scenes.names())
+@pytest.mark.parametrize("shown", [HERE, THERE], ids=["here", "there"])
+def test_the_whole_model_is_the_truth_bit_for_bit(gpu, scene, shown):
+    """With mirrors, glass, overlays and all that moves, whatever the frame shows."""
+    geometry = ClientScene(gpu, scene)
+    for time_ns in (0, 1_700_000_000):
+        for got, wanted in zip(
+            drawn(gpu, geometry, "model", shown, time_ns), truth(geometry, shown, time_ns), strict=True
+        ):
+            assert np.array_equal(got, wanted)
+
+
+@pytest.mark.parametrize("latency_ms", [0.0, 50.0, 400.0])
+def test_no_latency_is_seen_and_no_picture_is_sent(tmp_path, latency_ms):
+    result = run(tmp_path, scene="workshop", warp="model", fill="none", latency_ms=latency_ms, seconds=0.3)
+    assert {row["psnr_db"] for row in result.rows} == {100.0, None} or {row["psnr_db"] for row in result.rows} == {
+        100.0
+    }
+    assert result.summary["link"]["mbit_s"] == 0.0 and result.summary["link"]["layers_mbit_s"] == {}
+    (model,) = result.summary["client_models"]
+    assert model["share"] == 1.0 and model["triangles"] == 30356
+
+
+@pytest.mark.parametrize("scene", ["gallery", "greenhouse", "cockpit"])
+def test_a_reduced_model_keeps_mirrors_glass_and_overlays(gpu, scene):
+    """So it is nearer to the truth than the same triangles without them."""
+    geometry = ClientScene(gpu, scene)
+    wanted = truth(geometry, HERE)[0][..., :3]
+    got, depth = drawn(gpu, geometry, "model:share=0.3", HERE)
+    assert (got[..., 3] == 1).all() and np.isfinite(depth).all()
+    kept = geometry.scene(0.3, lit=True).scene
+    assert kept.triangle_count < 0.6 * geometry._server.scene.triangle_count
+    assert len(kept.mirrors) == len(geometry._server.scene.mirrors)
+    matt = attrs.evolve(
+        kept, meshes=[mesh for mesh in kept.meshes if mesh.is_surface and not mesh.material.reflectivity]
+    )
+    without = geometry._server.__class__(gpu, matt)
+    plain = read(without.draw(HERE, SIZE).colour)[..., :3]
+    without.close()
+    assert np.abs(got[..., :3] - wanted).mean() < np.abs(plain - wanted).mean()
+
+
+def test_smaller_textures_and_no_light(gpu):
+    geometry = ClientScene(gpu, "room")
+    wanted = truth(geometry, HERE)
+    for spec in ("model:texture=0.25", "model:light=off"):
+        colour, depth = drawn(gpu, geometry, spec, HERE)
+        assert np.array_equal(depth, wanted[1]), "the same triangles"
+        assert not np.array_equal(colour, wanted[0])
+    full, smaller = (geometry.scene(1.0, lit=True, texture=scale).scene for scale in (1.0, 0.25))
+    assert smaller.textures[0].image.size * 15 < full.textures[0].image.size
+
+
+@pytest.mark.parametrize("value", ["0", "1.5", "-0.2"])
+@pytest.mark.parametrize("setting", ["share", "texture"])
+def test_a_share_beyond_all_is_refused(setting, value):
+    with pytest.raises(Exception, match=f"{setting} is {value}: expected more than 0 and at most 1"):
+        parse_warp(f"model:{setting}={value}")
+
+
+def test_a_single_picture_has_no_scene():
+    colour, depth = np.zeros((8, 8, 3), np.uint8), np.ones((8, 8))
+    with pytest.raises(PlanError, match="warp model needs the scene's geometry on the client"):
+        warp_image(colour, depth, HERE, THERE, warp="model")
+
+
+def test_who_can_run_it():
+    for warp, client in (("model", "class-2"), ("model:share=0.2", "class-1")):
+        with (
+            pytest.raises(PlanError, match=f"client '{client}' cannot run warp '{warp}'"),
+            set_up_replay(small(warp=warp, fill="none", client=client)),
+        ):
+            pass
+
+
+PROGRESSIVE = "model:arrives=progressive,budget=300000"
+
+
+def last_pictures(tmp_path, **options):
+    """The run's summary, and the PSNR of its pictures in order."""
+    result = run(tmp_path, fill="none", metrics_every=1, **{"warp": PROGRESSIVE, "latency_ms": 50.0, **options})
+    return result.summary, [row["psnr_db"] for row in result.rows if row["eye"] == 0 and row["psnr_db"] is not None]
+
+
+@pytest.mark.parametrize("codec", ["none", "h264"])
+@pytest.mark.parametrize("scene", ["parade", "gallery"])
+def test_what_arrives_little_by_little_becomes_the_truth_bit_for_bit(tmp_path, scene, codec):
+    """parade: what deforms and stands; gallery: mirrors. The pieces are not changed by a codec."""
+    warp = PROGRESSIVE.replace("300000", "1000000")
+    summary, psnr_db = last_pictures(tmp_path, scene=scene, warp=warp, seconds=0.4, coding=Coding(codec))
+    assert psnr_db[0] < 60 and psnr_db[-1] == 100.0
+    (model,) = summary["client_models"]
+    assert model["arrived"] == model["things"]
+    assert 0 < model["start_up_bytes"] < model["first_picture_bytes"] < model["arrived_bytes"]
+    assert set(summary["link"]["layers_mbit_s"]) == {"scene_update"}
+
+
+@pytest.mark.parametrize(
+    "network", [{"loss": "0.3"}, {"jitter": "uniform:40"}, {"loss": "p=0.2,r=0.4", "jitter": "uniform:40"}]
+)
+def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
+    """Whatever is lost is sent again; what came too late to be shown has arrived all the same."""
+    summary, psnr_db = last_pictures(
+        tmp_path, scene="spheres", seconds=0.8, network=LinkOptions.of({**network, "link_seed": 4})
+    )
+    assert summary["link"]["frames"]["lost"] + summary["link"]["frames"]["late"] > 3
+    assert psnr_db[-1] == 100.0
+
+
+def test_before_anything_has_arrived_all_is_a_hole(gpu):
+    geometry = ClientScene(gpu, "planes")
+    colour, depth = drawn(gpu, geometry, "model:arrives=progressive", HERE)
+    assert not colour.any() and (depth == -1).all()
+
+
+def test_a_small_budget_is_kept_and_the_picture_is_never_torn(tmp_path):
+    """First a hole, then a whole if coarse picture, which gets better."""
+    warp = "model:arrives=progressive,budget=5000"
+    result = run(tmp_path, scene="spheres", warp=warp, fill="none", latency_ms=30.0, seconds=0.6, metrics_every=1)
+    holes = [row["hole_share"] for row in result.rows if row["eye"] == 0]
+    assert holes[0] == 1.0 and holes[-1] == 0.0 and sorted(holes, reverse=True) == holes
+    link = result.summary["link"]
+    assert 0.8 * 5000 < link["frame_bytes"] <= 5000
+
+
+def test_a_head_at_rest_does_not_stop_what_is_still_to_come(tmp_path):
+    """Frames in which nothing has moved are left out only once all has arrived."""
+    network = LinkOptions.of({"send": "changes"})
+    options = {"scene": "spheres", "trace": "still", "seconds": 0.5, "latency_ms": 20.0, "network": network}
+    result = run(tmp_path, warp=PROGRESSIVE, fill="none", metrics_every=5, **options)
+    (model,) = result.summary["client_models"]
+    assert model["arrived"] == model["things"]
+    assert result.summary["link"]["frames"]["unchanged"] > 0
+
+
+def test_what_is_seen_comes_first(gpu):
+    """When what stands in front of the head has come, what is behind it still stands in."""
+    scene = load_scene("room")
+    server = Server(gpu, scene)
+    needs = parse_warp("model:arrives=progressive,budget=60000").entry.needs(
+        parse_warp("model:arrives=progressive,budget=60000").settings
+    )
+    arriving = ClientScene(gpu, "room").arriving(next(iter(needs["scene_update"])))
+    for step in range(20):
+        frame = server.draw_frame([HERE, HERE], 10_000_000 * step, SIZE, needs=needs)
+        arriving.receive(next(iter(frame.eyes[0]["scene_update"].values())).content)
+        server.heard(frame, True, 10_000_000 * (step + 2))
+        server.recycle(frame)
+    behind = attrs.evolve(HERE, pose=Pose(HERE.pose.position_m, (0.0, 1.0, 0.0, 0.0)))
+
+    def wrong(view: View) -> float:
+        canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
+        arriving.draw(view, ShownPicture(canvas, depth), 0)
+        drawn_depth, image = read(depth)[..., 0], server.draw(view, SIZE)
+        return float((np.abs(drawn_depth - read(image.inverse_depth)[..., 0]) > 1e-3).mean())
+
+    assert wrong(HERE) < 0.02
+    assert wrong(behind) > 0.1
+    server.close()
+    arriving.close()

@@ -1,0 +1,143 @@
+"""`hmdwarp compare`: every strategy on the same heads, and which clients each suits."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import attrs
+import pytest
+from commands import hmdwarp
+
+from hmdwarp.client import build_plan
+from hmdwarp.clients import client_names, load_client
+from hmdwarp.compare import unfit
+from hmdwarp.frames import EyeSizes
+from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, render_compare_page
+
+NAMED = ("imposter", "depth_image", "light")
+QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("compare") / "out"
+    chosen = [part for name in NAMED for part in ("--strategy", name)]
+    done = hmdwarp("compare", "look-around", *chosen, "--latency", "100,200", *QUICK, "--out", out)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return out
+
+
+@pytest.fixture(scope="module")
+def data(folder) -> dict:
+    return json.loads((folder / "compare.json").read_text(encoding="utf-8"))
+
+
+def test_every_strategy_runs_at_every_latency(data):
+    rows = [(row["latency_ms"], row["strategy"]) for row in data["rows"]]
+    assert rows == [(latency, name) for latency in (100, 200) for name in NAMED]
+
+
+def test_all_see_the_same_head_over_the_same_link(data):
+    for latency in (100, 200):
+        rows = [row for row in data["rows"] if row["latency_ms"] == latency]
+        assert len({row["frames"] for row in rows}) == 1
+        assert {row["link"]["codec"] for row in rows} == {"h264"}
+        assert all(row["mbit_s"] > 0 for row in rows)
+
+
+def test_what_crosses_once_is_counted_where_something_does(data):
+    start = {row["strategy"]: row["start_bytes"] for row in data["rows"]}
+    assert start["imposter"] == start["depth_image"] == 0 < start["light"]
+    held = {row["strategy"]: row["client_bytes"] for row in data["rows"]}
+    assert 0 < held["imposter"] < held["depth_image"] < held["light"] and held["light"] > start["light"]
+
+
+def test_clients_without_what_it_takes_are_told_why(data):
+    by_name = {row["strategy"]: row["unfit"] for row in data["rows"]}
+    assert by_name["imposter"] == {"class-1": "", "class-2": "", "class-3": ""}
+    assert "compute shaders" in by_name["depth_image"]["class-1"] and not by_name["depth_image"]["class-2"]
+    assert "the whole scene" in by_name["light"]["class-2"] and not by_name["light"]["class-3"]
+
+
+def test_the_table_and_the_page_hold_all_of_it(folder, data):
+    with (folder / "compare.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["strategy"] for row in rows] == [row["strategy"] for row in data["rows"]]
+    assert all(float(row["flip"]) > 0 and float(row["mbit_s"]) > 0 for row in rows)
+    page = (folder / "compare.html").read_text(encoding="utf-8")
+    # The truth and three strategies in two cases; two fronts in two cases for three clients.
+    assert page.count("<img") == 2 * (1 + len(NAMED)) and page.count("<svg") == 2 * 2 * 3
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', page)
+    for name in (*NAMED, "class-1", "class-2", "class-3"):
+        assert name in page
+
+
+def test_the_page_follows_from_the_data_and_escapes_it(data):
+    import numpy as np
+
+    pictures = [(np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
+    odd = {**data, "command": "<script>alert(1)</script>"}
+    page = render_compare_page(odd, pictures)
+    assert page == render_compare_page(odd, pictures)
+    assert "<script>" not in page
+
+
+def test_markdown_has_each_case_with_the_least_error_first(data):
+    lines = compare_markdown(data["rows"]).splitlines()
+    assert len(lines) == 2 + len(data["rows"])
+    flips = [float(line.split("|")[3]) for line in lines[2:5]]
+    assert flips == sorted(flips)
+
+
+def test_the_best_for_whom_suits_them(data):
+    """None is better of those that the client can run, or that the link carries."""
+    lines = [
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in chosen_markdown(data, [1e9, 1e-9]).splitlines()
+    ]
+    assert lines[0] == ["for whom", "100 ms", "200 ms"]
+    cells = {line[0].partition(":")[0]: line[1:] for line in lines[2:]}
+    for column, latency in enumerate((100, 200)):
+        rows = [row for row in data["rows"] if row["latency_ms"] == latency]
+        for client in ("class-1", "class-2", "class-3"):
+            best = min(
+                (row for row in rows if not row["unfit"][client]), key=lambda row: row["quality"]["flip"]["mean"]
+            )
+            assert cells[f"`{client}`"][column].startswith(f"`{best['strategy']}` (FLIP ")
+        assert cells["a link of 1e+09 Mbit/s, any client"][column].startswith("`light`")
+        assert cells["a link of 1e-09 Mbit/s, any client"][column] == "none"
+
+
+@pytest.mark.parametrize("client", client_names())
+def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
+    """By any class: a strategy that takes ten times what it has of either is not for it."""
+    plan = build_plan((), "none", "none", "none", client_geometry=False)
+    able = load_client(client)
+    row = next(row for row in data["rows"] if row["strategy"] == "imposter")
+    assert unfit(row, plan, EyeSizes((96, 60), (96, 60)), able) == ""
+    narrow = attrs.evolve(able, download_mbit_s=row["mbit_s"] / 10)
+    assert "Mbit/s" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), narrow)
+    slow = attrs.evolve(able, decoder_mpx_s=1e-3)
+    assert "the client decodes" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), slow)
+    timed = {**row, "clock": "gpu", "time_ms": {"total": {"median": 100.0}}}
+    assert "ms an eye" in unfit(timed, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, budget_ms=1.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--strategy", "impostor"), "did you mean 'imposter'"),
+        (("--client", "class-9"), "unknown client 'class-9'"),
+        (("--latency", "soon"), "--latency 'soon'"),
+        (("--seconds", "0"), "seconds"),
+        (("--start", "1e6"), "start"),
+        (("--size", "large"), "WIDTHxHEIGHT"),
+        (("--codec", "av2"), "unknown codec 'av2'"),
+    ],
+)
+def test_wrong_input_is_refused_before_anything_runs(options, words, tmp_path):
+    done = hmdwarp("compare", "look-around", *options, "--quiet", "--out", tmp_path / "out")
+    assert done.returncode == 2 and words in done.stderr
+    assert not (tmp_path / "out").exists()

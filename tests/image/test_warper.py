@@ -1,0 +1,278 @@
+"""Warper: many pictures, arrays or textures, on one set of programs and textures."""
+
+from __future__ import annotations
+
+import gc
+import threading
+
+import moderngl
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from hmdwarp import DepthLayer, Fov, InputError, Pose, View, Warper, warp_image
+from hmdwarp.client.warps import warps
+from hmdwarp.errors import PlanError
+from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
+from hmdwarp.image import usable_warps
+from hmdwarp.image.usable import GIVEN
+
+SIZE = (40, 30)
+
+
+def view(position=(0.0, 0.0, 0.0), yaw=0.0) -> View:
+    turn = Rotation.from_euler("Y", yaw, degrees=True).as_quat()
+    return View(Pose(position, turn), Fov.from_tangents((-1.0, 1.0, -0.75, 0.75)))
+
+
+def picture(seed: int, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
+    """Linear light that halves hold, and two planes of depth with a hole and infinity."""
+    rng = np.random.default_rng(seed)
+    colour = rng.random((size[1], size[0], 3)).astype(np.float16).astype(np.float32)
+    depth = np.full((size[1], size[0]), 4.0)
+    depth[:, size[0] // 2 :] = 1.5
+    depth[0, 0], depth[1, 1] = 0, np.inf
+    return colour, depth
+
+
+@pytest.fixture(scope="module")
+def gpu():
+    with Gpu() as made:
+        yield made
+
+
+@pytest.mark.parametrize("warp", usable_warps())
+def test_many_pictures_are_each_what_warp_image_makes(warp, gpu):
+    with Warper(SIZE, warp=warp, fill="pyramid", gpu=gpu) as warper:
+        for number in range(3):
+            colour, depth = picture(number)
+            shown = view((0.05 * number, 0, 0), yaw=2.0 * number)
+            one = warper.warp(colour, depth, view(), shown)
+            alone = warp_image(colour, depth, view(), shown, warp, "pyramid", gpu=gpu)
+            assert np.array_equal(one.colour, alone.colour) and np.array_equal(one.coverage, alone.coverage)
+            assert one.hole_share == alone.hole_share and set(one.time_ms) == {"warp", "fill"}
+
+
+def test_nothing_is_allocated_after_the_first_picture(gpu, monkeypatch):
+    with Warper(SIZE, gpu=gpu) as warper:
+        warper.warp(*picture(0), view(), view((0.1, 0, 0)))
+        made = []
+        for name in ("texture", "buffer", "framebuffer", "compute_shader", "program"):
+            usual = getattr(gpu.gl, name)
+            monkeypatch.setattr(gpu.gl, name, lambda *a, _n=name, _u=usual, **k: (made.append(_n), _u(*a, **k))[1])
+        for number in range(1, 4):
+            warper.warp(*picture(number), view(), view((0.1, 0, 0)))
+        assert made == []
+
+
+def test_a_fill_that_remembers_learns_from_each_picture(gpu):
+    """What the second picture does not show, the first one did: only the Warper knows it."""
+    colour, depth = np.full((30, 40, 3), 0.25, np.float32), np.full((30, 40), 3.0)
+    colour[:, :20] = 0.75
+    aside = view(yaw=25.0)
+    with Warper(SIZE, warp="iterative", fill="memory", gpu=gpu) as warper:
+        warper.warp(colour, depth, aside, aside)
+        remembered = warper.warp(colour, depth, view(), aside)
+    forgotten = warp_image(colour, depth, view(), aside, "iterative", "memory", gpu=gpu)
+    assert forgotten.hole_share > 0.2 and (forgotten.coverage == 0).mean() > 0.2
+    assert (remembered.coverage == 0).mean() < 0.02
+
+
+def test_the_depth_of_what_is_shown_comes_where_asked_for(gpu):
+    """A plane at 4 m, seen from 1 m nearer, is 3 m away in every pixel that it covers."""
+    colour = picture(0)[0]
+    with Warper(SIZE, warp="iterative", fill="none", depth=True, gpu=gpu) as warper:
+        near = warper.warp(colour, np.full((30, 40), 4.0), view(), view((0, 0, -1.0)))
+        far = warper.warp(colour, np.full((30, 40), np.inf), view(), view((0, 0, -1.0)))
+    covered = near.coverage > 0
+    assert near.depth_m is not None and covered.mean() > 0.9
+    # float32 inverse depth on the way: 1e-6 of it, and the warp's own 1e-3 of a pixel.
+    assert near.depth_m[covered] == pytest.approx(3.0, rel=1e-4)
+    assert np.isnan(near.depth_m[~covered]).all()
+    assert far.depth_m is not None and np.isinf(far.depth_m[far.coverage > 0]).all()
+    assert warp_image(colour, np.full((30, 40), 4.0), view(), view(), gpu=gpu).depth_m is None
+
+
+def test_other_pictures_show_what_the_first_does_not(gpu):
+    colour, depth = picture(4)
+    depth[:] = 4.0
+    aside = view((0.8, 0, 0))
+    alone = warp_image(colour, depth, view(), aside, "iterative", "none", gpu=gpu)
+    with Warper(SIZE, warp="multi", fill="none", gpu=gpu) as warper:
+        both = warper.warp(colour, depth, view(), aside, others=[(colour, depth, aside)])
+    assert alone.hole_share > 0.05 and both.hole_share == 0
+
+
+def test_the_depth_that_the_client_has_is_read(gpu):
+    """The exact depth of a plane in the shown view: every pixel finds its own, as in a plane."""
+    colour = picture(5)[0]
+    depth, shown = np.full((30, 40), 4.0), view((0.4, 0, 0))  # two pixels of 0.05 at 1 m
+    out = warp_image(colour, depth, view(), shown, "backward", "none", client_depth_m=depth, gpu=gpu)
+    # The place is right to 1e-4 pixel in float32, times at most 1 between two neighbours.
+    assert np.abs(out.colour[:, :38] - colour[:, 2:]).max() <= 2e-3
+    off = warp_image(colour, depth, view(), shown, "backward", "none", client_depth_m=2 * depth, gpu=gpu)
+    assert off.hole_share > 0.9  # nothing was drawn where that depth says
+
+
+def textures_of(gpu: Gpu, colour: np.ndarray, inverse: np.ndarray) -> tuple[moderngl.Texture, moderngl.Texture]:
+    size = inverse.shape[1::-1]
+    pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+    upload(pair[0], colour)
+    upload(pair[1], inverse)
+    return pair
+
+
+def test_textures_are_what_arrays_are(gpu):
+    """By the id alone, as a caller's own renderer has them."""
+    colour, depth = picture(6)
+    with np.errstate(divide="ignore"):
+        inverse = np.where(depth == 0, -1, 1 / depth).astype(np.float32)
+    rgba = np.dstack([colour * (inverse >= 0)[..., None], inverse >= 0])
+    own = textures_of(gpu, rgba, inverse)
+    ids = [gpu.gl.external_texture(texture.glo, SIZE, texture.components, 0, texture.dtype) for texture in own]
+    shown = view((0.1, 0, 0))
+    with Warper(SIZE, fill="pyramid", depth=True, gpu=gpu) as warper:
+        arrays = warper.warp(colour, depth, view(), shown)
+        out = warper.warp_textures(*ids, view(), shown)
+        found = download(out.colour)
+        assert np.array_equal(found[..., :3].astype(np.float32), arrays.colour)
+        assert np.array_equal(found[..., 3].astype(np.float32), arrays.coverage)
+        assert out.inverse_depth is not None
+        shown_inverse = download(out.inverse_depth)
+    known = ~np.isnan(arrays.depth_m)
+    assert np.array_equal(shown_inverse < 0, ~known)
+    with np.errstate(divide="ignore"):
+        assert np.array_equal(1 / shown_inverse.astype(np.float64)[known], arrays.depth_m[known])
+    for texture in own:
+        texture.release()
+
+
+BUFFERS = {
+    "forward": DepthLayer(0, 1, 0.1, 50),
+    "reversed, infinite": DepthLayer(0, 1, float("inf"), 0.1),
+    "clip space": DepthLayer(-1, 1, 0.2, 20),
+}
+
+
+@pytest.mark.parametrize("encoding", ["linear", "srgb"])
+@pytest.mark.parametrize("form", ["inverse", "metres", *BUFFERS])
+def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
+    """Bytes of sRGB and depth of each form: the same picture as from arrays in float64."""
+    rng = np.random.default_rng(7)
+    shown_bytes = rng.integers(0, 256, (30, 40, 4), dtype=np.uint8)
+    shown_bytes[..., 3] = np.where(rng.random((30, 40)) < 0.1, 0, 255)
+    depth = rng.uniform(0.5, 15, (30, 40))
+    depth[3, 4], depth[5, 6] = np.inf, np.nan
+    layer = BUFFERS.get(form, form)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1 / depth
+    if isinstance(layer, DepthLayer):
+        values = np.where(np.isnan(depth), 2.0, layer.encode(np.nan_to_num(inverse)))
+        inverse = layer.inverse_depth(values)
+    else:
+        values = {"inverse": np.where(np.isnan(inverse), -1, inverse), "metres": np.nan_to_num(depth, posinf=np.inf)}[
+            form
+        ]
+    light = shown_bytes[..., :3] / 255
+    light = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4) if encoding == "srgb" else light
+    colour = gpu.gl.texture(SIZE, 4, dtype="f1")
+    upload(colour, shown_bytes)
+    given = allocate(gpu.gl, SIZE, SCALAR)
+    upload(given, values.astype(np.float32))
+    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
+        out = warper.warp_textures(colour, given, view(), view(), depth_as=layer, encoding=encoding)
+        found, shown_inverse = download(out.colour).astype(np.float64), download(out.inverse_depth)
+    covered = (shown_bytes[..., 3] > 0) & ~np.isnan(inverse)
+    assert np.array_equal(found[..., 3] > 0, covered)
+    # A half keeps 11 bits, and a store may cut off the rest; the power in float32 is good to 1e-5.
+    assert found[covered][:, :3] == pytest.approx(light[covered], rel=2**-10 + 1e-5, abs=1e-7)
+    assert (found[~covered] == 0).all() and (shown_inverse[~covered] == -1).all()
+    # float32 values: a buffer's last bit is 2**-24 of its range, which spans 1/near.
+    slack = 2**-22 / min(layer.near_z, layer.far_z) if isinstance(layer, DepthLayer) else 1e-9
+    assert shown_inverse[covered] == pytest.approx(inverse[covered], rel=1e-6, abs=slack)
+    colour.release()
+    given.release()
+
+
+def test_a_shared_context_may_be_used_from_any_thread():
+    colour, depth = picture(8)
+    found = []
+    with Warper(SIZE) as warper:
+        here = warper.warp(colour, depth, view(), view((0.1, 0, 0)))
+        thread = threading.Thread(target=lambda: found.append(warper.warp(colour, depth, view(), view((0.1, 0, 0)))))
+        thread.start()
+        thread.join()
+    assert np.array_equal(found[0].colour, here.colour)
+
+
+def test_a_context_of_its_own_belongs_to_its_thread(gpu):
+    errors = []
+
+    def elsewhere() -> None:
+        with pytest.raises(InputError, match="made in another thread") as told:
+            warper.warp(*picture(0), view(), view())
+        errors.append(told.value)
+
+    with Warper(SIZE, gpu=gpu) as warper:
+        thread = threading.Thread(target=elsewhere)
+        thread.start()
+        thread.join()
+    assert len(errors) == 1
+
+
+def test_everything_is_freed(gpu):
+    def living() -> int:
+        gc.collect()
+        return sum(hasattr(thing, "release") for thing in gc.get_objects() if isinstance(thing, moderngl.Texture))
+
+    before = living()
+    warper = Warper(SIZE, fill="memory+pyramid", depth=True, gpu=gpu)
+    warper.warp(*picture(0), view(), view())
+    warper.close()
+    warper.close()
+    del warper
+    assert living() <= before
+
+
+def test_warps_that_read_more_are_refused_by_name(gpu):
+    for name in warps.names():
+        if set(warps.get(name).reads) <= set(GIVEN):
+            continue
+        with pytest.raises(PlanError, match="Usable are warps"):
+            Warper(SIZE, warp=name, fill="none", gpu=gpu)
+
+
+def test_what_does_not_fit_is_refused(gpu):
+    colour, depth = picture(9)
+    with Warper(SIZE, gpu=gpu) as warper:
+        with pytest.raises(InputError, match="colour is 20x30 pixels: this Warper is for 40x30"):
+            warper.warp(colour[:, :20], depth[:, :20], view(), view())
+        with pytest.raises(InputError, match="client_depth_m: warp 'iterative' does not read it"):
+            warper.warp(colour, depth, view(), view(), client_depth_m=depth)
+        with pytest.raises(InputError, match="others has 1 pictures, and warp 'iterative'.*reads none"):
+            warper.warp(colour, depth, view(), view(), others=[(colour, depth, view())])
+        with pytest.raises(InputError, match="eye is 2: expected 0"):
+            warper.warp(colour, depth, view(), view(), eye=2)
+        with pytest.raises(InputError, match="shown is a str"):
+            warper.warp(colour, depth, view(), "here")
+        own = textures_of(gpu, np.dstack([colour, np.ones((30, 40))]), np.ones((30, 40)))
+        small = gpu.gl.texture((4, 4), 4)
+        three = gpu.gl.texture(SIZE, 3)
+        for pair, more, told in (
+            ((colour, own[1]), {}, "colour is a ndarray: expected a moderngl.Texture"),
+            ((small, own[1]), {}, "colour is 4x4 pixels"),
+            ((three, own[1]), {}, "colour has 3 components"),
+            (own, {"depth_as": "millimetres"}, "depth_as is 'millimetres'"),
+            (own, {"encoding": "gamma"}, "encoding is 'gamma'"),
+        ):
+            with pytest.raises(InputError, match=told):
+                warper.warp_textures(*pair, view(), view(), **more)
+        for texture in (*own, small, three):
+            texture.release()
+    with Warper(SIZE, warp="multi", fill="none", gpu=gpu) as warper:
+        with pytest.raises(InputError, match="warp 'multi' reads other pictures: give others="):
+            warper.warp(colour, depth, view(), view())
+        with pytest.raises(InputError, match=r"others\[0\]: expected \(colour, depth_m, view\)"):
+            warper.warp(colour, depth, view(), view(), others=[colour[0, 0, :2]])
+    with pytest.raises(InputError, match="textures belong to a context"), Warper(SIZE) as shared:
+        shared.warp_textures(None, None, view(), view())

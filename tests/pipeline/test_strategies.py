@@ -1,0 +1,120 @@
+"""Strategies: each by its name through replay, live, bench and a study's condition."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from commands import hmdwarp
+
+from hmdwarp.client import parse_fills, parse_warp
+from hmdwarp.client.effects import effects
+from hmdwarp.errors import InputError
+from hmdwarp.options import options_of
+from hmdwarp.pipeline import PipelineOptions, build_plan_for
+from hmdwarp.pipeline.options import DEFAULT_FILL, DEFAULT_WARP
+from hmdwarp.scenes import load_scene
+from hmdwarp.strategies import options_of_strategy, strategies
+from hmdwarp.study.design import live_options
+
+NAMES = strategies.names()
+SMALL = ("--size", "96x80", "--headset", "flat-90", "--scene", "planes", "--seconds", "0.2", "--quiet")
+
+
+@pytest.fixture(params=NAMES)
+def name(request) -> str:
+    return request.param
+
+
+def test_a_strategy_sets_options_that_there_are(name):
+    sets = options_of_strategy(name)
+    assert set(sets) <= {option.name for option in options_of(PipelineOptions)} - {"strategy"}
+    if "warp" in sets:
+        parse_warp(sets["warp"])
+    parse_fills(sets.get("fill", "none"))
+    effects.forced(sets.get("effects", "auto"))
+
+
+def test_a_strategy_says_what_it_is(name):
+    strategy = strategies.get(name)
+    told = (strategy.summary, strategy.crosses, strategy.client, strategy.late, strategy.source)
+    assert all(text and text == text.strip() and not text.endswith(".") for text in told)
+    assert set(strategy.classes) <= {1, 2, 3} and strategy.classes
+
+
+def test_the_plan_is_that_of_the_options_it_sets(name):
+    scene = load_scene("planes")
+    by_name = PipelineOptions.of({"strategy": name})
+    by_hand = PipelineOptions.of(options_of_strategy(name))
+    assert build_plan_for(by_name, None, scene) == build_plan_for(by_hand, None, scene)
+    assert by_name.strategy == name
+
+
+def test_replay_runs_it_and_says_so(name, tmp_path):
+    done = hmdwarp("replay", "look-around", "--strategy", name, *SMALL, "--workers", 0, "--out", tmp_path / "run")
+    assert (done.returncode, done.stderr) == (0, "")
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["strategy"] == name
+    assert summary["quality"]["psnr_db"]["mean"] > 5
+
+
+def test_live_runs_it(name, tmp_path):
+    where = ("--source", "offscreen", "--trace", "look-around", "--out", tmp_path / "live")
+    done = hmdwarp("live", "--strategy", name, *SMALL, *where)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["strategy"] == name
+
+
+def test_a_study_condition_takes_it(name):
+    assert live_options({"strategy": name}).strategy == name
+
+
+def test_bench_compares_those_that_share_frames(tmp_path):
+    shared = [name for name in NAMES if set(options_of_strategy(name)) <= {"warp", "fill", "effects"}]
+    chosen = [part for name in shared for part in ("--strategy", name)]
+    options = ("--instants", 1, "--rounds", 1, "--workers", 0, "--out", tmp_path / "bench")
+    done = hmdwarp("bench", "look-around", *chosen, "--size", "96x80", "--scene", "planes", "--quiet", *options)
+    assert (done.returncode, done.stderr) == (0, "")
+    rows = json.loads((tmp_path / "bench" / "bench.json").read_text(encoding="utf-8"))["rows"]
+    assert [row["strategy"] for row in rows] == shared
+    assert all(row["quality"]["psnr_db"]["mean"] > 5 for row in rows)
+    by_strategy = {row["strategy"]: row for row in rows}
+    # The light alone is warped by the default chain: other pictures, of the same warp and fill.
+    light, usual = by_strategy["light"], by_strategy["depth_image"]
+    assert (light["warp"], light["fill"]) == (usual["warp"], usual["fill"]) == (DEFAULT_WARP, DEFAULT_FILL)
+    assert light["quality"]["psnr_db"] != usual["quality"]["psnr_db"]
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"strategy": "imposter", "warp": "forward"}, "--warp forward beside --strategy imposter"),
+        ({"strategy": "imposter", "fill": "pyramid"}, "--fill pyramid beside --strategy imposter"),
+        ({"strategy": "light", "effects": "none"}, "--effects none beside --strategy light"),
+        ({"strategy": "imposter:"}, "settings after the colon"),
+        ({"strategy": "imposter:speed=1"}, "is no setting of 'none'"),
+        ({"strategy": "depth_image:warp=forward"}, "it has no settings"),
+        ({"strategy": "depth_image", "warp": "rotation"}, "reads no depth"),
+        ({"strategy": "impostor"}, "did you mean 'imposter'"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(said, words):
+    with pytest.raises(InputError, match=words):
+        build_plan_for(PipelineOptions.of(said), None, None)
+
+
+def test_a_strategy_beside_other_passes_is_refused_in_python_too():
+    with pytest.raises(InputError, match="strategy 'imposter' with fill"):
+        PipelineOptions(strategy="imposter")
+
+
+def test_a_client_that_cannot_run_it_is_refused_with_the_reason(tmp_path: Path):
+    done = hmdwarp("replay", "look-around", "--strategy", "light", "--client", "class-1", "--out", tmp_path / "run")
+    assert done.returncode == 2 and "class-1" in done.stderr and "nothing of the scene" in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def test_depth_image_leaves_warp_and_fill_free():
+    chosen = PipelineOptions.of({"strategy": "depth_image", "warp": "forward", "fill": "interpolate"})
+    assert (chosen.warp, chosen.fill) == ("forward", "interpolate")

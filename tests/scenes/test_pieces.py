@@ -1,0 +1,97 @@
+"""Scenes in pieces: what is unpacked is what was packed, and all pieces are the scene."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+from hmdwarp.scenes import COARSEST, FULL, Background, Mesh, Pieces, Scene, load_scene, partial_scene, pieces_of
+
+
+@functools.cache
+def cut(name: str) -> Pieces:
+    return Pieces(load_scene(name))
+
+
+ARRAYS = ("positions", "uv", "light", "triangles")
+
+
+@pytest.mark.parametrize("name", ["planes", "gallery", "parade", "cockpit"])
+def test_all_pieces_are_the_scene(name, tmp_path):
+    scene = load_scene(name)
+    pieces = pieces_of(scene, 1.0, 1.0, lit=True, folder=tmp_path)
+    assert pieces is pieces_of(scene, 1.0, 1.0, lit=True, folder=tmp_path)
+    assert pieces.scene is scene
+    for mesh, parts in pieces.cut:
+        if not parts:
+            assert not mesh.is_surface or mesh.material.reflectivity or not len(mesh.triangles)
+            continue
+        corners = np.concatenate([part.positions[part.triangles] for part in parts])
+        whole = mesh.positions[mesh.triangles]
+        assert sorted(map(bytes, corners.astype(np.float32))) == sorted(map(bytes, whole.astype(np.float32)))
+
+
+@pytest.mark.parametrize("name", ["planes", "gallery", "parade"])
+def test_what_is_unpacked_is_what_was_packed(name):
+    pieces = cut(name)
+    for index, mesh in enumerate(pieces.meshes):
+        number = pieces.number_of_mesh(index)
+        ((found, got),) = pieces.meshes_in(number, pieces.things[number])
+        assert found == index and got.texture == mesh.texture and got.body == mesh.body
+        assert all(np.array_equal(getattr(got, one), getattr(mesh, one)) for one in ARRAYS)
+    for index, got in pieces.meshes_in(0, pieces.things[0]):
+        assert all(np.array_equal(getattr(got, one), getattr(pieces.stand_ins[index], one)) for one in ARRAYS)
+    for texture, scale in pieces.levels:
+        number = pieces.number_of_level(texture, scale)
+        assert pieces.meshes_in(number, pieces.things[number]) == []
+        *which, image = pieces.level_in(number, pieces.things[number])
+        assert which == [texture, scale]
+        if scale == FULL:
+            assert np.array_equal(image, pieces.scene.textures[texture].image)
+
+
+def test_stand_ins_are_few_and_the_first_to_cross_is_small():
+    pieces = cut("parade")
+    standing = sum(len(mesh.triangles) for mesh in pieces.stand_ins if mesh is not None)
+    assert standing <= 2000 < pieces.scene.triangle_count / 10
+    first = sum(len(pieces.things[number]) for number in pieces.first)
+    assert first < pieces.whole_bytes / 50
+    assert {0, *(pieces.number_of_level(texture, COARSEST) for texture, _ in pieces.levels)} == set(pieces.first)
+
+
+def test_packed_is_less_than_the_arrays():
+    pieces = cut("parade")
+    raw = sum(mesh.positions.nbytes + mesh.uv.nbytes + mesh.light.nbytes for mesh in pieces.meshes)
+    raw += sum(pieces.scene.textures[texture].image.nbytes for texture in {texture for texture, _ in pieces.levels})
+    assert pieces.whole_bytes < 0.7 * raw
+    assert pieces.start_bytes < 2000
+
+
+def test_a_blank_scene_holds_nothing_of_what_is_sent():
+    pieces = cut("parade")
+    blank = pieces.blank()
+    standing = [mesh for mesh in pieces.stand_ins if mesh is not None]
+    assert len(blank.meshes) == len(pieces.meshes) + len(pieces.at_start) + len(standing)
+    assert all(not mesh.positions.any() and not mesh.light.any() and not mesh.triangles.any() for mesh in blank.meshes)
+    assert all((texture.image == 128).all() for texture in blank.textures)
+
+
+def test_an_empty_scene_has_no_pieces(tmp_path):
+    empty = Scene(
+        "empty", "nothing", meshes=[Mesh("none", *np.zeros((2, 0, 3)), np.zeros((0, 2)), *np.zeros((2, 0, 3)))]
+    )
+    for scene in (empty, Scene("sky", "sky alone", meshes=(), background=Background.uniform((1, 1, 1)))):
+        pieces = Pieces(scene, tmp_path)
+        assert pieces.meshes == [] and pieces.meshes_in(0, pieces.things[0]) == [] and pieces.first == [0]
+        assert pieces.whole_bytes < 100
+
+
+def test_nothing_reduced_is_the_scene_itself(tmp_path):
+    scene = load_scene("gallery")
+    assert partial_scene(scene, 1.0, 1.0, lit=True) is scene
+    fewer = partial_scene(scene, 0.3, 0.5, lit=True, folder=tmp_path)
+    kinds = [mesh.material for mesh in scene.meshes if mesh.material.reflectivity]
+    assert [mesh.material for mesh in fewer.meshes if mesh.material.reflectivity] == kinds
+    assert fewer.triangle_count < 0.6 * scene.triangle_count
