@@ -232,7 +232,7 @@ def _row_of_memory(gpu: Gpu, server: Server, recording: str) -> str:
 
 def table() -> str:
     """Return one line for each recording, warp and kind of sample, and for the memory."""
-    head = "| recording | warp | sample | one warp, dB | thirty, dB | away from edges, dB | still covered % | CPU time |"
+    head = "| recording | warp | sample | one warp, dB | thirty, dB | away from edges, dB | covered % | CPU time |"
     lines = [head, "| --- | --- | --- |" + " ---: |" * 5]
     with Gpu() as gpu:
         server = Server(gpu, load_scene("room"))
