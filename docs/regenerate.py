@@ -20,6 +20,7 @@ from pathlib import Path
 
 import aims
 import bench_tables
+import chains
 import front_page
 import gpu_tables
 import guard
@@ -172,6 +173,22 @@ def border(folder: Path) -> None:
     rows = json.loads((folder / "border" / "bench.json").read_text(encoding="utf-8"))["rows"]
     ordered = [row for case in cases(rows) for row in case.ordered()]
     replace("border", markdown_table(ordered, ("trace", "warp", *FIGURES[:5])))
+
+
+def sharpness(folder: Path) -> None:
+    """Measure what each kind of sample leaves of a picture: after thirty warps, and after one."""
+    replace("sharpness", chains.table())
+    single_warps(folder)
+
+
+def single_warps(folder: Path) -> None:
+    """Measure each kind of sample on the two recordings at 200 ms."""
+    options = shlex.split("--fill pyramid --guard 1.5 --latency 200 --seconds 4 --rate 20 --metrics-every 10")
+    rows = []
+    for name in RECORDINGS:
+        for warp in (f"iterative:resample={kind}" for kind in chains.RESAMPLES):
+            rows.append(((name, f"`{warp}`"), run(folder, name, "--warp", warp, *options)))
+    replace("single warps", table(("recording", "warp"), rows))
 
 
 def prediction(folder: Path) -> None:
@@ -487,6 +504,8 @@ PARTS = {
     "bench": bench,
     "bench-large": bench_large,
     "border": border,
+    "sharpness": sharpness,
+    "single-warps": single_warps,
     "defaults": defaults,
     "strategies": strategies_compared,
     "difference": difference,
