@@ -20,6 +20,7 @@ from pathlib import Path
 
 import aims
 import bench_tables
+import chains
 import front_page
 import gpu_tables
 import guard
@@ -174,6 +175,22 @@ def border(folder: Path) -> None:
     replace("border", markdown_table(ordered, ("trace", "warp", *FIGURES[:5])))
 
 
+def sharpness(folder: Path) -> None:
+    """Measure what each kind of sample leaves of a picture: after thirty warps, and after one."""
+    replace("sharpness", chains.table())
+    single_warps(folder)
+
+
+def single_warps(folder: Path) -> None:
+    """Measure each kind of sample on the two recordings at 200 ms."""
+    options = shlex.split("--fill pyramid --guard 1.5 --latency 200 --seconds 4 --rate 20 --metrics-every 10")
+    rows = []
+    for name in RECORDINGS:
+        for warp in (f"iterative:resample={kind}" for kind in chains.RESAMPLES):
+            rows.append(((name, f"`{warp}`"), run(folder, name, "--warp", warp, *options)))
+    replace("single warps", table(("recording", "warp"), rows))
+
+
 def prediction(folder: Path) -> None:
     """Measure the predictors' errors, and a server that renders for the predicted pose."""
     replace("prediction errors", prediction_tables.errors_table())
@@ -304,6 +321,11 @@ def effects(folder: Path) -> None:
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 
+def reflections(folder: Path) -> None:
+    """Measure reflections from pictures alone, also where there are no mirrors."""
+    replace("reflections", passes.pictures_table(partial(run, folder)))
+
+
 def fills(folder: Path) -> None:
     """Measure every fill, in former holes and over the whole picture."""
     replace("fills", passes.fills_table(partial(run, folder)))
@@ -333,6 +355,18 @@ def link(folder: Path) -> None:
     layers(folder)
     depth_codes(folder)
     server_rates(folder)
+    proxies(folder)
+    chosen_views(folder)
+
+
+def proxies(folder: Path) -> None:
+    """Measure a proxy between server and client: ten minutes."""
+    replace("proxy", passes.proxy_table(partial(run, folder)))
+
+
+def chosen_views(folder: Path) -> None:
+    """Measure views that the server chooses."""
+    replace("views", passes.views_table(partial(run, folder)))
 
 
 def layers(folder: Path) -> None:
@@ -470,12 +504,15 @@ PARTS = {
     "bench": bench,
     "bench-large": bench_large,
     "border": border,
+    "sharpness": sharpness,
+    "single-warps": single_warps,
     "defaults": defaults,
     "strategies": strategies_compared,
     "difference": difference,
     "models": scene_on_the_client,
     "prediction": prediction,
     "effects": effects,
+    "reflections": reflections,
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
@@ -486,6 +523,8 @@ PARTS = {
     "layers": layers,
     "depth-code": depth_codes,
     "server-rates": server_rates,
+    "proxy": proxies,
+    "views": chosen_views,
     "readme": readme,
 }
 

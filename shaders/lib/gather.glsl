@@ -20,7 +20,7 @@ void prepare_sampling() {
     texels_end = vec2(imageSize(rendered_texels)) - 0.5;
 }
 
-vec4 sampled(vec2 p) {
+vec4 bilinear(vec2 p) {
     vec2 at = clamp(p, vec2(0.5), texels_end) - 0.5;
     vec2 low = floor(at), part = at - low;
     ivec2 texel = ivec2(low);
@@ -36,8 +36,27 @@ void prepare_sampling() {
     per_pixel = rendered_pixel;
 }
 
-vec4 sampled(vec2 p) {
+vec4 bilinear(vec2 p) {
     return textureLod(rendered_colour, p * per_pixel, 0.0);
+}
+#endif
+
+#ifdef CATMULL_ROM
+vec4 colour_texel(ivec2 texel) {
+#ifdef TEXELS
+    return imageLoad(rendered_texels, texel);
+#else
+    return texelFetch(rendered_colour, texel, 0);
+#endif
+}
+#include "lib/catmull_rom.glsl"
+
+vec4 sampled(vec2 p) {
+    return catmull_rom(p, ivec2(rendered_extent));
+}
+#else
+vec4 sampled(vec2 p) {
+    return bilinear(p);
 }
 #endif
 

@@ -72,6 +72,6 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
             level = same_block ? 0 : min(level + 1, TOP);
         }
     }
-    vec4 sum = textureLod(rendered_colour, place * rendered_pixel, 0.0);
+    vec4 sum = sampled(place);
     return met && inside(p, rendered_size) && sum.a >= 0.5 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }

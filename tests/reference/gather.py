@@ -7,7 +7,7 @@ import numpy as np
 
 from hmdwarp.geometry import Pose, View, WarpMap
 from reference._rays import FLOAT32_UNIT, Array, Places, pixel_centres, pixel_error_bound, project
-from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, near_edge
 
 
 def none(inputs: TwinInputs) -> ReferencePicture:
@@ -54,7 +54,7 @@ def _from_the_middle(inputs: TwinInputs, r: float, fitted) -> ReferencePicture:
     places = pixels[0] + np.stack([(factor * own).real, (factor * own).imag], axis=-1) * per_tangent
     places = np.where(ahead, places, np.nan)
     bound = _middle_bound(inputs, r, moved, past)
-    return sample_covered(inputs.colour, places, bound, inputs.sampler_pixels)
+    return inputs.look(places, bound)
 
 
 def _middle_bound(inputs: TwinInputs, r: float, moved: Array, past: float) -> Array:
@@ -86,10 +86,10 @@ def _through_infinity(inputs: TwinInputs, shown: View, clamped: bool = False) ->
     pixels, _, _ = project(inputs.directions(shown), np.zeros(3), far, rendered, size)
     bound = inputs.map_error(WarpMap.between(shown, inputs.shown_size, rendered, size), far)
     if not clamped:
-        return sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+        return inputs.look(pixels, bound)
     # In a picture that repeats its border the place is the same one, moved inwards; moving two
     # places to the nearest of a box never takes them apart, so the bound holds.
-    return sample_covered(inputs.colour, np.clip(pixels, 0.5, np.array(size) - 0.5), bound, inputs.sampler_pixels)
+    return inputs.look(np.clip(pixels, 0.5, np.array(size) - 0.5), bound)
 
 
 def median_inverse_depth(inverse_depth: Array, grid: int = 64) -> float:
@@ -122,7 +122,7 @@ def planar(inputs: TwinInputs) -> ReferencePicture:
     )
     # The shader's form cancels by up to 1 + 2 r |moved| before it divides by past.
     grown = 4 * bound * (1 + 2 * r * np.linalg.norm(moved)) / max(abs(past), 1e-6)
-    return sample_covered(inputs.colour, pixels, grown, inputs.sampler_pixels)
+    return inputs.look(pixels, grown)
 
 
 def backward(inputs: TwinInputs) -> ReferencePicture:
@@ -149,15 +149,13 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     pixels = np.where(both_ahead[..., None], pixels, np.nan)
     bound = inputs.map_error(WarpMap.between(shown, shown_size, rendered, size), own)
     if settings.test == "off":
-        looked = sample_covered(inputs.colour, pixels, bound, inputs.sampler_pixels)
+        looked = inputs.look(pixels, bound)
         unsure = (looked.undecided & known) | inputs.near_another_pixel()
         return attrs.evolve(looked, undecided=unsure, inverse_depth=(own, np.zeros(own.shape)))
     at, agree, undecided = _where_depth_agrees(
         inputs.inverse_depth, pixels, centres, expected, bound, settings.tolerance, settings.floor
     )
-    looked = sample_covered(
-        inputs.colour, np.where(agree[..., None], at, np.nan), bound, inputs.sampler_pixels, least=0.0
-    )
+    looked = inputs.look(np.where(agree[..., None], at, np.nan), bound, least=0.0)
     outside = ~((pixels >= 0) & (pixels < np.array(size))).all(axis=-1)
     looked.colour[outside] = 0
     edge = near_edge(pixels, size, bound) & known

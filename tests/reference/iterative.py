@@ -8,7 +8,7 @@ import numpy as np
 from hmdwarp.geometry import WarpMap
 from reference._rays import FLOAT32_UNIT, project
 from reference._rendered_surface import LEAST_RUN, Array, Bools, RaysInRendered, RenderedSurface, run_of
-from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, near_edge
 
 BLOCK = 4
 SAME_SURFACE = 0.9
@@ -65,7 +65,7 @@ def _coloured(
     # Beside the rendered eye, and beside the shown one, float32 may take either side.
     beside = (np.abs(rays.lead) <= 1e-5) | (np.abs(r * rays.ahead_m - 1) <= 1e-5)
     seen = met & ahead & inside
-    looked = sample_covered(inputs.colour, np.where(seen[..., None], at, np.nan), error, inputs.sampler_pixels)
+    looked = inputs.look(np.where(seen[..., None], at, np.nan), error)
     edge = near_edge(pixels, size, error) & (rays.lead > 0)
     return ReferencePicture(
         looked.colour, looked.tolerance, (unsure & (rays.lead > 0)) | (looked.undecided & seen) | edge | beside

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from hmdwarp.geometry import View, WarpMap
-from reference._rays import Places, pixel_centres, pixel_error_bound, rays_through, world_directions
+from reference._rays import FLOAT32_UNIT, Places, pixel_centres, pixel_error_bound, rays_through, world_directions
 
 Array = NDArray[np.float64]
 
@@ -128,6 +128,12 @@ class TwinInputs:
         """(w, h) of the rendered picture."""
         return self.colour.shape[1::-1]
 
+    def look(self, pixels: Array, position_error: Array, least: float = 0.5) -> ReferencePicture:
+        """The colour at `pixels`, sampled as the settings say; see sample_covered."""
+        if getattr(self.settings, "resample", "bilinear") == "catmull-rom":
+            return sample_cubic(self.colour, pixels, position_error, least)
+        return sample_covered(self.colour, pixels, position_error, self.sampler_pixels, least)
+
 
 @attrs.frozen(eq=False)
 class ReferencePicture:
@@ -177,6 +183,62 @@ def sample_covered(
     return ReferencePicture(out, tolerance, undecided)
 
 
+ON_A_CENTRE = 1 / 1024  # pixels: so near to a texel's centre a cubic look takes that texel
+
+
+def sample_cubic(colour: Array, pixels: Array, position_error: Array, least: float = 0.5) -> ReferencePicture:
+    """As sample_covered, by cubic Hermite curves where the sixteen texels around are covered.
+
+    A curve has at each texel the slope between its neighbours, and stays between the two texels
+    that it joins; first along rows, then across them. It is nowhere steeper than 1.5 times the
+    contrast of its four texels, which one across the rows amplifies by the 1.25 that its weights'
+    absolute values sum to: so a look `e` beside along both axes differs by less than 1.25 * 1.5 +
+    1.5 < 4 e times the contrast, continuously from texel to texel. 64 units of the brightest texel
+    nearby cover the rounding of two sums of four products.
+    """
+    high, wide = colour.shape[:2]
+    near = ON_A_CENTRE + 4 * FLOAT32_UNIT * max(high, wide)
+    plain = sample_covered(colour, pixels, position_error, near, least)
+    known = np.where(np.isnan(pixels), 0.5, pixels)
+    given = np.clip(known, 0.5, np.array([wide, high]) - 0.5) - 0.5
+    off_centre = np.abs(given - np.round(given))
+    place = np.where(off_centre < ON_A_CENTRE, np.round(given), given)
+    low = np.floor(place).astype(int)
+    x, y = (np.clip(low[..., k, None] + np.arange(-1, 3), 0, n - 1) for k, n in enumerate((wide, high)))
+    around = colour[y[..., :, None], x[..., None, :]]  # (.., 4 rows, 4 columns, 4)
+    part = place - low
+    rows = _hermite(np.moveaxis(around, -2, 0), part[..., 0, None, None])
+    curved = _hermite(np.moveaxis(rows, -2, 0), part[..., 1, None])
+
+    error = np.minimum(position_error + near, _ANYWHERE)
+    covered = ndimage.minimum_filter(colour[..., 3], size=5, mode="nearest")
+    coords = [place[..., 1], place[..., 0]]
+    in_middle = _near(covered, coords) >= 1
+    sharp = (around[..., 3].min(axis=(-1, -2)) >= 1) & (plain.colour[..., 3] > 0)
+    brightest = _near(ndimage.maximum_filter(np.abs(colour).max(axis=-1), size=5, mode="nearest"), coords)
+    tolerance = 4 * error * _contrast_near(colour, coords)[..., :3].max(axis=-1)
+    tolerance += (HALF_UNIT + 64 * FLOAT32_UNIT) * brightest + HALF_SMALLEST
+    # Beyond a line of texel centres other sixteen texels count: with a hole only there, the look
+    # turns bilinear at once.
+    on_a_line = (np.abs(off_centre - ON_A_CENTRE) <= (error - ON_A_CENTRE)[..., None]).any(axis=-1)
+    return ReferencePicture(
+        np.where(
+            sharp[..., None], np.concatenate([curved[..., :3], np.ones((*sharp.shape, 1))], axis=-1), plain.colour
+        ),
+        np.where(sharp, tolerance, plain.tolerance),
+        plain.undecided | (on_a_line & ~in_middle & (plain.colour[..., 3] > 0)),
+    )
+
+
+def _hermite(four: Array, t: Array) -> Array:
+    """The curve from the second to the third of four values, along the first axis."""
+    before, start, end, after = four
+    slopes = (end - before) / 2, (after - start) / 2
+    back = 1 - t
+    curve = (1 + 2 * t) * back**2 * start + t * back**2 * slopes[0] + t**2 * (3 - 2 * t) * end - t**2 * back * slopes[1]
+    return np.clip(curve, np.minimum(start, end), np.maximum(start, end))
+
+
 def near_edge(pixels: Array, size: tuple[int, int], error: Array) -> NDArray[np.bool_]:
     """Whether a place lies within its error of the picture's border, or is not known at all."""
     wide, high = size
@@ -192,5 +254,10 @@ def _contrast_near(colour: Array, coords: list[Array]) -> Array:
     spread = ndimage.maximum_filter(colour, size=(5, 5, 1), mode="nearest") - ndimage.minimum_filter(
         colour, size=(5, 5, 1), mode="nearest"
     )
-    y, x = (np.clip(np.round(c).astype(int), 0, n - 1) for c, n in zip(coords, colour.shape, strict=False))
-    return spread[y, x]
+    return _near(spread, coords)
+
+
+def _near(field: Array, coords: list[Array]) -> Array:
+    """Its value at the texel nearest to each place."""
+    y, x = (np.clip(np.round(c).astype(int), 0, n - 1) for c, n in zip(coords, field.shape, strict=False))
+    return field[y, x]

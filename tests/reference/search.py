@@ -8,7 +8,7 @@ from scipy import ndimage
 
 from reference._rays import FLOAT32_UNIT
 from reference._rendered_surface import Array, Bools, RaysInRendered, RenderedSurface
-from reference.picture import ReferencePicture, TwinInputs, near_edge, sample_covered
+from reference.picture import ReferencePicture, TwinInputs, near_edge
 
 NEAREST = 2.0**11  # 1/m
 STRIDE = 1e-3  # pixels by which the shader steps over each border
@@ -117,7 +117,7 @@ def _coloured(inputs: TwinInputs, rays: RaysInRendered, hits: _Hits, unsure: Boo
     with np.errstate(invalid="ignore"):
         seen = hits.some & ((pixels >= 0) & (pixels < np.array(inputs.size))).all(axis=-1)
     at = np.where(hits.connected, pixels, hits.centre)
-    looked = sample_covered(inputs.colour, np.where(seen[..., None], at, np.nan), error, inputs.sampler_pixels)
+    looked = inputs.look(np.where(seen[..., None], at, np.nan), error)
     edge = hits.some & near_edge(pixels, inputs.size, error)
     beside = np.abs(rays.lead) <= 1e-5
     return ReferencePicture(

@@ -1,7 +1,7 @@
 """Kinds of warps: base classes and passes that warps, fills and effects build on."""
 
 from .composite import CompositeWarp, DepthPicture
-from .gather import GatherWarp, bind_rendered_colour
+from .gather import GatherSettings, GatherWarp, bind_rendered_colour
 from .grid_mesh import GridMesh
 from .guesses import DepthGuesses, no_pieces, piece_list
 from .homography import HomographyWarp
@@ -18,6 +18,7 @@ __all__ = [
     "CompositeWarp",
     "DepthGuesses",
     "DepthPicture",
+    "GatherSettings",
     "GatherWarp",
     "GridMesh",
     "HomographyWarp",

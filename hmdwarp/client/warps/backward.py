@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import attrs
 
 from ...errors import PlanError
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, depth_limits
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
 from . import warps
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @attrs.frozen
-class BackwardSettings:
+class BackwardSettings(GatherSettings):
     """When a rendered depth agrees with the client's.
 
     They agree if they differ by at most tolerance * (the client's inverse depth + floor).

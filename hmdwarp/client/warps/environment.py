@@ -11,6 +11,7 @@ from ...errors import PlanError
 from ...frames import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
+from ..settings import NoSettings
 from ..warp_kinds import GatherWarp
 from . import warps
 
@@ -27,6 +28,7 @@ class Environment(GatherWarp):
 
     name = "environment"
     needs_compute = False
+    Settings = NoSettings
     summary = "turns freely within a cube map drawn around the eye, ignores how the eye moved"
     reads = ("rendered.cube",)
     exact_when = "the eye only turns, by any angle, up to one bilinear resample"

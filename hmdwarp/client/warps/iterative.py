@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, Seeds, depth_limits
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ MOST_STEPS = 64
 
 
 @attrs.frozen
-class IterativeSettings:
+class IterativeSettings(GatherSettings):
     """How guesses start, converge and end.
 
     Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth

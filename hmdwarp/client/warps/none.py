@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...geometry import View, WarpMap
+from ..settings import NoSettings
 from ..warp_kinds import HomographyWarp
 from . import warps
 
@@ -16,6 +17,7 @@ class NoWarp(HomographyWarp):
 
     name = "none"
     needs_compute = False
+    Settings = NoSettings
     summary = "the rendered picture as it is: what uncompensated latency looks like"
     exact_when = "the head is still"
     gets_wrong = "everything that moves relative to the head"

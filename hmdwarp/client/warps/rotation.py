@@ -7,12 +7,12 @@ from typing import Literal
 import attrs
 
 from ...geometry import Pose, View, WarpMap
-from ..warp_kinds import HomographyWarp
+from ..warp_kinds import GatherSettings, HomographyWarp
 from . import warps
 
 
 @attrs.frozen
-class RotationSettings:
+class RotationSettings(GatherSettings):
     """What is shown beyond the border of the rendered picture."""
 
     # clamp: its outermost pixels go on, so that no border is seen. Nothing counts as a hole then.

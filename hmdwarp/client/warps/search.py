@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...gpu.textures import tiles
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherWarp, depth_limits
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ NEAREST = 2.0**11  # 1/m; the search ends half a millimetre before the eye
 
 
 @attrs.frozen
-class SearchSettings:
+class SearchSettings(GatherSettings):
     """How far rays run, and which neighbours are one surface.
 
     Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
