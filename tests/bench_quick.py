@@ -40,7 +40,7 @@ from hmdwarp.server import Server
 PAUSE_S = 0.05
 LATENCY_NS = 200_000_000
 # Against which OpenCV function each warp is held, and the ratio it must not exceed, per size.
-TIMED = ("backward", "forward", "none", "planar", "rotation")  # `hmdwarp bench` times all the others
+TIMED = ("backward", "forward", "iterative", "none", "planar", "rotation")  # `hmdwarp bench` times all the others
 LIMITS = {
     (1280, 800): {"rotation": ("remap", 3.0), "backward": ("remap", 3.0), "forward": ("warpFrame", 1.2)},
     (2064, 2208): {"forward": ("warpFrame", 0.75)},
@@ -63,15 +63,22 @@ class Case:
         fov = Fov(-half[0], half[0], -half[1], half[1])
         self.shown = View(track.at(now).pose, fov)
         self.rendered = server.draw(View(track.at(now - LATENCY_NS).pose, fov), size)
-        self.client_depth = server.draw_depth(self.shown, size, allocate(gpu.gl, size, SCALAR))
+        self.server, self.client_depth = server, allocate(gpu.gl, size, SCALAR)
+        self._draw_depth()
         self.inputs = PassInputs(self.rendered, self.shown, client_inverse_depth=self.client_depth)
         self.canvas, self.other = Canvas(gpu.gl, size), Canvas(gpu.gl, size)
+
+    def _draw_depth(self) -> None:
+        """Draw the client's own depth, as it must before each warp that reads it."""
+        self.server.draw_depth(self.shown, self.size, self.client_depth)
 
     def methods(self) -> dict[str, Callable[[], object]]:
         made: dict[str, Callable[[], object]] = {}
         for name in TIMED:
             warp = warps.get(name)(self.gpu, self.size, self.size)
             made[name] = lambda warp=warp: warp.run(self.inputs, self.canvas)
+        backward = made["backward"]
+        made["backward with its depth"] = lambda: (self._draw_depth(), backward())
         fill = fills.get("interpolate")(self.gpu, self.size, self.size)
         made["fill interpolate"] = lambda: fill.run(self.inputs, ShownPicture(self.canvas), ShownPicture(self.other))
         lens = lenses.get("radial")(self.gpu, load_headset("rift-dk1"), self.size)

@@ -440,6 +440,11 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import hmdwarp") & set(HEAVY)
 
 
+@pytest.mark.parametrize("page", ["bench.md", "headsets.md", "scales.md", "study.md"])
+def test_a_users_page_names_commands_not_folders_of_the_package(page):
+    assert "`hmdwarp/" not in (ROOT / "docs" / page).read_text(encoding="utf-8")
+
+
 def test_every_public_name_has_a_docstring():
     package = importlib.import_module("hmdwarp")
     names = getattr(package, "__all__", [])

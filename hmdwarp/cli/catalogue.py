@@ -57,9 +57,41 @@ def _strategy_row(strategy: type[Strategy]) -> dict[str, str]:
 
 
 def _warps() -> list[dict[str, str]]:
+    from ..client.variants import every_baseline, parse_warp
     from ..client.warps import warps
+    from ..run.outside import OUTSIDE, missing
 
-    return [_warp_row(warp) for warp in warps]
+    rows = [_warp_row(warp) for warp in warps]
+    own = {row["name"]: row for row in rows}
+    for text, system in every_baseline().items():
+        choice = parse_warp(text)
+        values = ", ".join(f"{name}={value}" for name, value in attrs.asdict(choice.settings).items())
+        of = own[choice.entry.name]
+        rows.append(
+            of
+            | {
+                "name": text,
+                "summary": f"as {system}: {of['summary']}",
+                "settings": values,
+                "does_as": system,
+                "baselines": "none",
+            }
+        )
+    there = [name for name in OUTSIDE if not missing(name)]
+    return rows + [_outside_row(name, OUTSIDE[name], list(rows[0])) for name in there]
+
+
+def _outside_row(name: str, system: str, keys: list[str]) -> dict[str, str]:
+    said = {
+        "name": name,
+        "summary": f"as {system}: its own warp by depth, on the CPU, for 'hmdwarp bench' only",
+        "reads": "rendered.colour, rendered.inverse_depth",
+        "fused_with_the_lens": "no",
+        "follows_scanout": "no",
+        "does_as": system,
+        "source": system,
+    }
+    return {key: said.get(key, "none") for key in keys}
 
 
 def _warp_row(warp: type[Warp]) -> dict[str, str]:
@@ -75,6 +107,7 @@ def _warp_row(warp: type[Warp]) -> dict[str, str]:
         "follows_scanout": "yes" if warp.scans_out else "no",
         "exact_when": warp.exact_when,
         "gets_wrong": warp.gets_wrong,
+        "does_as": "none",
         "source": warp.source,
     }
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import attrs
 import typer
 
+from ..errors import InputError
 from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.formats import formats
 from ..poses.options import MOTIONS, TraceOptions
@@ -130,6 +131,10 @@ def synth(said: Said) -> None:
     from ..report import counted, refuse_existing, write_stream
 
     options = SynthOptions.of(said)
+    if options.out.suffix.lower() not in ("", ".csv", ".txt"):
+        raise InputError(
+            f"--out {options.out}: found '{options.out.suffix}'; the trace is text: expected a name in .csv"
+        )
     refuse_existing(options.out, force=options.force)
     track = synthesise(
         options.kind,

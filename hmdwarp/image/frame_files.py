@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import Fov, Pose, View
+from ..poses.track import UNIT_WITHIN
 
 _VIEW = {"fov": 4, "position_m": 3, "orientation_xyzw": 4}
 _KEYS = ("colour", "depth_m", *_VIEW)
@@ -95,6 +96,12 @@ def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -
 
 def _view(path: Path, data: Mapping[str, Any]) -> View:
     fov, position, orientation = (_numbers(path, key, data[key], count) for key, count in _VIEW.items())
+    length = float(np.linalg.norm(orientation))
+    if not abs(length - 1) <= UNIT_WITHIN:
+        raise InputError(
+            f"{path}: orientation_xyzw has length {length:.4g}; expected 1 within {UNIT_WITHIN:g}, x y z w: divide it "
+            "by its length if it is a rotation"
+        )
     try:
         return View(Pose(position, orientation), Fov(*fov))
     except InputError as error:

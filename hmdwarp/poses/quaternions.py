@@ -104,6 +104,35 @@ def slerp(a: Sequence[float], b: Sequence[float], share: float) -> list[float]:
     return [wa * ax + wb * bx, wa * ay + wb * by, wa * az + wb * bz, wa * aw + wb * bw]
 
 
+def turn(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
+    """Return the rotation vector, of length 0..pi, from a to b: one, in plain floats."""
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    x = bx * aw - bw * ax - by * az + bz * ay
+    y = by * aw + bx * az - bw * ay - bz * ax
+    z = bz * aw - bx * ay + by * ax - bw * az
+    w = bw * aw + bx * ax + by * ay + bz * az
+    sine = math.sqrt(x * x + y * y + z * z)
+    if sine == 0:
+        return 0.0, 0.0, 0.0
+    factor = math.copysign(2 * math.atan2(sine, abs(w)) / sine, w)
+    return factor * x, factor * y, factor * z
+
+
+def turned(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return q followed by the rotation vector v: one quaternion, in plain floats."""
+    bx, by, bz, bw = q
+    angle = math.sqrt(sum(part * part for part in v))
+    factor = math.sin(angle / 2) / angle if angle > 0 else 0.5
+    (ax, ay, az), aw = (factor * part for part in v), math.cos(angle / 2)
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
 def slerp_many(a: Array, b: Array, share: Array) -> Array:
     """Return `slerp` of arrays: a, b (n, 4), share (n,)."""
     b = np.where(np.einsum("ij,ij->i", a, b)[:, None] < 0, -b, b)

@@ -17,6 +17,7 @@ from .sample import Origin, PoseSample
 
 _MS = 1_000_000
 SHORTEST_GAP_NS = 100 * _MS
+UNIT_WITHIN = 1e-2  # a file's quaternion whose length is off by more is no rotation
 _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
 
 
@@ -229,10 +230,11 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
     norm_squared = np.einsum("ij,ij->i", q, q)
     off = np.abs(norm_squared - 1)
     worst = int(np.argmax(off))
-    if not abs(np.sqrt(norm_squared[worst]) - 1) <= 1e-2:
+    if not abs(np.sqrt(norm_squared[worst]) - 1) <= UNIT_WITHIN:
         length = np.sqrt(norm_squared[worst])
         raise TraceError(
-            f"sample {worst}: a quaternion of length {length:.4g}, expected 1 within 0.01: {q[worst].tolist()}"
+            f"sample {worst}: a quaternion of length {length:.4g}, expected 1 within {UNIT_WITHIN:g}: "
+            f"{q[worst].tolist()}"
         )
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]

@@ -10,6 +10,7 @@ from ..display import Closed, Lost
 from ..errors import MachineError
 from ..poses import Origin, PoseSample
 from ..poses.synth import RATE_HZ, synthesise
+from ..scenes._load import check_scene_name
 from .ending import Ending, come_back
 from .live_run import live
 from .options import DESKTOP, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
@@ -31,6 +32,7 @@ def record(options: RecordOptions, say: Say = lambda text: None) -> None:
     hardware or software, and for a headset without any pose. The recording up to that point is kept
     in any case.
     """
+    check_scene_name(options.scene)  # also where no window will show it
     {OPENXR: _of_headset, DESKTOP: _of_window, SYNTHETIC: _made_up}[options.source](options, say)
 
 

@@ -103,7 +103,12 @@ class GltfContent:
         file, nodes = self._file, self._nodes
         if not file.items("scenes"):
             return list(range(len(nodes.parents)))
-        roots = set(file.item("scenes", file.header.get("scene", 0), "the file").get("nodes", []))
+        taken = file.header.get("scene", 0)
+        scene = file.item("scenes", taken, "the file")
+        if len(file.items("scenes")) > 1:
+            named = f"scene {taken} '{scene['name']}'" if scene.get("name") else f"scene {taken}"
+            self.notes.add(f"{len(file.items('scenes'))} scenes in it; {named} is taken, which it shows first")
+        roots = set(scene.get("nodes", []))
         for root in roots:
             file.item("nodes", root, "a scene")
         return [index for index in range(len(nodes.parents)) if nodes.line(index)[0] in roots]

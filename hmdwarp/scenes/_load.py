@@ -27,12 +27,17 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
     if text in scenes.names():
         _refuse_options(text, options)
         return _built(scenes.get(text))
-    path = Path(name_or_path)
-    if path.suffix.lower() in FILE_ENDINGS or path.is_file():
-        from ._files import scene_from_file
+    check_scene_name(text)
+    from ._files import scene_from_file
 
-        return scene_from_file(path, options)
-    raise unknown_name("scene", text, [*scenes.names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
+    return scene_from_file(Path(name_or_path), options)
+
+
+def check_scene_name(text: str) -> None:
+    """Raise UnknownNameError for what is neither a registered scene nor looks like a file."""
+    path = Path(text)
+    if text not in scenes.names() and path.suffix.lower() not in FILE_ENDINGS and not path.is_file():
+        raise unknown_name("scene", text, [*scenes.names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
 
 
 def _refuse_options(name: str, options: SceneOptions) -> None:

@@ -120,6 +120,19 @@ def test_unknown_names_get_the_nearest_known_one(option, wrong, nearest, command
     command("replay", "still", *quick, option, wrong).refused(f"'{wrong}'", f"did you mean '{nearest}'?", "known are")
 
 
+@pytest.mark.parametrize("source", ["synthetic", "openxr", "desktop"])
+def test_a_recording_refuses_an_unknown_scene_whether_or_not_a_window_opens(source, command, tmp_path):
+    done = command("record", "--out", tmp_path / "a.csv", "--source", source, "--scene", "rooom", "--seconds", 0.1)
+    done.refused("'rooom'", "did you mean 'room'?")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_trace_is_not_written_under_a_pictures_name(command, tmp_path):
+    done = command("trace", "synth", "still", "--out", tmp_path / "a.png", "--seconds", 1)
+    done.refused("a.png: found '.png'", "expected a name in .csv")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_unknown_recording(command, quick, kept):
     command("replay", "lookaround", *quick).refused("unknown recording 'lookaround'", "did you mean 'look-around'?")
 

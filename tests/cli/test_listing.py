@@ -15,6 +15,7 @@ import pytest
 import trimesh
 import typer
 
+from hmdwarp.bench.cases import baselines
 from hmdwarp.cli._app import app
 from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
@@ -24,6 +25,7 @@ from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
 from hmdwarp.frames.layers import layers
 from hmdwarp.resources import recording_names
+from hmdwarp.run.outside import OUTSIDE, missing
 from hmdwarp.version import __version__
 
 from .conftest import ROOT
@@ -92,8 +94,22 @@ def test_json_is_an_array_of_named_things(kind, command):
 
 
 def test_lists_hold_what_the_registries_hold(command):
-    assert [row["name"] for row in json.loads(command("list", "warps", "--json").out)] == warps.names()
+    own = [row["name"] for row in json.loads(command("list", "warps", "--json").out) if row["does_as"] == "none"]
+    assert own == warps.names()
     assert [row["name"] for row in json.loads(command("list", "recordings", "--json").out)] == recording_names()
+
+
+def test_warps_hold_what_other_systems_do(command):
+    """By the names that a bench takes, with the system; OpenCV's where it is installed."""
+    rows = {row["name"]: row for row in entries("warps") if row["does_as"] != "none"}
+    there = {name: system for name, system in baselines().items() if name not in OUTSIDE or not missing(name)}
+    assert {name: row["does_as"] for name, row in rows.items()} == there
+    assert {"mesh:grid=64", "mesh:grid=512", "rotation:edge=clamp"} <= set(rows)
+    assert rows["mesh:grid=64"]["summary"].startswith("as CloudXR.js: ")
+    assert "grid=64" in rows["mesh:grid=64"]["settings"].split(", ")
+    assert "does as: CloudXR.js" in re.sub(
+        r"does as +", "does as: ", command("list", "warps", "mesh:grid=64").done().out
+    )
 
 
 def test_warps_say_which_system_they_stand_for(command):

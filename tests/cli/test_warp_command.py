@@ -55,6 +55,13 @@ def warp(command, tmp_path):
     return call
 
 
+def test_a_quaternion_that_is_no_rotation_is_refused_in_both_inputs(warp):
+    """As in a trace: 0.01 off is rounding, a length of 2 is a mistake."""
+    long = {"orientation_xyzw": [0, 0, 0, 2]}
+    warp(long).refused("frame.npz: orientation_xyzw has length 2; expected 1 within 0.01", "divide it")
+    warp(None, long).refused("pose.json: orientation_xyzw has length 2; expected 1 within 0.01", "divide it")
+
+
 def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
     done = warp().done()
     assert "out.npz" in done.out and "0.00 % holes" in done.out

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseTrack, analyse, load_trace, predict, turn_errors
 from hmdwarp.poses.predictors import cautious as fitted
+from hmdwarp.poses.predictors import predictors
 
 MS = 1_000_000
 LATENCIES_MS = (50, 100, 200, 400, 800)
@@ -91,6 +92,17 @@ def test_the_twin_predicts_the_same(track, ahead_ns):
     # Rotation vectors to 1e-15, told apart over 30 ms of at most 0.5 rad, and magnified 6 times by
     # 160 ms; a share of a step of 1 us is good to 1e-10 of it.
     assert sample.pose.isclose(wanted, atol=1e-9)
+
+
+@given(heads(), st.integers(1, 900 * MS), st.integers(0, 58))
+def test_one_prediction_in_plain_floats_is_one_of_many_in_arrays(track, ahead_ns, jump):
+    """With gaps (some steps of 30 Hz) and a jump: two implementations of one rule."""
+    torn = track.evolve(jumps=[jump] if jump < len(track) - 1 else [], max_gap_ns=50 * MS)
+    many = predictors.get("cautious").predict_many(torn, torn.time_ns, ahead_ns)
+    for i, now in enumerate(torn.time_ns.tolist()):
+        one = predict(torn, now, now + ahead_ns).pose
+        # As with the twin above.
+        assert one.isclose(Pose(many.position_m[i], many.orientation_xyzw[i]), atol=1e-9)
 
 
 @given(heads(), st.integers(1, 900 * MS), st.integers(0, 2**32 - 1))

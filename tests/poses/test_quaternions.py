@@ -36,6 +36,20 @@ def test_log_and_exp_are_inverse_and_scipys(q):
     assert angle(quaternions.from_rotation_vector(log), q) < ATOL
 
 
+@given(unit_quaternions, unit_quaternions, st.sampled_from([0.0, 1e-12, 1.0]))
+def test_turns_of_one_in_plain_floats_are_scipys(a, b, share):
+    """From one towards the other, by all, next to nothing or nothing: there and back."""
+    wanted = (
+        Rotation.from_quat(a),
+        Rotation.from_rotvec(share * (Rotation.from_quat(b) * Rotation.from_quat(a).inv()).as_rotvec()),
+    )
+    q = quaternions.turned(a.tolist(), wanted[1].as_rotvec().tolist())
+    assert angle(q, (wanted[1] * wanted[0]).as_quat()) < 2 * ATOL
+    v = np.array(quaternions.turn(a.tolist(), q))
+    assert np.linalg.norm(v) <= np.pi + 1e-12
+    assert angle(Rotation.from_rotvec(v).as_quat(), wanted[1].as_quat()) < 3 * ATOL  # three products
+
+
 @given(unit_quaternions, st.floats(0, 1))
 def test_slerp_is_scipys(a, share):
     b = quaternions.multiply(quaternions.from_rotation_vector(np.array([0.2, -0.7, 0.4])), a)

@@ -177,6 +177,15 @@ def test_points_and_lines_are_left_out_with_one_note(tmp_path):
     )
 
 
+def test_of_several_scenes_a_note_says_which_is_taken(tmp_path):
+    glb = Glb()
+    glb.header["scenes"] = [{"nodes": []}, {"nodes": [0], "name": "hall"}]
+    glb.header["scene"] = 1
+    scene = glb.load(tmp_path)
+    assert len(scene.meshes) == 1
+    assert scene.notes == ("thing.glb: 2 scenes in it; scene 1 'hall' is taken, which it shows first",)
+
+
 def test_sparse_numbers_stand_in_their_places(tmp_path):
     glb = Glb()
     accessor = glb.header["accessors"][glb.primitive["attributes"]["POSITION"]]

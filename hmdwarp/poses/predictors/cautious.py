@@ -8,15 +8,17 @@ foretold for now, against what the head did. What it foretold too far counts mor
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import Pose
 from .. import quaternions
 from ..sample import Origin, PoseSample
-from ..track import PoseTrack, Samples
+from ..track import PoseTrack, Samples, gap_limit_ns
 from . import Predictor, hold, predictors
 
 Array = NDArray[np.float64]
@@ -40,6 +42,13 @@ KNOWN_NS = max(ENDED_NS) + TESTED_NS + WINDOW_NS
 _ENDED, _COUNT = np.array(ENDED_NS, np.int64), len(ENDED_NS)
 # Before now: the two ends of the window, and of each past prediction now, then, and its window's.
 _BACK_NS = np.concatenate([(0, WINDOW_NS), _ENDED, _ENDED + TESTED_NS, _ENDED + TESTED_NS + WINDOW_NS])
+_BACK = tuple(_BACK_NS.tolist())
+# From which of these to which: the last window, those of the past predictions, what came of them.
+_WAYS = (
+    (1, 0),
+    *((2 + 2 * _COUNT + i, 2 + _COUNT + i) for i in range(_COUNT)),
+    *((2 + _COUNT + i, 2 + i) for i in range(_COUNT)),
+)
 
 
 def turns_ns(ahead_ns: int) -> float:
@@ -72,28 +81,104 @@ def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> 
     i = track.index_at(now_ns)
     if i < 0 or now_ns - int(track.time_ns[i]) > track.max_gap_ns:
         return hold(track, now_ns, target_ns, horizon_ns)
-    recent, last_ns = _recent(track, i), int(track.time_ns[i])
+    last_ns = int(track.time_ns[i])
     ahead_ns = min(target_ns - last_ns, horizon_ns)
-    if ahead_ns <= 0 or recent.duration_ns < WINDOW_NS or last_ns - recent.end_ns >= TESTED_NS:
+    if ahead_ns <= 0:
         return hold(track, now_ns, target_ns, horizon_ns)
-    found = _extrapolated(recent, np.array([recent.end_ns]), ahead_ns)
-    return PoseSample(target_ns, Pose(found.position_m[0], found.orientation_xyzw[0]), Origin.PREDICTED)
+    recent = _recent(track, i)
+    end_ns = recent.time_ns[-1]
+    if end_ns - recent.time_ns[0] < WINDOW_NS or last_ns - end_ns >= TESTED_NS:
+        return hold(track, now_ns, target_ns, horizon_ns)
+    return PoseSample(target_ns, _followed(recent, ahead_ns), Origin.PREDICTED)
 
 
 def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
     return _extrapolated(track, now_ns, min(ahead_ns, HORIZON_NS))
 
 
-def _recent(track: PoseTrack, i: int) -> PoseTrack:
+@attrs.frozen
+class _Recent:
+    """The last distinct poses, in plain floats: for one prediction quicker than arrays."""
+
+    time_ns: list[int]
+    positions_m: list[list[float]]
+    orientations_xyzw: list[list[float]]
+    limit_ns: int  # longer steps are gaps
+
+    def at(self, time_ns: int) -> tuple[list[float], list[float]]:
+        """Return position and orientation, by the rules of `PoseTrack.at`."""
+        times = self.time_ns
+        i = max(bisect_right(times, time_ns) - 1, 0)
+        p, q = self.positions_m[i], self.orientations_xyzw[i]
+        if times[i] >= time_ns or i + 1 == len(times) or times[i + 1] - times[i] > self.limit_ns:
+            return p, q
+        share = (time_ns - times[i]) / (times[i + 1] - times[i])
+        position = [a + share * (b - a) for a, b in zip(p, self.positions_m[i + 1], strict=True)]
+        return position, quaternions.slerp(q, self.orientations_xyzw[i + 1], share)
+
+    def first_ns(self) -> int:
+        """Return since when there has been no gap."""
+        for i in range(len(self.time_ns) - 1, 0, -1):
+            if self.time_ns[i] - self.time_ns[i - 1] > self.limit_ns:
+                return self.time_ns[i]
+        return self.time_ns[0]
+
+
+def _recent(track: PoseTrack, i: int) -> _Recent:
     """Return the distinct poses up to sample i that are looked at, each at its first stamp."""
     first = max(track.index_at(int(track.time_ns[i]) - KNOWN_NS - TESTED_NS), 0)
-    breaks = np.flatnonzero(track.broken[first:i])
+    breaks = track.broken[first:i].nonzero()[0]
     first = first + int(breaks[-1]) + 1 if len(breaks) else first
-    part = slice(first, i + 1)
-    recent = PoseTrack(
-        track.time_ns[part], track.position_m[part], track.orientation_xyzw[part], max_gap_ns=track.max_gap_ns
+    times, p, q = (array[first : i + 1].tolist() for array in (track.time_ns, track.position_m, track.orientation_xyzw))
+    new = [k for k in range(len(times)) if k == 0 or q[k] != q[k - 1] or p[k] != p[k - 1]]
+    if len(new) == len(times):
+        return _Recent(times, p, q, track.max_gap_ns)
+    times = [times[k] for k in new]
+    return _Recent(times, [p[k] for k in new], [q[k] for k in new], gap_limit_ns(np.array(times)))
+
+
+def _followed(recent: _Recent, ahead_ns: int) -> Pose:
+    """Extrapolate the last pose: `_extrapolated` for a single instant."""
+    now_ns, first_ns = recent.time_ns[-1], recent.first_ns()
+    known = [now_ns - back >= first_ns for back in _BACK]
+    heads = {back: recent.at(now_ns - back) for back in dict.fromkeys(_BACK)}
+    places, turns = zip(*(heads[back] for back in _BACK), strict=True)
+    turning = _trusted_one([quaternions.turn(turns[first], turns[last]) for first, last in _WAYS], known)
+    moving = _trusted_one([_way(places[first], places[last]) for first, last in _WAYS], known)
+    angle, length = turns_ns(ahead_ns) / WINDOW_NS, min(ahead_ns, MOVES_NS) / WINDOW_NS
+    return Pose(
+        [a + length * b for a, b in zip(places[0], moving, strict=True)],
+        quaternions.turned(turns[0], [angle * part for part in turning]),
     )
-    return recent.without_repeats()
+
+
+def _way(a: Sequence[float], b: Sequence[float]) -> tuple[float, ...]:
+    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
+
+
+def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tuple[float, float, float]:
+    """Return `_trusted` of one motion.
+
+    ways: between the pairs of _WAYS. known: at each of _BACK.
+    """
+    x, y, z = ways[0]
+    if not known[1]:
+        return 0.0, 0.0, 0.0
+    share = TESTED_NS / WINDOW_NS
+    fx, fy, fz = share * x, share * y, share * z
+    squared = fx * fx + fy * fy + fz * fz
+    if squared == 0:
+        return 0.0, 0.0, 0.0
+    doubt = 0.0
+    for i in range(_COUNT):
+        mx, my, mz = fx, fy, fz
+        if known[2 + 2 * _COUNT + i]:
+            (ux, uy, uz), (vx, vy, vz) = ways[1 + i], ways[1 + _COUNT + i]
+            mx, my, mz = share * ux - vx, share * uy - vy, share * uz - vz
+        along = max(mx * fx + my * fy + mz * fz, 0.0)
+        doubt += WEIGHT_MISSED * (mx * mx + my * my + mz * mz) + WEIGHT_TOO_FAR * (along * (along / squared))
+    trust = squared / (squared + doubt / _COUNT)
+    return trust * x, trust * y, trust * z
 
 
 def _extrapolated(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
