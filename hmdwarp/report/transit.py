@@ -62,7 +62,9 @@ def model_rows(summary: Summary) -> Pairs:
     """
     rows = []
     for one in summary.get("client_models") or ():
-        named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
+        named = "client's points"
+        if "share" in one:
+            named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
         weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
         rows.append((named, f"{weight}textures {one['texture_bytes'] / 1e6:.1f} MB"))
         if "start_up_bytes" in one:
