@@ -208,6 +208,30 @@ def scene_on_the_client(folder: Path) -> None:
     replace("models", models.table(folder / "models", program))
 
 
+def difference(folder: Path) -> None:
+    """Measure coded difference images beside coded pictures, and warped ones beside warps."""
+    common = ("--size", "480x400", "--headset", "flat-90", "--start", "1", "--seconds", "1", "--rate", "30")
+    rows = []
+    for crf in ("16", "22", "28", "34"):
+        for warp in ("none", "difference:warped=off", "difference:share=0.05,warped=off"):
+            options = ("--warp", warp, "--fill", "none", "--guard", "1", "--predict", "none", "--latency", "0")
+            measured = run(folder, "look-around", *common, *options, "--codec", "h264", "--crf", crf)
+            rows.append(((crf, f"`{warp}`", f"{measured['link']['mbit_s']:.2f}"), measured))
+    replace("difference coded", table(("crf", "warp", "Mbit/s"), rows))
+    rows = []
+    for trace in RECORDINGS:
+        for latency in ("200", "400"):
+            for warp, fill in (
+                ("none", "none"), ("iterative", "memory+pyramid"), ("backward", "model"), ("difference", "none"),
+                ("difference:share=0.05", "none"),
+            ):  # fmt: skip
+                options = ("--warp", warp, "--fill", fill, "--guard", "1.5", "--latency", latency, "--codec", "h264")
+                measured = run(folder, trace, *common, *options)
+                megabits = f"{measured['link']['mbit_s']:.2f}"
+                rows.append(((trace, latency, f"`{warp}`", f"`{fill}`", megabits), measured))
+    replace("difference warped", table(("recording", "latency ms", "warp", "fill", "Mbit/s"), rows))
+
+
 def defaults(folder: Path) -> None:
     """Measure what each part of the default gains and costs, at 200 ms."""
     shorter = ("--seconds", "4", "--rate", "20", "--metrics-every", "10")
@@ -442,6 +466,7 @@ PARTS = {
     "border": border,
     "defaults": defaults,
     "strategies": strategies_compared,
+    "difference": difference,
     "models": scene_on_the_client,
     "prediction": prediction,
     "effects": effects,

@@ -58,7 +58,7 @@ class Model(Warp):
     )
     source = "the 2014 thesis, section 3.1 (GLX, partial models); Garland and Heckbert 1997, 1998 (fewer triangles)"
     Settings = ModelSettings
-    variants = ("share=0.2", "arrives=progressive")
+    variants = ("share=0.2",)
     depth_reads = ()
     carries = False
 
