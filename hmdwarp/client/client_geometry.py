@@ -56,7 +56,7 @@ class PointCloud(Protocol):
 
     @property
     def sky(self) -> NDArray[np.float64] | None:
-        """(3, 3) linear light of zenith, horizon and ground; None before the first whole picture."""
+        """(3, 3) light of zenith, horizon and ground; None before the first whole picture."""
 
     def bodies(self, time_ns: int) -> NDArray[np.float64]:
         """Return (n, 4, 4): world from the frame of what stands still, then of each body."""

@@ -2,7 +2,7 @@
 
 A cell of the scene has an endless sequence of points of which any run is spread evenly. A block is
 a run of it with all that the receiver needs, so blocks may come in any order. Where the receiver's
-room runs out, a cell is forgotten as a whole: its age rises, and blocks of another age mean nothing.
+room runs out, a cell is forgotten as a whole: its age rises, and older blocks mean nothing.
 """
 
 from __future__ import annotations
@@ -75,9 +75,7 @@ class Block:
         """Return its bytes."""
         place = (*self.low, self.edge, self.area)
         count = len(self.positions)
-        head = _HEAD.pack(
-            self.cell, self.age, self.number % _AGES, count, self.body, self.double_sided, *place
-        )
+        head = _HEAD.pack(self.cell, self.age, self.number % _AGES, count, self.body, self.double_sided, *place)
         return head + b"".join(one.tobytes() for one in (self.positions, self.normals, self.colours))
 
 
@@ -141,7 +139,7 @@ class PointSender:
         return lost + len(self._to_forget) + len(self._held) + sum(len(one[2].blocks) for one in self._news)
 
     def next_block(self, cell: int) -> int:
-        """Return the block to send next: the first that was lost, else the first that was not sent."""
+        """Return the block to send next: the first that was lost, else the first not sent."""
         lost = self._lost.get(cell)
         return min(lost) if lost else int(self._next[cell])
 

@@ -79,7 +79,7 @@ class ClientPoints:
             self.pages.write(np.uint32(NO_CELL).tobytes(), offset=4 * page)
 
     def bodies(self, time_ns: int) -> Array:
-        """Return (n, 4, 4) float64: world from the frame of what stands still, then of each body."""
+        """Return (n, 4, 4) float64: world from what stands still, then from each body."""
         still = np.eye(4)
         still[:3, 3] = self._scene.origin_m
         return np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in self._scene.bodies)])

@@ -92,7 +92,7 @@ class PointCells:
         the texture is averaged.
         """
         own = slice(int(self._first[cell]), int(self._first[cell + 1]))
-        u, v = ((0.5 + np.outer(_R2, np.arange(first + 1, first + count + 1))) % 1.0)
+        u, v = (0.5 + np.outer(_R2, np.arange(first + 1, first + count + 1))) % 1.0
         ends = np.cumsum(self._area[own])
         at = u * ends[-1]
         which = np.minimum(np.searchsorted(ends, at, side="right"), len(ends) - 1)
@@ -141,7 +141,7 @@ def _eye(scene: Scene) -> Array:
 
 
 def _split(meshes: list[Mesh], scene: Scene) -> tuple[Array, NDArray[np.int64]]:
-    """Return (m, 3, 8) positions, places on the texture and light of small triangles; their meshes."""
+    """Return (m, 3, 8) positions, uv and light of small triangles, and their meshes."""
     parts = [np.concatenate([one.positions, one.uv, one.light], axis=1)[one.triangles] for one in meshes]
     rows = np.concatenate([np.zeros((0, 3, 8)), *parts])
     owner = np.repeat(np.arange(len(meshes)), [len(one.triangles) for one in meshes])
@@ -192,7 +192,9 @@ def _levels(texture: Texture) -> list[Array]:
         for axis in (0, 1):
             if last.shape[axis] > 1:
                 pairs = last.take(range(last.shape[axis] // 2 * 2), axis)
-                last = (pairs.take(range(0, pairs.shape[axis], 2), axis) + pairs.take(range(1, pairs.shape[axis], 2), axis)) / 2
+                last = (
+                    pairs.take(range(0, pairs.shape[axis], 2), axis) + pairs.take(range(1, pairs.shape[axis], 2), axis)
+                ) / 2
         levels.append(last)
     return levels
 

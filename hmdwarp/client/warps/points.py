@@ -1,4 +1,4 @@
-"""The client keeps points of the scene's surfaces and projects them: their geometry is never late."""
+"""The client keeps points of the scene's surfaces and projects them: none of it is late."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ from . import KEY_BYTES, warps
 from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
 
 if TYPE_CHECKING:
-    import moderngl
-
     from ...geometry import View
     from ...gpu.textures import Canvas
     from ..inputs import PassInputs
@@ -38,7 +36,8 @@ class PointsSettings:
     # Points that the client has room for. When it is full, what was not seen for longest is
     # forgotten.
     room: int = attrs.field(
-        default=_DEFAULT.room, validator=attrs.validators.and_(attrs.validators.ge(1024), attrs.validators.le(MOST_POINTS))
+        default=_DEFAULT.room,
+        validator=attrs.validators.and_(attrs.validators.ge(1024), attrs.validators.le(MOST_POINTS)),
     )
     # Distance of points in shown pixels, where all have arrived.
     spacing: float = attrs.field(default=_DEFAULT.spacing, validator=attrs.validators.gt(0))
@@ -56,7 +55,9 @@ class Points(Warp):
     """
 
     name = "points"
-    summary = "the client keeps points of all surfaces seen so far and projects them at the newest pose; no picture is sent"
+    summary = (
+        "the client keeps points of all surfaces seen so far and projects them at the newest pose; no picture is sent"
+    )
     kind = "draw"
     reads = ("rendered.points",)
     exact_when = "never; geometry is right to half a pixel where points are one pixel apart"
@@ -105,7 +106,9 @@ class Points(Warp):
         into.bind_for_writing(_COLOUR)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
-        self._bodies.write(eye_from(cloud.bodies(inputs.shown_ns), view).transpose(0, 2, 1).astype(np.float32).tobytes())
+        self._bodies.write(
+            eye_from(cloud.bodies(inputs.shown_ns), view).transpose(0, 2, 1).astype(np.float32).tobytes()
+        )
         for binding, buffer in enumerate(
             (self._keys, self._winners, cloud.points, cloud.pages, cloud.cells, self._bodies)
         ):

@@ -20,6 +20,7 @@ from ...frames.point_blocks import (
     block_range,
     packed_sky,
 )
+from ...gpu.textures import COLOUR, SCALAR, allocate, download, flip_rows, release_all
 from ...scenes import PointCells
 from ..reach import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, may_be_seen
 from . import parts
@@ -33,6 +34,10 @@ Array = NDArray[np.float64]
 # What the head does not see yet gets points of this share of the density, with what is left.
 AHEAD = 1 / 16
 _MOST_POINTS = 1 << 16  # of a cell
+# What hides what is looked up in a picture of so many pixels a side. A cell counts as hidden if it
+# lies behind all within so many of its own pixels at its middle and around it; one that looks
+# larger than that never does.
+HIDING, AROUND = 96, 5
 
 
 @parts.register
@@ -46,6 +51,8 @@ class Points(Part):
         super().__init__(context)
         self._cells: PointCells | None = None
         self._head, self._senders = Head(), dict[Cloud, _Sender]()
+        gl, size = context.gpu.gl, (HIDING, HIDING)
+        self._hiding = allocate(gl, size, COLOUR), allocate(gl, size, SCALAR)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         return eye
@@ -59,12 +66,23 @@ class Points(Part):
         self._head.see(views[0], drawing.time_ns)
         left, right, *_ = drawing.view.fov.tangents
         pixel = (right - left) / (drawing.shown_size or drawing.size)[0]
+        nearest = [self._farthest_around(view, drawing.time_ns) for view in views]
         updates = {}
         for cloud in sorted(needed):
             if cloud not in self._senders:
                 self._senders[cloud] = _Sender(self._cells, cloud)
-            updates[cloud] = self._senders[cloud].update(views, self._head, pixel, drawing.time_ns)
+            updates[cloud] = self._senders[cloud].update(views, nearest, self._head, pixel, drawing.time_ns)
         return {"points": updates}
+
+    def _farthest_around(self, view: View, time_ns: int) -> Array:
+        """Return the least inverse depth around each pixel of a small picture, bottom row first."""
+        from scipy.ndimage import minimum_filter
+
+        self.context.colour.draw(view, self.context.framebuffers.over(*self._hiding), time_ns)
+        return minimum_filter(flip_rows(download(self._hiding[1])), AROUND, mode="nearest")
+
+    def close(self) -> None:
+        release_all(*self._hiding)
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         updates: Mapping[Cloud, PointUpdate] = frame.eyes[0].get("points", {})
@@ -87,37 +105,40 @@ class _Sender:
         # Whether nothing that may be seen waits to be sent.
         self.complete = False
 
-    def update(self, views: Sequence[View], head: Head, pixel: float, now_ns: int) -> PointUpdate:
-        """Return what a frame drawn now brings. pixel: its size at a distance of 1."""
+    def update(
+        self, views: Sequence[View], nearest: Sequence[Array], head: Head, pixel: float, now_ns: int
+    ) -> PointUpdate:
+        """Return what a frame drawn now brings.
+
+        nearest: what hides the rest, for each view. pixel: its size at a distance of 1.
+        """
         self.book.settle(now_ns)
         self._updates += 1
-        spacing, seen = self._needs(views, head, pixel, now_ns)
+        spacing, seen, shown, looks = self._needs(views, nearest, head, pixel, now_ns)
         self._wanted_at[seen] = self._updates
         need = np.minimum(self._cells.area / spacing**2, _MOST_POINTS)
         # What is forgotten is told first: half of the bytes at most.
         sent = self.book.forgetting(self._cloud.budget // (2 * HEAD_BYTES))
         left = self._cloud.budget - SKY_BYTES - HEAD_BYTES * len(sent)
-        for wanted in (np.where(seen, need, 0), np.where(seen, 0, AHEAD * need)):
-            more, left = self._send(wanted, spacing, left, may_forget=bool(wanted[seen].any()))
+        for who, share in ((shown, 1.0), (seen & ~shown, 1.0), (~seen, AHEAD)):
+            more, left = self._send(np.where(who, share * need, 0), looks, left, may_forget=who is shown)
             sent += more
-        lacks = seen & (self.book.points < need)
+        lacks = shown & (self.book.points < need)
         self.complete = not lacks.any()
         content = b"".join(self._block(one, spacing).packed() for one in sent)
         background = self._cells.scene.background
-        sky = packed_sky(
-            np.array([background.zenith, background.horizon, background.ground]), complete=self.complete
-        )
+        sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self.complete)
         return PointUpdate(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
 
-    def _send(self, wanted: Array, spacing: Array, left: int, *, may_forget: bool) -> tuple[list[Sent], int]:
-        """Enter blocks as sent, of cells with fewer points than wanted; return them, and the bytes left.
+    def _send(self, wanted: Array, looks: Array, left: int, *, may_forget: bool) -> tuple[list[Sent], int]:
+        """Enter blocks of cells with fewer points than wanted as sent; return them, and what is left.
 
-        First those whose points lie farthest apart on the screen.
+        looks: how large each cell looks; first go those whose points lie farthest apart.
         """
         book, out = self.book, []
         while True:
             lacks = np.flatnonzero(book.points < wanted)
-            apart = self._cells.area[lacks] / spacing[lacks] ** 2 / np.maximum(book.points[lacks], 0.1)
+            apart = looks[lacks] / np.maximum(book.points[lacks], 0.1)
             for cell in lacks[np.argsort(-apart, kind="stable")].tolist():
                 count = block_range(book.next_block(cell))[1]
                 size = HEAD_BYTES + POINT_BYTES * count
@@ -133,7 +154,7 @@ class _Sender:
                 return out, left
 
     def _make_room(self) -> None:
-        """Forget what has not been wanted for longest: an eighth of the room, of what is not seen."""
+        """Forget what has not been seen for longest: an eighth of the room."""
         held = np.flatnonzero((self.book.points > 0) & (self._wanted_at < self._updates))
         freed = 0
         for cell in held[np.argsort(self._wanted_at[held], kind="stable")].tolist():
@@ -142,10 +163,13 @@ class _Sender:
             freed += int(self.book.points[cell])
             self.book.forget(cell)
 
-    def _needs(self, views: Sequence[View], head: Head, pixel: float, now_ns: int) -> tuple[Array, NDArray[np.bool_]]:
+    def _needs(
+        self, views: Sequence[View], nearest: Sequence[Array], head: Head, pixel: float, now_ns: int
+    ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], Array]:
         """Return how far apart each cell's points may lie, in metres, and which may be seen.
 
-        Seen from any place that the head can reach until the news of this frame returns.
+        Then which of them nothing hides now, and the solid angle of each. Seen from any place that
+        the head can reach until the news of this frame returns.
         """
         cells = self._cells
         origin = cells.scene.origin_m
@@ -167,9 +191,16 @@ class _Sender:
         slack = np.linalg.norm(halves, axis=1) + metres
         distance = np.linalg.norm(to_eye, axis=1)
         cosine = np.einsum("ij,ij->i", to_eye, facing) / np.maximum(distance, 1e-9)
-        spread = np.arccos(np.clip(cells.least_cosine, -1, 1)) + np.arcsin(np.clip(slack / np.maximum(distance, 1e-9), 0, 1))
+        spread = np.arccos(np.clip(cells.least_cosine, -1, 1)) + np.arcsin(
+            np.clip(slack / np.maximum(distance, 1e-9), 0, 1)
+        )
         turned = (np.arccos(np.clip(cosine, -1, 1)) - spread > np.pi / 2) & ~cells.double_sided
-        return pixel * self._cloud.spacing * np.maximum(away, NEAREST_M), seen & ~turned
+        seen &= ~turned
+        hidden = np.ones(cells.count, bool)
+        for view, one in zip(views, nearest, strict=True):
+            hidden &= _hidden(centres - (view.pose.position_m - origin), np.linalg.norm(halves, axis=1), view, one)
+        looks = cells.area * np.maximum(np.abs(cosine), 0.05) / np.maximum(distance, NEAREST_M) ** 2
+        return pixel * self._cloud.spacing * np.maximum(away, NEAREST_M), seen, seen & ~hidden, looks
 
     def _block(self, sent: Sent, spacing: Array) -> Block:
         cell, age, number = sent
@@ -181,3 +212,19 @@ class _Sender:
             cell, age, number, int(cells.body[cell]), bool(cells.double_sided[cell]), low,
             float(cells.edge[cell]), float(cells.area[cell]), points.positions, points.normals, points.colours,
         )  # fmt: skip
+
+
+def _hidden(offsets: Array, radii: Array, view: View, nearest: Array) -> NDArray[np.bool_]:
+    """Return which balls, at offsets from the eye, lie behind all that is around their middle.
+
+    nearest: (h, w) the least inverse depth around each pixel. What lies outside is not hidden.
+    """
+    height, width = nearest.shape
+    eye = offsets @ view.pose.rotation_matrix
+    left, right, down, up = view.fov.tangents
+    depth = np.maximum(-eye[:, 2], NEAREST_M)
+    at = np.column_stack([(eye[:, 0] / depth - left) / (right - left), (eye[:, 1] / depth - down) / (up - down)])
+    inside = (-eye[:, 2] > radii) & ((at >= 0) & (at < 1)).all(axis=1)
+    small = radii / depth * max(width / (right - left), height / (up - down)) < AROUND / 2
+    column, row = (at.clip(0, 0.999999) * (width, height)).astype(int).T
+    return inside & small & (nearest[row, column] * np.maximum(depth - radii, NEAREST_M) > 1)

@@ -139,6 +139,7 @@ class _Sender:
             halves[own] = np.linalg.norm(halves[own], axis=1, keepdims=True)
         return _Boxes(centres, halves)
 
+
 def _boxes(meshes: Sequence[Mesh]) -> _Boxes:
     low, high = (
         np.array([extreme(mesh.positions, axis=0) for mesh in meshes], np.float64).reshape(-1, 3)
