@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 _WORDS = 3
 _CELL_BYTES = 32
 NO_CELL = 0xFFFFFFFF
-# A disc's area is so many times the part of the surface that is its own: discs of this size leave
-# few gaps between points that are spread by the R2 sequence.
-COVER = 3.0
+# Radius of a disc in square roots of the part of the surface that is its own: from the middle of a
+# triangle with two equal sides and a right angle to its farther corners it is 1.05.
+RADIUS = 1.1
 
 
 class ClientPoints:
@@ -70,7 +70,8 @@ class ClientPoints:
         for number, page in enumerate(pages):
             self.points.write(rows[PAGE * number : PAGE * (number + 1)].tobytes(), offset=4 * _WORDS * PAGE * page)
             self.pages.write(np.uint32(slot).tobytes(), offset=4 * page)
-        radius = np.sqrt(COVER * block.area / (np.pi * points))
+        # Points between two powers of 2 are spread no better than those up to the lower.
+        radius = RADIUS * np.sqrt(block.area / (1 << (points.bit_length() - 1)))
         cell = np.array([*block.low, block.edge, radius, block.body, block.double_sided, 0], np.float32)
         self.cells.write(cell.tobytes(), offset=_CELL_BYTES * slot)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb, srgb8_from_linear
+from ._chunks import morton
 from ._mesh import Mesh, Texture
 from ._scene import Scene
 
@@ -19,9 +20,8 @@ CELL_M, CELL_SHARE = 0.25, 1 / 8
 POSITION_BITS = 10
 _STEPS = (1 << POSITION_BITS) - 1
 _MOST_SPLITS = 64
-# The R2 sequence: Roberts 2018, The unreasonable effectiveness of quasirandom sequences.
-_PLASTIC = 1.32471795724474602596
-_R2 = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
+# Digits of a place in a triangle, base 4, and of the index of a point, base 2.
+_TRIANGLE_DIGITS, _INDEX_BITS = 12, 24
 
 
 @attrs.frozen(eq=False)
@@ -56,7 +56,7 @@ class PointCells:
         keep = area > 0
         rows, owner, area, across = rows[keep], owner[keep], area[keep], across[keep]
         cell = _cells(rows, owner, across, meshes, scene)
-        order = np.argsort(cell, kind="stable")
+        order = np.lexsort((morton(rows[:, :, :3].mean(axis=1)), cell)) if len(cell) else np.argsort(cell)
         self._rows, self._area, cell = rows[order], area[order], cell[order]
         self._normal = across[order] / (2 * self._area[:, None])
         self._texels = _texels_per_metre(self._rows, self._area, owner[order], meshes, scene)
@@ -92,12 +92,10 @@ class PointCells:
         the texture is averaged.
         """
         own = slice(int(self._first[cell]), int(self._first[cell + 1]))
-        u, v = (0.5 + np.outer(_R2, np.arange(first + 1, first + count + 1))) % 1.0
         ends = np.cumsum(self._area[own])
-        at = u * ends[-1]
+        at = _spread(np.arange(first, first + count)) * ends[-1]
         which = np.minimum(np.searchsorted(ends, at, side="right"), len(ends) - 1)
-        root = np.sqrt(np.clip(1 - (ends[which] - at) / self._area[own][which], 0, 1))
-        weights = np.stack([1 - root, root * (1 - v), root * v], axis=1)
+        weights = _in_triangle(np.clip(1 - (ends[which] - at) / self._area[own][which], 0, 1))
         found = np.einsum("nk,nkc->nc", weights, self._rows[own][which])
         steps = np.rint((found[:, :3] - self.low[cell]) / self.edge[cell] * _STEPS).clip(0, _STEPS).astype(np.uint32)
         packed = steps[:, 0] | steps[:, 1] << np.uint32(POSITION_BITS) | steps[:, 2] << np.uint32(2 * POSITION_BITS)
@@ -117,6 +115,29 @@ class PointCells:
         for number in np.unique(level):
             out[level == number] = _bilinear(levels[number], uv[level == number], repeat=texture.repeat)
         return out
+
+
+def _spread(index: NDArray[np.int64]) -> Array:
+    """Return places from 0 to 1, those of any run far apart: van der Corput's sequence."""
+    bits = (index[:, None] >> np.arange(_INDEX_BITS)) & 1
+    return bits @ 0.5 ** np.arange(1, _INDEX_BITS + 1) + 0.5 ** (_INDEX_BITS + 1)
+
+
+def _in_triangle(place: Array) -> Array:
+    """Return (n, 3) weights of the corners: the place from 0 to 1 on a path through a triangle.
+
+    Each digit, base 4, chooses one of the quarters into which its middles divide it.
+    Source: Basu and Owen 2015, Low discrepancy constructions in the triangle.
+    """
+    corners = np.broadcast_to(np.eye(3), (len(place), 3, 3))
+    for _ in range(_TRIANGLE_DIGITS):
+        digit = np.minimum(np.floor(4 * place), 3)
+        place = 4 * place - digit
+        middles = (corners + np.roll(corners, -1, axis=1)) / 2  # ab, bc, ca
+        quarters = [middles[:, [1, 2, 0]]]
+        quarters += [(corners + corners[:, [k]]) / 2 for k in range(3)]
+        corners = np.select([(digit == k)[:, None, None] for k in range(4)], quarters)
+    return corners.mean(axis=1)
 
 
 def octahedral(normals: Array) -> NDArray[np.uint8]:

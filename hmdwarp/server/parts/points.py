@@ -131,7 +131,7 @@ class _Sender:
         return PointUpdate(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
 
     def _send(self, wanted: Array, looks: Array, left: int, *, may_forget: bool) -> tuple[list[Sent], int]:
-        """Enter blocks of cells with fewer points than wanted as sent; return them, and what is left.
+        """Enter blocks of cells with fewer points than wanted as sent; return them, and bytes left.
 
         looks: how large each cell looks; first go those whose points lie farthest apart.
         """
