@@ -21,7 +21,7 @@ POSITION_BITS = 10
 _STEPS = (1 << POSITION_BITS) - 1
 _MOST_SPLITS = 64
 # Digits of a place in a triangle, base 4, and of the index of a point, base 2.
-_TRIANGLE_DIGITS, _INDEX_BITS = 12, 24
+_TRIANGLE_DIGITS, _INDEX_BITS = 8, 24
 
 
 @attrs.frozen(eq=False)

@@ -94,7 +94,7 @@ class Points(Warp):
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES + _WINNER_BYTES)
         shaders, depth = self.gpu.shaders, {"WRITES_DEPTH": 1} if self.output.depth else {}
         self._passes = [shaders.compute("warps/points.comp", PASS=number) for number in range(2)]
-        self._resolve = shaders.compute("warps/points.comp", PASS=2, **depth)
+        self._resolve = shaders.compute("warps/points_resolve.comp", **depth)
         pixels = self.shown_size[0] * self.shown_size[1]
         self._keys, self._winners = (self.gpu.gl.buffer(reserve=4 * pixels) for _ in range(2))
         self._bodies = self.gpu.gl.buffer(reserve=64 * len(self._cloud.bodies(0)))
