@@ -14,7 +14,6 @@ from ._pieces import HALF as HALF
 from ._pieces import Pieces as Pieces
 from ._pieces import partial_scene as partial_scene
 from ._pieces import pieces_of as pieces_of
-from ._points import POSITION_BITS as POSITION_BITS
 from ._points import PointCells as PointCells
 from ._points import SurfacePoints as SurfacePoints
 from ._reduce import only_light as only_light
