@@ -33,11 +33,12 @@ from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
 from hmdwarp.bench.cases import WITH_COMPLETE_FILLS
+from hmdwarp.clients import client_names
 from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
-from hmdwarp.report.compare_page import assigned_markdown, compare_markdown
+from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
 from hmdwarp.run.outside import OUTSIDE
 
 FIGURES = (*QUALITY, "mismatch")
@@ -184,13 +185,17 @@ def prediction(folder: Path) -> None:
     replace("prediction", table(("latency ms", "predict"), rows))
 
 
+LINKS_MBIT_S = (2, 5)
+
+
 def strategies_compared(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, the figures, and who can run it.
 
     ready: compare.json of an earlier run, to use instead.
     """
     if not ready:
-        program("compare", "--quiet", "--out", str(folder / "compare"))
+        clients = [part for name in client_names() for part in ("--client", name)]
+        program("compare", *clients, "--quiet", "--out", str(folder / "compare"))
         ready = (str(folder / "compare" / "compare.json"),)
     data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
     heads = ("strategy", "crosses the link", "the client", "late")
@@ -198,6 +203,7 @@ def strategies_compared(folder: Path, *ready: str) -> None:
     for one in data["strategies"]:
         lines.append("| " + " | ".join((f"`{one['name']}`", one["crosses"], one["client"], one["late"])) + " |")
     replace("strategies", "\n".join(lines))
+    replace("strategies chosen", chosen_markdown(data, LINKS_MBIT_S))
     replace("strategies measured", compare_markdown(data["rows"]))
     replace("strategies assigned", assigned_markdown(data))
 
