@@ -126,6 +126,7 @@ class Sliding:
 @pytest.fixture
 def registered(monkeypatch):
     for registry, entry in ((layers, Points), (parts, PointsPart), (warps, PointWarp)):
+        list(registry)  # all are loaded before the copy, or they would be forgotten with it
         monkeypatch.setattr(registry, "_entries", dict(registry._entries))
         registry.register(entry)
     monkeypatch.setattr(PointsPart, "made", [])
