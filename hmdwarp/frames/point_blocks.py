@@ -96,7 +96,7 @@ def _blocks(data: bytes, at: int) -> Iterator[Block]:
     while at < len(data):
         cell, age, number, count, body, double, *low, edge, area = _HEAD.unpack_from(data, at)
         at += _HEAD.size
-        arrays = []
+        arrays: list[NDArray] = []
         for kind, columns in ((np.uint32, 1), (np.uint8, 2), (np.uint8, 3)):
             array = np.frombuffer(data, kind, count * columns, at)
             arrays.append(array if columns == 1 else array.reshape(count, columns))
