@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import moderngl
+    import numpy as np
+    from numpy.typing import NDArray
 
+    from ..frames.layers.points import Cloud
     from ..frames.layers.scene_update import Delivery
     from ..geometry import View
     from .shown_picture import ShownPicture
@@ -38,6 +41,27 @@ class DrawnScene(Protocol):
         """Draw the whole picture."""
 
 
+class PointCloud(Protocol):
+    """Points that the client has got, in pages of 16, and the cells that they belong to."""
+
+    # Three words a point; a cell's number for each page; two vec4 for each cell, see
+    # warps/points.comp.
+    points: moderngl.Buffer
+    pages: moderngl.Buffer
+    cells: moderngl.Buffer
+
+    @property
+    def count(self) -> int:
+        """How many places for points there are to look at."""
+
+    @property
+    def sky(self) -> NDArray[np.float64] | None:
+        """(3, 3) light of zenith, horizon and ground; None before the first whole picture."""
+
+    def bodies(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 4, 4): world from the frame of what stands still, then of each body."""
+
+
 class ClientGeometry(Protocol):
     """Draws for any view and instant; programs and buffers are made on first use."""
 
@@ -61,3 +85,6 @@ class ClientGeometry(Protocol):
 
     def arriving(self, delivery: Delivery) -> DrawnScene:
         """Return the scene as it has arrived so far: all holes before anything can be drawn."""
+
+    def points(self, cloud: Cloud) -> PointCloud:
+        """Return the points that have arrived."""

@@ -301,7 +301,7 @@ def _why_not(
 
 def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) -> str:
     if warp.kind == "draw":
-        return f"warp '{warp.name}' draws it as it is now: nothing is left to compensate"
+        return f"warp '{warp.name}' {warp.without_effects}"
     if warp.imposter and effect.name not in named:
         return f"warp '{warp.name}' compensates nothing unless asked for by name: {effect.without}"
     if effect.made_by.carries and not warp.carries:

@@ -23,12 +23,15 @@ from ..server import (
     stands_still,
 )
 from .arriving_scene import ArrivingScene
+from .client_points import ClientPoints
 
 if TYPE_CHECKING:
     from ..client import ShownPicture
     from ..frames import Frame
     from ..frames.deliveries import Update
+    from ..frames.layers.points import Cloud
     from ..frames.layers.scene_update import Delivery
+    from ..frames.point_blocks import PointUpdate
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Scene
@@ -50,6 +53,7 @@ class ClientScene:
         self._models: dict[_Key, DrawnModel] = {}
         self._scenes: dict[_Key, SceneOnClient] = {}
         self._arriving: dict[Delivery, ArrivingScene] = {}
+        self._points: dict[Cloud, ClientPoints] = {}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
@@ -78,11 +82,20 @@ class ClientScene:
             self._arriving[delivery] = ArrivingScene(self._server.gpu, pieces)
         return self._arriving[delivery]
 
+    def points(self, cloud: Cloud) -> ClientPoints:
+        """Return the points that have arrived, see ClientGeometry.points."""
+        if cloud not in self._points:
+            self._points[cloud] = ClientPoints(self._server.gpu, self._server.scene, cloud)
+        return self._points[cloud]
+
     def receive(self, frame: Frame) -> None:
         """Take what a frame brings of the scene; call it with each frame that arrives."""
         updates: Mapping[Delivery, Update] = frame.eyes[0].get("scene_update", {})
         for delivery, update in updates.items():
             self.arriving(delivery).receive(update.content)
+        clouds: Mapping[Cloud, PointUpdate] = frame.eyes[0].get("points", {})
+        for cloud, points in clouds.items():
+            self.points(cloud).receive(points.content)
 
     def weights(self) -> list[dict[str, Any]]:
         """Return what the client must hold of each model that was made: triangles and bytes.
@@ -104,11 +117,12 @@ class ClientScene:
         for delivery, arriving in self._arriving.items():
             named = {"share": delivery.share, "texture": delivery.texture, "budget": delivery.budget}
             weights.append({**named, **weight_of(arriving.scene), **arriving.weight()})
+        weights += [cloud.weight() for cloud in self._points.values()]
         return weights
 
     def close(self) -> None:
         """Free the models; the caller closes the server."""
-        for made in (self._models, self._scenes, self._arriving):
+        for made in (self._models, self._scenes, self._arriving, self._points):
             for model in made.values():
                 model.close()
             made.clear()

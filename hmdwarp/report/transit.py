@@ -62,15 +62,18 @@ def model_rows(summary: Summary) -> Pairs:
     """
     rows = []
     for one in summary.get("client_models") or ():
-        named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
-        weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
-        rows.append((named, f"{weight}textures {one['texture_bytes'] / 1e6:.1f} MB"))
+        if "points" in one:
+            rows.append(("client's points", f"{one['points']}, room of {one['geometry_bytes'] / 1e6:.1f} MB"))
+        else:
+            named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
+            weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
+            rows.append((named, f"{weight}textures {one['texture_bytes'] / 1e6:.1f} MB"))
         if "start_up_bytes" in one:
             first = one["first_picture_bytes"]
             whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
             rows.append(
                 (
-                    "of that crossed, packed",
+                    "of that crossed",
                     f"{one['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, {one['arrived_bytes'] / 1e6:.2f} MB "
                     "in all",
                 )

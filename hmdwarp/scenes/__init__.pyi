@@ -14,6 +14,8 @@ from ._pieces import HALF as HALF
 from ._pieces import Pieces as Pieces
 from ._pieces import partial_scene as partial_scene
 from ._pieces import pieces_of as pieces_of
+from ._points import PointCells as PointCells
+from ._points import SurfacePoints as SurfacePoints
 from ._reduce import only_light as only_light
 from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit

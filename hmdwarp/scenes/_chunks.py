@@ -15,11 +15,11 @@ def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
     triangles = mesh.triangles
     if len(triangles) <= CHUNK_TRIANGLES:
         return [triangles] if len(triangles) else []
-    order = np.argsort(_morton(mesh.positions[triangles].mean(axis=1)), kind="stable")
+    order = np.argsort(morton(mesh.positions[triangles].mean(axis=1)), kind="stable")
     return np.array_split(triangles[order], -(-len(triangles) // CHUNK_TRIANGLES))
 
 
-def _morton(points: NDArray) -> NDArray[np.uint64]:
+def morton(points: NDArray) -> NDArray[np.uint64]:
     """Return the Z-order of points, 10 bits per axis: close in order is close in space."""
     low, high = points.min(axis=0), points.max(axis=0)
     cell = ((points - low) / max(float((high - low).max()), 1e-30) * 1023).astype(np.uint64)

@@ -37,8 +37,8 @@ class PointList:
 
 
 class Points(Layer):
-    name, summary = "points", "points of the world, for both eyes"
-    drawn_by, per_frame = "points", True
+    name, summary = "dots", "points of the world, for both eyes"
+    drawn_by, per_frame = "dots", True
 
     @classmethod
     def bytes(cls, amount, sizes):
@@ -60,7 +60,7 @@ class Points(Layer):
 class PointsPart(Part):
     """Some points before the viewers, others at each instant."""
 
-    name, order = "points", 200
+    name, order = "dots", 200
     made: list[PointList] = []  # noqa: RUF012 (emptied by the fixture)
 
     def add(self, eye: EyeImage, drawing) -> EyeImage:
@@ -68,30 +68,30 @@ class PointsPart(Part):
 
     def of_frame(self, views: Sequence[View], drawing) -> Mapping[str, Any]:
         rng = np.random.default_rng(drawing.time_ns)
-        count = drawing.needs["points"]
+        count = drawing.needs["dots"]
         points = (
             np.mean([view.pose.position_m for view in views], axis=0) + (0, 0, -2) + rng.normal(size=(count, 3)) / 3
         )
         self.made.append(PointList(points.astype(np.float32)))
-        return {"points": self.made[-1]}
+        return {"dots": self.made[-1]}
 
 
 class PointWarp(Warp):
     """A white pixel for each point."""
 
-    name, summary, kind = "points", "points, each a pixel", "scatter"
-    reads = ("rendered.points",)
+    name, summary, kind = "dots", "points, each a pixel", "scatter"
+    reads = ("rendered.dots",)
     exact_when, gets_wrong, source = "always", "everything else", "this test"
 
     def prepare(self) -> None:
         pass
 
     def run(self, inputs, into) -> None:
-        into.texture.write(as_pixels(inputs.rendered["points"].points_m, inputs.shown).tobytes(), alignment=1)
+        into.texture.write(as_pixels(inputs.rendered["dots"].points_m, inputs.shown).tobytes(), alignment=1)
 
     @classmethod
     def needs(cls, settings) -> Needs:
-        return Needs(points=COUNT)
+        return Needs(dots=COUNT)
 
 
 def as_pixels(points_m: np.ndarray, view: View) -> np.ndarray:
@@ -126,6 +126,7 @@ class Sliding:
 @pytest.fixture
 def registered(monkeypatch):
     for registry, entry in ((layers, Points), (parts, PointsPart), (warps, PointWarp)):
+        list(registry)  # all are loaded before the copy, or they would be forgotten with it
         monkeypatch.setattr(registry, "_entries", dict(registry._entries))
         registry.register(entry)
     monkeypatch.setattr(PointsPart, "made", [])
@@ -135,10 +136,10 @@ def registered(monkeypatch):
 @pytest.mark.parametrize("codec", ["none", "h264"])
 def test_points_travel_with_frames_and_are_warped(gpu, codec):
     options = PipelineOptions(
-        scene="planes", latency_ms=20, warp="points", fill="none", lens="none", size=SIZE, coding=Coding(codec)
+        scene="planes", latency_ms=20, warp="dots", fill="none", lens="none", size=SIZE, coding=Coding(codec)
     )
-    plan = build_plan((), "points", "none", "none", client_geometry=True)
-    assert plan.layers == ("rendered.points",)
+    plan = build_plan((), "dots", "none", "none", client_geometry=True)
+    assert plan.layers == ("rendered.dots",)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")
     with build_pipeline(options, scene, Target(gpu, TwoEyes(), 100.0, 20_000_000), [plan], requested) as made:
@@ -149,7 +150,7 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
         assert len(sent) == 8, "drawn once a frame, not once an eye"
         shown = sent[5]
         for inputs, eye in zip(refresh.inputs, refresh.eyes, strict=True):
-            assert inputs.rendered["points"] is shown
+            assert inputs.rendered["dots"] is shown
             assert inputs.shown.pose.position_m[0] - inputs.rendered.view.pose.position_m[0] == pytest.approx(0.02)
             wanted = as_pixels(shown.points_m, inputs.shown)
             assert np.array_equal(download(eye.shown.texture)[::-1], wanted)
@@ -171,5 +172,5 @@ def test_frames_without_points_have_none(gpu):
     scene = load_scene("planes")
     with build_pipeline(options, scene, Target(gpu, TwoEyes(), 100.0, 0), [plan], requested) as made:
         made.loop.draw(0)
-        assert "points" not in made.loop.show(0).inputs[0].rendered
+        assert "dots" not in made.loop.show(0).inputs[0].rendered
     assert PointsPart.made == []

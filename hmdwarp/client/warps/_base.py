@@ -70,6 +70,8 @@ class Warp(ABC):
     # What it reads to write the shown inverse depth beside the colour; None for a warp that runs a
     # second time for it, see client/carry.py.
     depth_reads: ClassVar[tuple[str, ...] | None] = None
+    # Of a warp that draws: why no effect is compensated beside it.
+    without_effects: ClassVar[str] = "draws it as it is now: nothing is left to compensate"
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
     # Whether it stands for no compensation at all: no effect is compensated beside it unless it is

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 from ...frames.deliveries import Outbox, Update
 from ...frames.layers.scene_update import Delivery
 from ...scenes import COARSE, FULL, HALF, pieces_of
-from ..projection import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
+from ..reach import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, may_be_seen
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
@@ -24,12 +22,6 @@ if TYPE_CHECKING:
     from ...scenes import Mesh, Scene
 
 Array = NDArray[np.float64]
-# From sending to the news of the arrival, until the first news says it.
-FIRST_ROUND_TRIP_NS = 200_000_000
-# The head's speed is the fastest between two of so many frames.
-FRAMES = 16
-# An eye that is this near to a piece, or inside, sees all of it.
-NEAREST_M = 0.1
 
 
 @parts.register
@@ -41,7 +33,7 @@ class SceneUpdate(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._head, self._senders = _Head(), dict[Delivery, _Sender]()
+        self._head, self._senders = Head(), dict[Delivery, _Sender]()
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         return eye
@@ -66,28 +58,6 @@ class SceneUpdate(Part):
 
     def has_more(self, now_ns: int) -> bool:
         return any(sender.has_more(now_ns) for sender in self._senders.values())
-
-
-class _Head:
-    """How fast the head has moved of late."""
-
-    def __init__(self) -> None:
-        self._seen: deque[tuple[int, View]] = deque(maxlen=FRAMES)
-
-    def see(self, view: View, now_ns: int) -> None:
-        """Take the view of a frame."""
-        if not self._seen or now_ns > self._seen[-1][0]:
-            self._seen.append((now_ns, view))
-
-    def reach(self, within_ns: int) -> tuple[float, float]:
-        """Return metres and radians that it may move by within that time."""
-        metres = radians = 0.0
-        for (before_ns, before), (now_ns, now) in zip(self._seen, list(self._seen)[1:], strict=False):
-            times = within_ns / (now_ns - before_ns)
-            metres = max(metres, times * float(np.linalg.norm(now.pose.position_m - before.pose.position_m)))
-            turned = float((before.pose.rotation.inv() * now.pose.rotation).magnitude())
-            radians = max(radians, min(times * turned, math.pi))
-        return metres, radians
 
 
 @attrs.frozen(eq=False)
@@ -119,12 +89,12 @@ class _Sender:
         self.outbox.settle(now_ns)
         return bool(self.outbox.waiting)
 
-    def update(self, views: Sequence[View], head: _Head, now_ns: int) -> Update:
+    def update(self, views: Sequence[View], head: Head, now_ns: int) -> Update:
         """Return what a frame drawn now brings."""
         order = self._order(views, head, now_ns) if self.has_more(now_ns) else iter(())
         return self.outbox.update(order, self._budget, now_ns)
 
-    def _order(self, views: Sequence[View], head: _Head, now_ns: int) -> Iterator[int]:
+    def _order(self, views: Sequence[View], head: Head, now_ns: int) -> Iterator[int]:
         """Yield what to send: first what makes a whole picture.
 
         Then what is visible from any place that the head can reach until it arrives, what covers
@@ -132,10 +102,12 @@ class _Sender:
         the rest. Of what is visible the last texels come after all triangles.
         """
         yield from self._pieces.first
-        boxes = self._boxes_at(now_ns)
+        boxes, origin = self._boxes_at(now_ns), self._pieces.scene.origin_m
         metres, radians = head.reach(self.outbox.round_trip_ns or FIRST_ROUND_TRIP_NS)
-        seen = np.any([self._visible(boxes, view, metres, radians) for view in views], axis=0)
-        eye = np.mean([view.pose.position_m for view in views], axis=0) - self._pieces.scene.origin_m
+        seen = np.any(
+            [may_be_seen(boxes.centres, boxes.halves, view, origin, metres, radians) for view in views], axis=0
+        )
+        eye = np.mean([view.pose.position_m for view in views], axis=0) - origin
         away = np.linalg.norm(np.maximum(np.abs(boxes.centres - eye) - boxes.halves, 0), axis=1)
         looks = np.minimum(np.linalg.norm(boxes.halves, axis=1) / np.maximum(away - metres, NEAREST_M), 1.0)
         by_size = np.argsort(-(looks**2) / self._bytes, kind="stable")
@@ -166,18 +138,6 @@ class _Sender:
             centres[own] = centres[own] @ world_from_body[:3, :3].T + world_from_body[:3, 3] - scene.origin_m
             halves[own] = np.linalg.norm(halves[own], axis=1, keepdims=True)
         return _Boxes(centres, halves)
-
-    def _visible(self, boxes: _Boxes, view: View, metres: float, radians: float) -> NDArray[np.bool_]:
-        """Return which may be visible to an eye that moves and turns by no more than that.
-
-        As Visibility, whose slack this is.
-        """
-        origin, clip = self._pieces.scene.origin_m, clip_from_eye(view.fov)
-        steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
-        reach = np.linalg.norm(boxes.centres - (view.pose.position_m - origin), axis=1)
-        reach += np.linalg.norm(boxes.halves, axis=1)
-        slack = steep[:, None] * (radians * reach + metres)
-        return visible(boxes_of(boxes.centres, boxes.halves), clip @ eye_from_scene(view, origin), slack)
 
 
 def _boxes(meshes: Sequence[Mesh]) -> _Boxes:
