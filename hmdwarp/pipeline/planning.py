@@ -9,7 +9,7 @@ from ..client.capability import check_client
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
 from ..clients import load_client
-from ..errors import InputError
+from ..errors import InputError, PlanError
 from ..headsets import Headset
 from ..scenes import Scene
 from .options import PipelineOptions
@@ -46,7 +46,8 @@ def build_plan_for(
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
     distorts, takes_depth: as in build_plan.
-    Errors: as build_plan; PlanError for a plan that the client cannot run; InputError for a lens
+    Errors: as build_plan; PlanError for a plan that the client cannot run, and
+    for a warp that is not for the scene; InputError for a lens
     correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
@@ -69,6 +70,8 @@ def build_plan_for(
         distorts=distorts,
         takes_depth=takes_depth,
     )
+    if scene is not None and (why := plan.warp.unsuited(scene)):
+        raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
     if options.client_name:
         check_client(plan, load_client(options.client_name))
     return plan
