@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ._lamps import Lamp
-    from ._mesh import Mesh
+    from ._mesh import Mesh, Texture
     from ._scene import Background, Scene
 
 Array = NDArray[np.float64]
@@ -114,19 +114,19 @@ class Patches:
         return self.centres + self.steps[..., 0] * across + self.steps[..., 1] * up + OFF_M * self.normals
 
 
-def lit_meshes(scene: Scene) -> list[Mesh]:
-    """Return the meshes that the lamps light: they have places in the light atlas."""
-    return [mesh for mesh in scene.meshes if mesh.light_uv is not None]
+def _lit(meshes: Sequence[Mesh]) -> list[Mesh]:
+    """Return the meshes that lamps light: they have places in the light atlas."""
+    return [mesh for mesh in meshes if mesh.light_uv is not None]
 
 
-def patches_of(scene: Scene) -> Patches:
+def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
     """Return a patch for each texel whose centre some lit triangle covers.
 
     Errors: SceneError where two triangles cover the same texel.
     """
     kinds: list[list[Array]] = [[] for _ in range(5)]
-    for mesh in lit_meshes(scene):
-        texture = _mean_colour(scene, mesh)
+    for mesh in _lit(meshes):
+        texture = _mean_colour(textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
         albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.positions, 0.5)
         assert mesh.light_uv is not None
         for triangle in mesh.triangles:
@@ -159,16 +159,13 @@ def patches_of(scene: Scene) -> Patches:
     texels, *rest = (np.concatenate([np.empty(s), *kind]) for kind, s in zip(kinds, shapes, strict=True))
     texels = texels.astype(np.int64)
     if len(np.unique(texels, axis=0)) < len(texels):
-        raise SceneError(f"scene '{scene.name}': two triangles have the same texel of the light atlas")
+        raise SceneError("two triangles have the same texel of the light atlas: expected places of their own")
     if len(texels) and (texels.min() < 0 or (texels.max(axis=0) >= ATLAS).any()):
-        raise SceneError(f"scene '{scene.name}': the light atlas has {ATLAS[0]}x{ATLAS[1]} texels, a mesh needs more")
+        raise SceneError(f"a mesh lies outside the light atlas of {ATLAS[0]}x{ATLAS[1]} texels: use wider texels")
     return Patches(texels, *rest)
 
 
-def _mean_colour(scene: Scene, mesh: Mesh) -> Array:
-    if mesh.texture < 0:
-        return np.ones(3)
-    texture = scene.textures[mesh.texture]
+def _mean_colour(texture: Texture) -> Array:
     image = texture.image[..., :3]
     linear = linear_from_srgb(image) if texture.srgb else image / 255
     return np.asarray(linear, np.float64).mean(axis=(0, 1))
@@ -197,12 +194,10 @@ class Transport:
     @cached_property
     def gathered(self) -> NDArray[np.float32]:
         """(3, n, n) F (I - rho F)^-1: from what each patch sends of first light to all indirect."""
-        count = len(self.patches)
-        solved = [
-            np.linalg.solve(np.eye(count) - self.form_factors.T * self.patches.albedo[:, k], self.form_factors.T).T
-            for k in range(3)
-        ]
-        return np.array(solved, np.float32)
+        # In float32: light that bounces between surfaces of albedo 0.9 errs by 10 times its rounding.
+        back, albedo = self.form_factors.T.astype(np.float32), self.patches.albedo.astype(np.float32)
+        one = np.eye(len(back), dtype=np.float32)
+        return np.array([np.linalg.solve(one - back * albedo[:, k], back).T for k in range(3)])
 
     def indirect(self, direct: Array) -> Array:
         """Return (n, 3) what each patch gets over any number of others, and from the sky."""
@@ -254,31 +249,37 @@ def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
     return place
 
 
-@lru_cache(maxsize=4)
 def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS) -> Transport:
-    """Return how light goes through the scene; the same object for the same arguments.
+    """Return how light goes through the scene; the same object for the same surfaces and sky.
 
     folder: where form factors are kept, the user's cache folder if None. One that cannot be read or
     written is no error.
     """
-    meshes, patches = lit_meshes(scene), patches_of(scene)
+    return _transport(scene.meshes, scene.textures, scene.background, folder, rays)
+
+
+@lru_cache(maxsize=4)
+def _transport(
+    every: tuple[Mesh, ...], textures: tuple[Texture, ...], background: Background, folder: Path | None, rays: int
+) -> Transport:
+    meshes, patches = _lit(every), patches_of(every, textures)
     corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
     blockers = Blockers(corners)
-    path = (folder or cache_folder()) / f"light-{_key(scene, patches, corners, rays)}.npz"
+    path = (folder or cache_folder()) / f"light-{_key(background, patches, corners, rays)}.npz"
     with suppress(OSError, ValueError, KeyError), np.load(path, allow_pickle=False) as stored:
         return Transport(patches, blockers, stored["form_factors"], stored["sky"])
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
     )
-    factors, sky = _cast(patches, blockers, places, scene.background, rays)
+    factors, sky = _cast(patches, blockers, places, background, rays)
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savez(path, form_factors=factors, sky=sky)
     return Transport(patches, blockers, factors, sky)
 
 
-def _key(scene: Scene, patches: Patches, corners: Array, rays: int) -> str:
-    digest = hashlib.sha256(f"{VERSION} {rays} {scene.background}".encode())
+def _key(background: Background, patches: Patches, corners: Array, rays: int) -> str:
+    digest = hashlib.sha256(f"{VERSION} {rays} {background}".encode())
     for array in (patches.texels, patches.centres, patches.normals, patches.steps, corners):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()[:40]
