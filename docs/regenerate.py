@@ -24,6 +24,7 @@ import front_page
 import gpu_tables
 import guard
 import layouts
+import light
 import models
 import panel
 import passes
@@ -206,6 +207,12 @@ def scene_on_the_client(folder: Path) -> None:
     """Measure what it takes and brings that the client has the scene: some ten minutes."""
     (folder / "models").mkdir()
     replace("models", models.table(folder / "models", program))
+
+
+def moving_light(folder: Path) -> None:
+    """Measure late light in scenes whose light moves: some five minutes."""
+    (folder / "light").mkdir()
+    replace("light", light.table(folder / "light", program))
 
 
 def defaults(folder: Path) -> None:
@@ -443,6 +450,7 @@ PARTS = {
     "defaults": defaults,
     "strategies": strategies_compared,
     "models": scene_on_the_client,
+    "light": moving_light,
     "prediction": prediction,
     "effects": effects,
     "fills": fills,

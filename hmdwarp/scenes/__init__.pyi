@@ -6,7 +6,6 @@ from ._content import Motion as Motion
 from ._lamps import ATLAS as ATLAS
 from ._lamps import MOST_LAMPS as MOST_LAMPS
 from ._lamps import Lamp as Lamp
-from ._lamps import with_lamps_stopped as with_lamps_stopped
 from ._load import load_scene as load_scene
 from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture
@@ -40,6 +39,7 @@ from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
 from .radiosity import lamps_at as lamps_at
 from .radiosity import transport_of as transport_of
+from .radiosity import with_lamps_stopped as with_lamps_stopped
 from .shapes import Ball as Ball
 from .shapes import Quad as Quad
 from .shapes import checker as checker

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ._mesh import Mesh
-    from ._scene import Scene
 
 MOST_LAMPS = 4
 ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
@@ -51,12 +50,9 @@ class _Still:
         return self._state
 
 
-def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
-    """Return the scene with its lamps where they are at that instant: what can be baked."""
-    if not scene.lamps:
-        return scene
-    stopped = [attrs.evolve(lamp, motion=_Still(RigidState(lamp.motion.state(time_ns).pose))) for lamp in scene.lamps]
-    return attrs.evolve(scene, lamps=stopped)
+def stopped(lamp: Lamp, time_ns: int) -> Lamp:
+    """Return the lamp that stays where this one is at that instant."""
+    return attrs.evolve(lamp, motion=_Still(RigidState(lamp.motion.state(time_ns).pose)))
 
 
 def problem_with(meshes: Sequence[Mesh], lamps: Sequence[Lamp]) -> str:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
-from ._lamps import ATLAS, NEAREST_M
+from ._lamps import ATLAS, NEAREST_M, stopped
 from ._reduce import cache_folder
 
 if TYPE_CHECKING:
@@ -236,6 +236,11 @@ def direct_light(
         seen[seen] = ~blockers.stop(points[seen], ways[seen], 1.0 if place[3] else np.inf)
         total += (cosine * falls * seen)[:, None] * np.array(colour)
     return total
+
+
+def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
+    """Return the scene with its lamps where they are at that instant: what can be baked."""
+    return attrs.evolve(scene, lamps=[stopped(lamp, time_ns) for lamp in scene.lamps]) if scene.lamps else scene
 
 
 def lamps_at(scene: Scene, time_ns: int) -> list[tuple[Array, tuple[float, float, float]]]:

@@ -55,7 +55,9 @@ def test_a_furnace_glows_everywhere_alike(tmp_path):
 def test_light_is_neither_made_nor_lost(tmp_path):
     """What lamps give, all surfaces absorb. Rays find form factors within 1 %: the error of even
     points falls nearly as 1 / RAYS, times the edges that cut a patch's view into tens of pieces."""
-    transport = transport_of(scene_of([*cube((0.7, 0.5, 0.2)), *box((-0.6, -1, -0.6), (0, 0, 0), GREY)], 0.25), tmp_path)
+    transport = transport_of(
+        scene_of([*cube((0.7, 0.5, 0.2)), *box((-0.6, -1, -0.6), (0, 0, 0), GREY)], 0.25), tmp_path
+    )
     direct = transport.direct([(np.array((0.5, 0.6, 0.3, 1.0)), (1.0, 1.0, 1.0))])
     areas, albedo = transport.patches.areas[:, None], transport.patches.albedo
     given = (areas * direct).sum(axis=0)

@@ -51,9 +51,7 @@ class Model(Warp):
     kind = "draw"
     needs_compute = False
     reads = ("client.model",)
-    exact_when = (
-        "always, to the last bit, with all triangles and texels, lit, once all has arrived, under light that stands still"
-    )
+    exact_when = "always, to the last bit, with all triangles and texels, lit, once all has arrived, under light that stands still"
     gets_wrong = (
         "takes the whole scene, and a renderer for it, on the client; fewer triangles round outlines off, smaller "
         "textures blur; lamps that move are baked where they are at the start"
