@@ -13,6 +13,7 @@ from hmdwarp.scenes.library._lit_room import box, in_atlas, wall
 from hmdwarp.scenes.radiosity import RAYS
 
 GREY = (0.6, 0.6, 0.6)
+DARK = Background()
 
 
 class Fixed:
@@ -23,7 +24,7 @@ class Fixed:
         return RigidState(Pose(self.place))
 
 
-def scene_of(quads, texel_m: float, lamps=(), background=Background()) -> Scene:
+def scene_of(quads, texel_m: float, lamps=(), background=DARK) -> Scene:
     meshes = [attrs.evolve(mesh, texture=-1) for mesh in in_atlas(quads, texel_m)]
     return Scene("trial", "for tests", meshes, background=background, lamps=lamps)
 
@@ -32,8 +33,7 @@ def cube(albedo=GREY):
     """The inside of a cube of 2 m."""
     sides = (((1, 0, 0), (0, 0, -1), (0, 1, 0)), ((0, 1, 0), (1, 0, 0), (0, 0, 1)), ((0, 0, 1), (-1, 0, 0), (0, 1, 0)))
     quads = []
-    for out, right, up in sides:
-        out, right, up = np.array(out), np.array(right), np.array(up)
+    for out, _, up in map(np.array, sides):
         for sign in (1, -1):
             across = -sign * np.cross(up, out)  # right x up points inwards
             quads.append(wall(tuple(sign * out), tuple(across), tuple(up), albedo))
