@@ -34,11 +34,12 @@ from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
 from hmdwarp.bench.cases import WITH_COMPLETE_FILLS
+from hmdwarp.clients import client_names
 from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
-from hmdwarp.report.compare_page import assigned_markdown, compare_markdown
+from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
 from hmdwarp.run.outside import OUTSIDE
 
 FIGURES = (*QUALITY, "mismatch")
@@ -185,13 +186,17 @@ def prediction(folder: Path) -> None:
     replace("prediction", table(("latency ms", "predict"), rows))
 
 
+LINKS_MBIT_S = (2, 5)
+
+
 def strategies_compared(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, the figures, and who can run it.
 
     ready: compare.json of an earlier run, to use instead.
     """
     if not ready:
-        program("compare", "--quiet", "--out", str(folder / "compare"))
+        clients = [part for name in client_names() for part in ("--client", name)]
+        program("compare", *clients, "--quiet", "--out", str(folder / "compare"))
         ready = (str(folder / "compare" / "compare.json"),)
     data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
     heads = ("strategy", "crosses the link", "the client", "late")
@@ -199,6 +204,7 @@ def strategies_compared(folder: Path, *ready: str) -> None:
     for one in data["strategies"]:
         lines.append("| " + " | ".join((f"`{one['name']}`", one["crosses"], one["client"], one["late"])) + " |")
     replace("strategies", "\n".join(lines))
+    replace("strategies chosen", chosen_markdown(data, LINKS_MBIT_S))
     replace("strategies measured", compare_markdown(data["rows"]))
     replace("strategies assigned", assigned_markdown(data))
 
@@ -213,6 +219,30 @@ def moving_light(folder: Path) -> None:
     """Measure late light in scenes whose light moves: some five minutes."""
     (folder / "light").mkdir()
     replace("light", light.table(folder / "light", program))
+
+
+def difference(folder: Path) -> None:
+    """Measure coded difference images beside coded pictures, and warped ones beside warps."""
+    common = ("--size", "480x400", "--headset", "flat-90", "--start", "1", "--seconds", "1", "--rate", "30")
+    rows = []
+    for crf in ("16", "22", "28", "34"):
+        for warp in ("none", "difference:warped=off", "difference:share=0.05,warped=off"):
+            options = ("--warp", warp, "--fill", "none", "--guard", "1", "--predict", "none", "--latency", "0")
+            measured = run(folder, "look-around", *common, *options, "--codec", "h264", "--crf", crf)
+            rows.append(((crf, f"`{warp}`", f"{measured['link']['mbit_s']:.2f}"), measured))
+    replace("difference coded", table(("crf", "warp", "Mbit/s"), rows))
+    rows = []
+    for trace in RECORDINGS:
+        for latency in ("200", "400"):
+            for warp, fill in (
+                ("none", "none"), ("iterative", "memory+pyramid"), ("backward", "model"), ("difference", "none"),
+                ("difference:share=0.05", "none"),
+            ):  # fmt: skip
+                options = ("--warp", warp, "--fill", fill, "--guard", "1.5", "--latency", latency, "--codec", "h264")
+                measured = run(folder, trace, *common, *options)
+                megabits = f"{measured['link']['mbit_s']:.2f}"
+                rows.append(((trace, latency, f"`{warp}`", f"`{fill}`", megabits), measured))
+    replace("difference warped", table(("recording", "latency ms", "warp", "fill", "Mbit/s"), rows))
 
 
 def defaults(folder: Path) -> None:
@@ -449,6 +479,7 @@ PARTS = {
     "border": border,
     "defaults": defaults,
     "strategies": strategies_compared,
+    "difference": difference,
     "models": scene_on_the_client,
     "light": moving_light,
     "prediction": prediction,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -129,6 +130,46 @@ def assigned_markdown(data: Mapping[str, Any]) -> str:
     for line in table.lines:
         lines.append("| " + " | ".join(cell.text for cell in line.cells) + " |")
     return "\n".join(lines) + "\n"
+
+
+def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> str:
+    """Return which strategy is best for whom at each latency, as a Markdown table.
+
+    For each client of the comparison, and for any client over links of these rates. Errors are
+    means over the recordings; a strategy counts where it suits on all of them. data: as
+    compare.json.
+    """
+    latencies = list(dict.fromkeys(row["latency_ms"] for row in data["rows"]))
+    fits: dict[str, Callable[[Row], bool]] = {
+        f"`{client['name']}`: {client['summary']}": partial(_can_run, client["name"]) for client in data["clients"]
+    }
+    fits |= {f"a link of {rate:g} Mbit/s, any client": partial(_is_carried, rate) for rate in links_mbit_s}
+    lines = ["| for whom | " + " | ".join(f"{latency:g} ms" for latency in latencies) + " |"]
+    lines.append("| --- |" + " --- |" * len(latencies))
+    for who, fit in fits.items():
+        cells = [_best_of([row for row in data["rows"] if row["latency_ms"] == latency], fit) for latency in latencies]
+        lines.append(f"| {who} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _can_run(client: str, row: Row) -> bool:
+    return not row["unfit"][client]
+
+
+def _is_carried(mbit_s: float, row: Row) -> bool:
+    return bool(row["mbit_s"] <= mbit_s)
+
+
+def _best_of(rows: Sequence[Row], fit: Callable[[Row], bool]) -> str:
+    by_name: dict[str, list[Row]] = {}
+    for row in rows:
+        by_name.setdefault(row["strategy"], []).append(row)
+    suited = [group for group in by_name.values() if all(fit(row) for row in group)]
+    if not suited:
+        return "none"
+    best = min(suited, key=lambda group: sum(map(_error, group)))
+    flip, rate = (sum(value(row) for row in best) / len(best) for value in (_error, lambda row: row["mbit_s"]))
+    return f"`{best[0]['strategy']}` (FLIP {flip:.3f}, {rate:.1f} Mbit/s)"
 
 
 def _label(row: Row) -> str:

@@ -39,7 +39,7 @@ def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, fold
 
 @lru_cache(maxsize=2)  # the sender's and the receiver's of one run
 def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Pieces:
-    """Return the pieces of a partial_scene, without lamps; the same object for the same arguments."""
+    """Return the pieces of a partial_scene, without lamps; one object for the same arguments."""
     scene = attrs.evolve(scene, lamps=()) if scene.lamps else scene
     return Pieces(partial_scene(scene, share, texture, lit=lit, folder=folder), folder)
 

@@ -57,7 +57,7 @@ class Blockers:
         return np.concatenate([turned, -(turned @ a[..., None])], axis=2)
 
     def hits(self, origins: Array, ways: Array) -> tuple[Array, Array, Array]:
-        """Return (r, n) of each ray and triangle: how many `ways` to the hit, inf for none; u, v."""
+        """Return (r, n) of rays and triangles: how many `ways` to the hit, inf for none; u, v."""
         turned = self.rows.reshape(-1, 4)
         start = (origins @ turned[:, :3].T + turned[:, 3]).reshape(len(origins), -1, 3)
         step = (ways @ turned[:, :3].T).reshape(len(origins), -1, 3)
@@ -194,7 +194,7 @@ class Transport:
     @cached_property
     def gathered(self) -> NDArray[np.float32]:
         """(3, n, n) F (I - rho F)^-1: from what each patch sends of first light to all indirect."""
-        # In float32: light that bounces between surfaces of albedo 0.9 errs by 10 times its rounding.
+        # In float32: light between surfaces of albedo 0.9 errs by 10 times its rounding.
         back, albedo = self.form_factors.T.astype(np.float32), self.patches.albedo.astype(np.float32)
         one = np.eye(len(back), dtype=np.float32)
         return np.array([np.linalg.solve(one - back * albedo[:, k], back).T for k in range(3)])

@@ -1,4 +1,4 @@
-"""Irradiance map: direct light is the client's, indirect light comes as a picture of all surfaces."""
+"""Irradiance map: direct light is the client's, indirect light comes as an atlas."""
 
 from __future__ import annotations
 

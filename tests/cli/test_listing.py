@@ -20,6 +20,7 @@ from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
+from hmdwarp.client.variants import every_baseline
 from hmdwarp.client.warps import warps
 from hmdwarp.frames.layers import layers
 from hmdwarp.resources import recording_names
@@ -93,6 +94,13 @@ def test_json_is_an_array_of_named_things(kind, command):
 def test_lists_hold_what_the_registries_hold(command):
     assert [row["name"] for row in json.loads(command("list", "warps", "--json").out)] == warps.names()
     assert [row["name"] for row in json.loads(command("list", "recordings", "--json").out)] == recording_names()
+
+
+def test_warps_say_which_system_they_stand_for(command):
+    rows = {row["name"]: row for row in json.loads(command("list", "warps", "--json").out)}
+    told = {part for row in rows.values() for part in row["baselines"].split("; ") if part != "none"}
+    assert told == {f"{spec} ({system})" for spec, system in every_baseline().items()}
+    assert "mesh:grid=64 (CloudXR.js)" in told and rows["forward"]["baselines"] == "none"
 
 
 def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):

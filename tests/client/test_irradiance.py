@@ -95,5 +95,5 @@ def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
 def test_a_replay_sends_the_atlas_alone(tmp_path, codec):
     """Coded, the atlas errs by a code's error; colour and depth cross in neither case."""
     summary = run(tmp_path, scene="lantern", warp="irradiance", coding=Coding(codec), latency_ms=100.0).summary
-    assert set(summary["link"]["layers_mbit_s"]) == {"rendered.irradiance"}
+    assert set(summary["link"]["layers_mbit_s"]) == {"irradiance"}
     assert summary["quality"]["psnr_db"]["mean"] > 35

@@ -37,8 +37,9 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
+from hmdwarp.frames.layers.difference import Simplified
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import SCALAR, ShaderLibrary, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, ShaderLibrary, allocate
 from hmdwarp.headsets import load_headset
 
 # Each warp with and without a fill, each fill after a warp that carries depth and one that cannot,
@@ -242,7 +243,8 @@ def given_for(gpu, warp: str) -> PassInputs:
     world = World(gpu, 1, RENDERED_SIZE, SHOWN_SIZE, moved=False)
     world.bring(gpu, warps.get(warp))
     inputs = attrs.evolve(world.inputs(warps.get(warp)), client_inverse_depth=None)
-    return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered))
+    beside = {Simplified(): allocate(gpu.gl, RENDERED_SIZE, COLOUR)}
+    return attrs.evolve(inputs, rendered=inputs.rendered.having(wide=world.rendered, difference=beside))
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from hmdwarp.client import build_plan
 from hmdwarp.clients import client_names, load_client
 from hmdwarp.compare import unfit
 from hmdwarp.frames import EyeSizes
-from hmdwarp.report.compare_page import compare_markdown, render_compare_page
+from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, render_compare_page
 
 NAMED = ("imposter", "depth_image", "light")
 QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
@@ -90,6 +90,24 @@ def test_markdown_has_each_case_with_the_least_error_first(data):
     assert len(lines) == 2 + len(data["rows"])
     flips = [float(line.split("|")[3]) for line in lines[2:5]]
     assert flips == sorted(flips)
+
+
+def test_the_best_for_whom_suits_them(data):
+    """None is better of those that the client can run, or that the link carries."""
+    lines = [
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in chosen_markdown(data, [1e9, 1e-9]).splitlines()
+    ]
+    assert lines[0] == ["for whom", "100 ms", "200 ms"]
+    cells = {line[0].partition(":")[0]: line[1:] for line in lines[2:]}
+    for column, latency in enumerate((100, 200)):
+        rows = [row for row in data["rows"] if row["latency_ms"] == latency]
+        for client in ("class-1", "class-2", "class-3"):
+            best = min(
+                (row for row in rows if not row["unfit"][client]), key=lambda row: row["quality"]["flip"]["mean"]
+            )
+            assert cells[f"`{client}`"][column].startswith(f"`{best['strategy']}` (FLIP ")
+        assert cells["a link of 1e+09 Mbit/s, any client"][column].startswith("`light`")
+        assert cells["a link of 1e-09 Mbit/s, any client"][column] == "none"
 
 
 @pytest.mark.parametrize("client", client_names())

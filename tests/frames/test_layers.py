@@ -5,6 +5,9 @@ What its entries say is what the server draws, and what passes may read.
 
 from __future__ import annotations
 
+import typing
+
+import attrs
 import pytest
 
 from hmdwarp.client.effects import effects
@@ -67,9 +70,14 @@ def test_a_layer_says_what_it_is(name):
 
 
 def test_every_layer_is_read_by_some_pass():
+    """By default, or with one of a warp's settings that is a word."""
     readers = [*warps, *fills, *(effect.made_by for effect in effects)]
-    read = {name for reader in readers for name in reader.reads if name.startswith("rendered.")}
-    assert read == set(readable_names())
+    read = {name for reader in readers for name in reader.reads}
+    for warp in warps:
+        for field in attrs.fields(warp.Settings):
+            for word in typing.get_args(typing.get_type_hints(warp.Settings)[field.name]):
+                read |= {*warp.reads_for(warp.Settings(**{field.name: word}))}
+    assert {name for name in read if name.startswith("rendered.")} == set(readable_names())
 
 
 # --- needs --------------------------------------------------------------------------------------

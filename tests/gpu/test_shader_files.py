@@ -86,6 +86,9 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
             pass
         HoleCounter(gpu).close()
         _take_textures_over(gpu)
+        for spec, depth in product(("difference", "difference:warped=off"), (False, True)):
+            choice = parse_warp(spec)
+            choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(depth=depth), ClientScene(gpu)).close()
         _present(gpu)
         return gpu.shaders.used
     finally:

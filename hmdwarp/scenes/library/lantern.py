@@ -1,4 +1,4 @@
-"""A room under a lamp that swings: its shadows and the light between its walls never stand still."""
+"""A room under a lamp that swings: shadows, and the light between the walls, never stand still."""
 
 from __future__ import annotations
 
