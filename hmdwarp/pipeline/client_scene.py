@@ -69,7 +69,7 @@ class ClientScene:
         """Return a scene that is drawn whole, see ClientGeometry.scene."""
         key = (share, texture, lit)
         if key not in self._scenes:
-            whole = partial_scene(with_lamps_stopped(self._server.scene), share, texture, lit=lit, folder=self._cache)
+            whole = partial_scene(self._server.scene, share, texture, lit=lit, folder=self._cache)
             self._scenes[key] = SceneOnClient(self._server, whole)
         return self._scenes[key]
 

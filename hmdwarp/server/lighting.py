@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 import numpy as np
@@ -44,12 +44,12 @@ class Lighting:
         self._light: bytes = b""
         self._buffers: list[moderngl.Buffer] = []
 
-    def more(self, meshes: Sequence[Mesh]) -> tuple[moderngl.Buffer, str, str, str, str, str]:
+    def more(self, meshes: Sequence[Mesh]) -> tuple[Any, ...]:
         """Return further inputs of the vertex stage, as moderngl takes them."""
         rows = [_vertex_rows(mesh) for mesh in meshes]
         data = np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32).tobytes()
         self._buffers.append(self._gl.buffer(data or b"\0" * 32))
-        return (self._buffers[-1], "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")  # type: ignore[return-value]
+        return (self._buffers[-1], "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
 
     def use(self, uniforms: Uniforms, time_ns: int) -> None:
         """Set the uniforms and bind the textures for an instant."""

@@ -33,10 +33,7 @@ def box(low: Triple, high: Triple, albedo: Triple) -> list[Quad]:
     middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
     x, y, z = np.diag(half)
     outwards = ((x, -z, y), (-x, z, y), (z, x, y), (-z, -x, y), (y, x, -z))  # side, right, up
-    return [
-        wall(tuple(middle + side), tuple(right), tuple(up), albedo)  # type: ignore[arg-type]
-        for side, right, up in outwards
-    ]
+    return [wall(tuple(middle + side), tuple(right), tuple(up), albedo) for side, right, up in outwards]
 
 
 def in_atlas(quads: Iterable[Quad], texel_m: float) -> list[Mesh]:
