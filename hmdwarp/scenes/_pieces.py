@@ -30,7 +30,8 @@ _COUNT = struct.Struct("<I")
 def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Scene:
     """Return what a client has of a scene: the scene itself where nothing is reduced.
 
-    Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still. Parameters, errors: as of
+    Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still.
+    Parameters, errors: as of
     `reduced`; lit: with baked light, else as `unlit`.
     """
     scene = with_lamps_stopped(scene)
