@@ -66,6 +66,7 @@ APART = {
 }
 CLOCK_READERS = {
     "gpu/timers.py",
+    "pipeline/arriving_scene.py",
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
     "doctor/checks.py",

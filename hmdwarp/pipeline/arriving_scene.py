@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,6 +37,8 @@ class ArrivingScene:
         self._places = _places(self._renderer, blank, pieces)
         # Bytes received when the first whole picture was possible; None before.
         self.first_picture_bytes: int | None = None
+        # Milliseconds on the CPU: of all that was unpacked and uploaded, and of the worst frame.
+        self._unpack_ms = self._worst_ms = 0.0
         self._draw_what_is_here()
 
     @property
@@ -45,6 +48,12 @@ class ArrivingScene:
 
     def receive(self, content: NDArray[np.uint8]) -> None:
         """Take what a frame brought; frames may come in any order, and more than once."""
+        started = time.perf_counter_ns()
+        self._take(content)
+        took_ms = (time.perf_counter_ns() - started) * 1e-6
+        self._unpack_ms, self._worst_ms = self._unpack_ms + took_ms, max(self._worst_ms, took_ms)
+
+    def _take(self, content: NDArray[np.uint8]) -> None:
         meshes = False
         for number, thing in self._inbox.take(content):
             self._first.discard(number)
@@ -90,13 +99,15 @@ class ArrivingScene:
             self._renderer.draw(view, target.size, target, time_ns)
 
     def weight(self) -> dict[str, Any]:
-        """Return what has crossed, in bytes, and how many of the things that are sent are whole."""
+        """Return what crossed, in bytes and how much of it is whole, and the times of unpacking."""
         return {
             "start_up_bytes": self._pieces.start_bytes,
             "first_picture_bytes": self.first_picture_bytes,
             "arrived_bytes": self._pieces.start_bytes + self._inbox.bytes,
             "arrived": self._inbox.whole,
-            "things": len(self._pieces.things),
+            "things": self._pieces.count,
+            "unpack_ms": self._unpack_ms,
+            "unpack_worst_ms": self._worst_ms,
         }
 
     def close(self) -> None:

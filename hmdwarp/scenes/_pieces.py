@@ -87,6 +87,11 @@ class Pieces:
             *(_png(scaled(self.scene.textures[texture], scale)) for texture, scale in self.levels),
         )
 
+    @property
+    def count(self) -> int:
+        """How many things are sent."""
+        return 1 + len(self.meshes) + len(self.levels)
+
     def number_of_mesh(self, index: int) -> int:
         """Return the number of the thing that brings a mesh."""
         return 1 + index

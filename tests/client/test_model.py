@@ -61,15 +61,15 @@ def test_the_whole_model_is_the_truth_bit_for_bit(gpu, scene, shown):
             assert np.array_equal(got, wanted)
 
 
-@pytest.mark.parametrize("latency_ms", [0.0, 50.0, 400.0])
+@pytest.mark.parametrize("latency_ms", [0.0, 400.0])
 def test_no_latency_is_seen_and_no_picture_is_sent(tmp_path, latency_ms):
-    result = run(tmp_path, scene="workshop", warp="model", fill="none", latency_ms=latency_ms, seconds=0.3)
+    result = run(tmp_path, scene="spheres", warp="model", fill="none", latency_ms=latency_ms, seconds=0.2)
     assert {row["psnr_db"] for row in result.rows} == {100.0, None} or {row["psnr_db"] for row in result.rows} == {
         100.0
     }
     assert result.summary["link"]["mbit_s"] == 0.0 and result.summary["link"]["layers_mbit_s"] == {}
     (model,) = result.summary["client_models"]
-    assert model["share"] == 1.0 and model["triangles"] == 30356
+    assert model["share"] == 1.0 and model["triangles"] == 46082
 
 
 @pytest.mark.parametrize("scene", ["gallery", "greenhouse", "cockpit"])
@@ -133,8 +133,7 @@ def last_pictures(tmp_path, **options):
     return result.summary, [row["psnr_db"] for row in result.rows if row["eye"] == 0 and row["psnr_db"] is not None]
 
 
-@pytest.mark.parametrize("codec", ["none", "h264"])
-@pytest.mark.parametrize("scene", ["parade", "gallery"])
+@pytest.mark.parametrize(("scene", "codec"), [("parade", "h264"), ("gallery", "none")])
 def test_what_arrives_little_by_little_becomes_the_truth_bit_for_bit(tmp_path, scene, codec):
     """parade: what deforms and stands; gallery: mirrors. The pieces are not changed by a codec."""
     warp = PROGRESSIVE.replace("300000", "1000000")
@@ -144,11 +143,10 @@ def test_what_arrives_little_by_little_becomes_the_truth_bit_for_bit(tmp_path, s
     assert model["arrived"] == model["things"]
     assert 0 < model["start_up_bytes"] < model["first_picture_bytes"] < model["arrived_bytes"]
     assert set(summary["link"]["layers_mbit_s"]) == {"scene_update"}
+    assert model["unpack_ms"] > model["unpack_worst_ms"] > 0
 
 
-@pytest.mark.parametrize(
-    "network", [{"loss": "0.3"}, {"jitter": "uniform:40"}, {"loss": "p=0.2,r=0.4", "jitter": "uniform:40"}]
-)
+@pytest.mark.parametrize("network", [{"loss": "0.3"}, {"loss": "p=0.2,r=0.4", "jitter": "uniform:40"}])
 def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     """Whatever is lost is sent again; what came too late to be shown has arrived all the same."""
     summary, psnr_db = last_pictures(
@@ -185,27 +183,60 @@ def test_a_head_at_rest_does_not_stop_what_is_still_to_come(tmp_path):
 
 
 def test_what_is_seen_comes_first(gpu):
-    """When what stands in front of the head has come, what is behind it still stands in."""
-    scene = load_scene("room")
-    server = Server(gpu, scene)
-    needs = parse_warp("model:arrives=progressive,budget=60000").entry.needs(
-        parse_warp("model:arrives=progressive,budget=60000").settings
-    )
-    arriving = ClientScene(gpu, "room").arriving(next(iter(needs["scene_update"])))
-    for step in range(20):
+    """When all triangles in front of the head have come, what is behind it is still coarse."""
+    server, choice = Server(gpu, load_scene("workshop")), parse_warp("model:arrives=progressive,budget=60000")
+    needs = choice.entry.needs(choice.settings)
+    arriving = ClientScene(gpu, "workshop").arriving(next(iter(needs["scene_update"])))
+    for step in range(9):
         frame = server.draw_frame([HERE, HERE], 10_000_000 * step, SIZE, needs=needs)
         arriving.receive(next(iter(frame.eyes[0]["scene_update"].values())).content)
         server.heard(frame, True, 10_000_000 * (step + 2))
         server.recycle(frame)
     behind = attrs.evolve(HERE, pose=Pose(HERE.pose.position_m, (0.0, 1.0, 0.0, 0.0)))
 
-    def wrong(view: View) -> float:
+    def wrong(view: View) -> tuple[float, float]:
         canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
         arriving.draw(view, ShownPicture(canvas, depth), 0)
-        drawn_depth, image = read(depth)[..., 0], server.draw(view, SIZE)
-        return float((np.abs(drawn_depth - read(image.inverse_depth)[..., 0]) > 1e-3).mean())
+        drawn, image = (read(canvas.texture), read(depth)), server.draw(view, SIZE)
+        return tuple(
+            np.abs(got - read(wanted)).mean()
+            for got, wanted in zip(drawn, (image.colour, image.inverse_depth), strict=True)
+        )
 
-    assert wrong(HERE) < 0.02
-    assert wrong(behind) > 0.1
+    assert wrong(HERE)[1] == 0 and wrong(HERE)[0] < wrong(behind)[0] / 2
+    weight = arriving.weight()
+    assert weight["arrived"] < weight["things"]
     server.close()
     arriving.close()
+
+
+@pytest.mark.parametrize("warp", ["forward", "backward", "model"])
+def test_other_plans_pay_nothing_for_what_arrives(warp):
+    """Nothing is cut, packed, carried or kept for them."""
+    with set_up_replay(small(scene="planes", warp=warp, fill="none", latency_ms=30.0)) as setup:
+        for number, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            refresh = setup.loop.show(instant_ns) if number >= 0 else None
+            if refresh is not None:
+                break
+        assert "scene_update" not in setup.plan.needs and "scene_update" not in refresh.frame.eyes[0]
+        assert not setup.server.has_more(instant_ns)
+        assert all("arrived" not in one for one in setup.pipeline.geometry.weights())
+
+
+def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):
+    """Ten minutes of lost frames: what waits is what waited at the start."""
+    server = Server(gpu, load_scene("planes"))
+    choice = parse_warp("model:arrives=progressive,budget=3000")
+    needs = choice.entry.needs(choice.settings)
+    held = []
+    for step in range(600):
+        frame = server.draw_frame([HERE], 1_000_000_000 * step, (8, 6), needs=needs)
+        server.heard(frame, False, 1_000_000_000 * (step + 2))
+        server.recycle(frame)
+        (sender,) = server._parts["scene_update"]._senders.values()
+        held.append((sum(map(len, sender.outbox._waiting.values())), len(sender.outbox._news)))
+    waiting = [fragments for fragments, _ in held]
+    assert waiting[0] > 0 and max(waiting) == waiting[0]
+    assert max(news for _, news in held) <= 3
+    server.close()

@@ -13,7 +13,7 @@ from commands import hmdwarp
 
 from hmdwarp.client import build_plan
 from hmdwarp.clients import client_names, load_client
-from hmdwarp.compare import unfit
+from hmdwarp.compare import start_bytes, unfit
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, render_compare_page
 
@@ -141,3 +141,11 @@ def test_wrong_input_is_refused_before_anything_runs(options, words, tmp_path):
     done = hmdwarp("compare", "look-around", *options, "--quiet", "--out", tmp_path / "out")
     assert done.returncode == 2 and words in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_that_crosses_counts_packed_and_is_held_unpacked():
+    held = {"geometry_bytes": 500, "texture_bytes": 500}
+    crossed = {"start_up_bytes": 10, "first_picture_bytes": 60, "arrived_bytes": 400}
+    assert start_bytes({"client_models": [held, {**held, **crossed}]}) == 1000 + 60
+    assert start_bytes({"client_models": [{**held, **crossed, "first_picture_bytes": None}]}) == 400
+    assert start_bytes({}) == 0

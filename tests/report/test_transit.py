@@ -63,3 +63,11 @@ def test_what_the_client_holds_has_a_line_for_each_model():
     assert whole == "client's model, 100 % of the triangles, textures at 1"
     assert weight == "15064 triangles 0.9 MB, textures 1.2 MB"
     assert f"{name}: {weight}" in transit_lines(summary)
+
+
+def test_what_crossed_of_a_scene_has_a_line_too():
+    model = {"share": 1.0, "texture": 1.0, "triangles": 10, "geometry_bytes": 100, "texture_bytes": 100}
+    crossed = {"start_up_bytes": 20_000, "first_picture_bytes": 64_400, "arrived_bytes": 9_000_000}
+    for first, words in ((64_400, "0.06 MB before the first whole picture"), (None, "no whole picture")):
+        _, row = model_rows({"client_models": [{**model, **crossed, "first_picture_bytes": first}]})
+        assert row == ("of that crossed, packed", f"0.02 MB at the start, {words}, 9.00 MB in all")

@@ -43,6 +43,7 @@ def test_what_is_unpacked_is_what_was_packed(name):
         assert all(np.array_equal(getattr(got, one), getattr(mesh, one)) for one in ARRAYS)
     for index, got in pieces.meshes_in(0, pieces.things[0]):
         assert all(np.array_equal(getattr(got, one), getattr(pieces.stand_ins[index], one)) for one in ARRAYS)
+    assert len(pieces.things) == pieces.count
     for texture, scale in pieces.levels:
         number = pieces.number_of_level(texture, scale)
         assert pieces.meshes_in(number, pieces.things[number]) == []
