@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Callable
 from typing import Any
@@ -19,6 +20,8 @@ SMALL = [
     *COMMON,
     *shlex.split("--size 240x300 --rate 20 --start 1 --seconds 0.8 --metrics-every 4"),
 ]  # slow
+# Long enough for frames 400 and 800 ms older than the one that is shown.
+OLDER = [*COMMON, *shlex.split("--size 240x300 --rate 5 --start 2 --seconds 1.4 --metrics-every 2")]
 LONG = [
     *COMMON,
     *shlex.split("--rate 20 --start 2 --seconds 6 --metrics-every 15"),
@@ -75,6 +78,47 @@ DEPTH_CASES = (
     ("walk", "room", "backward"),
 )
 
+# 400 ms in all, of which the client's link takes 100.
+PROXIED = [
+    *COMMON,
+    *shlex.split("--predict none --size 320x400 --rate 20 --start 2 --seconds 6 --metrics-every 15"),
+    *shlex.split("--codec h264"),
+]
+_DIRECT = "--warp iterative --fill memory+pyramid"
+PROXIES = {
+    "`none`": ("100", "--warp none --fill none"),
+    "`rotation`": ("100", "--warp rotation --fill none"),
+    "`iterative`, 300 ms": ("300", _DIRECT),
+    "proxy, `none`": ("100", "--proxy --proxy-codec h264 --guard 1 --warp none --fill none"),
+    "proxy, `rotation`": ("100", "--proxy --proxy-codec h264 --warp rotation --fill none"),
+    "`none`, all the way": ("400", "--warp none --fill none"),
+    "`rotation`, all the way": ("400", "--warp rotation --fill none"),
+    "`iterative`, all the way": ("400", _DIRECT),
+}
+PROXY_FIGURES = (
+    "PSNR dB",
+    "FLIP",
+    "empty %",
+    "client: ms an eye",
+    "decode ms",
+    "Mbit/s",
+    "proxy: ms an eye",
+    "Mbit/s to the proxy",
+)
+
+# Chosen views beside what comes anyway (multi) and what edges uncover (layered).
+CHOSEN = [
+    *COMMON,
+    *shlex.split("--predict cautious --fill memory+pyramid --size 160x200 --rate 20 --start 4 --seconds 1.5"),
+    *shlex.split("--metrics-every 3 --codec h264 --send changes"),
+]
+VIEWS = {
+    "`multi`": "multi",
+    "`multi:views=2,frames=1,eye=own`": "multi:views=2,frames=1,eye=own",
+    "`layered`": "layered",
+}
+VIEWS_FIGURES = ("holes %", "FLIP", "PSNR dB", "Mbit/s", "client: ms an eye", "server ms", "not sent")
+
 
 def _line(*cells: object) -> str:
     return "| " + " | ".join(map(str, cells)) + " |"
@@ -110,6 +154,23 @@ def _effect_figures(summary: Summary) -> list[str]:
     quality = [f"{_quality(summary, 'psnr_db'):.2f}", *(f"{_quality(summary, key):.3f}" for key in ("flip", "flicker"))]
     ms, size = summary["time_ms"]["effects"]["median"], summary["link"]["frame_bytes"] / 1e6
     return [*quality, f"{ms:.1f}", f"{size:.1f}"]
+
+
+def pictures_table(run: Run) -> str:
+    """Return what mirrors gain by their data, and by pictures alone, and what `room` loses."""
+    names = {"`none`": "none", "known mirrors": "auto", "`reflections_from_pictures`": "reflections_from_pictures"}
+    rows = _head("recording", "scene", "ms late", "effects", "PSNR dB", "FLIP", "flicker", "times the warp's time")
+    for trace in ("look-around", "walk"):
+        for scene, latency in (*(("gallery", latency) for latency in ("200", "400", "800")), ("room", "400")):
+            for name, effects in names.items():
+                if scene == "room" and effects == "auto":
+                    continue  # the same as none
+                choices = f"--scene {scene} --latency {latency} --warp iterative --fill pyramid --effects {effects}"
+                summary = run(trace, *OLDER, *shlex.split(choices))
+                ms, warp = (summary["time_ms"][stage]["median"] for stage in ("effects", "warp"))
+                figures = [*_effect_figures(summary)[:3], f"{ms / warp:.1f}"]
+                rows.append(_line(trace, f"`{scene}`", latency, name, *figures))
+    return "\n".join(rows)
 
 
 def fills_table(run: Run) -> str:
@@ -155,6 +216,58 @@ def link_table(run: Run) -> str:
             summary = run("look-around", *SHORT, "--latency", "200", "--fill", "pyramid", "--codec", codec, *options)
             rows.append(_line(network, codec, *_link_figures(summary)))
     return "\n".join(rows)
+
+
+def proxy_table(run: Run) -> str:
+    """Return what the client sees over a proxy, beside a direct link of the parts of its latency.
+
+    The sum: the squared errors of the same client on the second link and of the warp on the first.
+    """
+    rows = _head("recording", "what", "ms", *PROXY_FIGURES)
+    for trace in ("look-around", "walk"):
+        found = {}
+        for name, (latency, options) in PROXIES.items():
+            # The passes that the table is made with come first, and a later one wins.
+            found[name] = run(trace, *PROXIED, "--latency", latency, *shlex.split(options))
+            rows.append(_line(trace, name, _latency(found[name]), *_proxy_figures(found[name])))
+        for client in ("none", "rotation"):
+            parts = (found[f"`{client}`"], found["`iterative`, 300 ms"])
+            both = -10 * math.log10(sum(10 ** (-_quality(part, "psnr_db") / 10) for part in parts))
+            rows.append(_line(trace, f"sum: `{client}` at 100 ms, `iterative` at 300 ms", "", f"{both:.2f}", *[""] * 7))
+    return "\n".join(rows)
+
+
+def views_table(run: Run) -> str:
+    """Return the pictures of chosen views beside those that come anyway and peeled ones."""
+    rows = _head("recording", "ms", "warp", *VIEWS_FIGURES)
+    for trace in ("look-around", "walk"):
+        for latency in ("200", "400", "800"):
+            for name, warp in VIEWS.items():
+                summary = run(trace, *CHOSEN, "--latency", latency, "--warp", warp)
+                rows.append(_line(trace, latency, name, *_views_figures(summary)))
+    return "\n".join(rows)
+
+
+def _views_figures(summary: Summary) -> list[str]:
+    link = summary["link"]
+    share = f"{100 * _quality(summary, 'hole_share'):.2f}"
+    quality = [f"{_quality(summary, 'flip'):.3f}", f"{_quality(summary, 'psnr_db'):.2f}"]
+    times = [f"{summary['time_ms']['total']['median']:.1f}", f"{link['response_ms']['render_ms']:.0f}"]
+    return [share, *quality, f"{link['mbit_s']:.1f}", *times, str(link["frames"]["unchanged"])]
+
+
+def _latency(summary: Summary) -> str:
+    latency, proxy = summary["latency_ms"], summary["link"].get("proxy")
+    return f"{latency:g}" if proxy is None else f"{proxy['latency_ms']:g} + {latency:g}"
+
+
+def _proxy_figures(summary: Summary) -> list[str]:
+    link, proxy = summary["link"], summary["link"].get("proxy")
+    quality = [f"{_quality(summary, 'psnr_db'):.2f}", f"{_quality(summary, 'flip'):.3f}"]
+    empty = f"{100 * summary['filled']['empty']:.2f}"
+    client = [f"{summary['time_ms']['total']['median']:.1f}", _number(link["decode_ms"])]
+    between = ["", ""] if proxy is None else [f"{proxy['time_ms']['total']['median']:.1f}", f"{proxy['mbit_s']:.1f}"]
+    return [*quality, empty, *client, f"{link['mbit_s']:.1f}", *between]
 
 
 def layers_table(run: Run) -> str:

@@ -311,6 +311,11 @@ def effects(folder: Path) -> None:
     replace("effects", passes.effects_table(partial(run, folder), calling))
 
 
+def reflections(folder: Path) -> None:
+    """Measure reflections from pictures alone, also where there are no mirrors."""
+    replace("reflections", passes.pictures_table(partial(run, folder)))
+
+
 def fills(folder: Path) -> None:
     """Measure every fill, in former holes and over the whole picture."""
     replace("fills", passes.fills_table(partial(run, folder)))
@@ -340,6 +345,18 @@ def link(folder: Path) -> None:
     layers(folder)
     depth_codes(folder)
     server_rates(folder)
+    proxies(folder)
+    chosen_views(folder)
+
+
+def proxies(folder: Path) -> None:
+    """Measure a proxy between server and client: ten minutes."""
+    replace("proxy", passes.proxy_table(partial(run, folder)))
+
+
+def chosen_views(folder: Path) -> None:
+    """Measure views that the server chooses."""
+    replace("views", passes.views_table(partial(run, folder)))
 
 
 def layers(folder: Path) -> None:
@@ -484,6 +501,7 @@ PARTS = {
     "light": moving_light,
     "prediction": prediction,
     "effects": effects,
+    "reflections": reflections,
     "fills": fills,
     "memory": memory,
     "guard": guard_bands,
@@ -494,6 +512,8 @@ PARTS = {
     "layers": layers,
     "depth-code": depth_codes,
     "server-rates": server_rates,
+    "proxy": proxies,
+    "views": chosen_views,
     "readme": readme,
 }
 

@@ -176,6 +176,7 @@ ENTRIES = (
     "poses/predictors",
     "scenes/library",
     "server/parts",
+    "strategies",
 )
 COMMANDS = "cli"  # a command's file carries the name of the command
 # Names of modules or packages that stand in several places, with the reason.

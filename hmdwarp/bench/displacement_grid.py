@@ -19,8 +19,10 @@ from ..gpu.textures import download
 from ..link import LinkOptions
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.channel import Channel
+from ..pipeline.frame_source import ServerFrames
 from ..pipeline.layers_read import Reads
-from ..pipeline.loop import Loop, PoseRequest
+from ..pipeline.loop import Loop
+from ..pipeline.requested import PoseRequest
 from ..poses import Origin, PoseSample
 from ..run.combinations import Combination
 from ..run.read_back import coverage, shown_picture
@@ -113,14 +115,9 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, recycle, rate_hz)
     stack.callback(channel.close)
     main: Compensator = setup.compensator(setup.plan)
-    loop = Loop(
-        PoseRequest(source, None, setup.size, setup.options.guard_band, needs),
-        setup.server,
-        channel,
-        history,
-        main,
-        setup.headset,
-    )
+    request = PoseRequest(source, None, setup.size, setup.options.guard_band, needs)
+    frames = ServerFrames(setup.server, request, setup.headset)
+    loop = Loop(request, frames, channel, history, main, setup.headset)
     for back in range(needs.others.past, -1, -1):
         loop.draw_at(-back * max(1, needs.others.spacing_ns))
     return loop

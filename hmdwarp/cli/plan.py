@@ -64,12 +64,16 @@ class _About:
 
 
 def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
-    from ..pipeline.planning import build_plan_for
+    from ..pipeline.planning import build_plan_for, proxy_plan_for
 
     built = build_plan_for(options, headset, scene, **told)
+    proxy = proxy_plan_for(options, scene) if options.proxy.on else None
     frame = _frame(options, headset, [built])
 
     def show() -> None:
+        if proxy is not None:
+            typer.echo("Passes of the proxy, in order:")
+            in_columns(((step.name, _told(step)) for step in proxy.steps), indent=2)
         typer.echo("Passes, in order:")
         in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
         typer.echo("Left out; nothing is compiled or allocated for them:")
@@ -78,7 +82,8 @@ def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict
 
     passes = [attrs.asdict(step) for step in built.steps]
     left_out = [{"name": name, "reason": reason} for name, reason in built.left_out]
-    return _About({"passes": passes, "left_out": left_out, "frame": frame}, show)
+    of_proxy = {} if proxy is None else {"proxy": {"passes": [attrs.asdict(step) for step in proxy.steps]}}
+    return _About({"passes": passes, "left_out": left_out, "frame": frame, **of_proxy}, show)
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:

@@ -65,7 +65,7 @@ def images_read(needs: Needs) -> int:
 
     Includes the newest.
     """
-    return 1 + needs.others.count
+    return 1 + needs.others.count + needs.get("views", 0)
 
 
 def pictures_read(needs: Needs) -> int:

@@ -148,6 +148,8 @@ class Compensator:
         for one in self._rendered:
             with self._stage("effects"):
                 inputs = one.run(inputs)
+        others = self.plan.warp_needs.others.of(self.plan.needs.others, inputs.others)
+        inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
         if self._client_depth is not None:
             assert self._geometry is not None, "a plan that draws the client's depth is for a client with geometry"
             with self._stage("client_depth"):

@@ -21,8 +21,8 @@ class PassInputs:
     # The view when the first row lights up.
     shown: View
     eye: int = 0
-    # Other rendered pictures of the scene with their own views: the other eye's, then this eye's
-    # older ones, newest first.
+    # Other rendered pictures of the scene with their own views: the other eye's, then those that
+    # the server chose for this one, then this eye's older ones, newest first.
     others: tuple[EyeImage, ...] = ()
     # The view when the last row lights up, None for a display that lights up at once.
     shown_last: View | None = None

@@ -289,6 +289,9 @@ def _why_not(
         return f"the scene calls for it, but it was forbidden: {effect.without}"
     if effect.name not in declared:  # the only place that tests for an effect
         return "nothing in the scene calls for it"
+    for name in effects.ordered(declared):
+        if effect.name in effects.get(name).instead_of:
+            return f"{name} stands in for it"
     if effect.refines and effect.refines not in declared:
         return f"it refines {effect.refines}, which is left out: {effect.without}"
     if fused and not issubclass(effect.made_by, RenderedPass):

@@ -132,6 +132,8 @@ def _checked(options: CompareOptions, scene: Scene) -> tuple[list[RunOptions], l
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:
     """Return the options of one run. Errors: as RunOptions.of."""
     by_strategy = RunOptions.of({"strategy": text}, trace=recording)
+    # The same way for all: a proxy stands somewhere on it.
+    proxy = by_strategy.proxy.within(latency_ms) if by_strategy.proxy.on else by_strategy.proxy
     return attrs.evolve(
         by_strategy,
         scene=options.scene,
@@ -141,7 +143,8 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
         rate_hz=options.rate_hz,
         start_s=start_s,
         seconds=options.seconds,
-        latency_ms=latency_ms,
+        latency_ms=latency_ms - (proxy.latency_ms if proxy.on else 0.0),
+        proxy=proxy,
         lens="none",
         network=_with(options.network, by_strategy.network),
         coding=_with(options.coding, by_strategy.coding),
@@ -167,6 +170,7 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
     summary["link"].pop("timeline")
     return {
         **summary,
+        "latency_ms": run.total_latency_ms,
         "client_ms": summary["time_ms"]["total"]["median"],
         "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
         "mbit_s": summary["link"]["mbit_s"],

@@ -32,8 +32,12 @@ def unfit(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes, client: Clien
 
 
 def decoded_mpx_s(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> float:
-    """Return the million pixels of video that the client decodes in a second."""
-    rate_hz = summary["server_rate_hz"] or summary["rate_hz"]
+    """Return the million pixels of video that the client decodes in a second.
+
+    A proxy sends a picture at each refresh, however often the server draws.
+    """
+    drawn_hz = None if "proxy" in summary["link"] else summary["server_rate_hz"]
+    rate_hz = drawn_hz or summary["rate_hz"]
     return video_pixels(frame_bytes(plan.needs, sizes, set(plan.layers))) * rate_hz * 1e-6
 
 

@@ -58,9 +58,10 @@ class Canvas:
         """Bind as the image that a compute shader stores into."""
         self.texture.bind_to_image(unit, read=False, write=True)
 
-    def copy_from(self, drawn: moderngl.Framebuffer) -> None:
-        """Copy the colours of a framebuffer of the same size, bit for bit."""
-        self._framebuffer.ctx.copy_framebuffer(self._framebuffer, drawn)
+    def copy_from(self, drawn: moderngl.Framebuffer | Canvas) -> None:
+        """Copy the colours of a framebuffer or canvas of the same size, bit for bit."""
+        source = drawn._framebuffer if isinstance(drawn, Canvas) else drawn
+        self._framebuffer.ctx.copy_framebuffer(self._framebuffer, source)
 
     def release(self) -> None:
         self._framebuffer.release()

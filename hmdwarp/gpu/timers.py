@@ -92,6 +92,18 @@ class Lap:
         return tuple(self._done)
 
 
+class Laps(Lap):
+    """Several laps, read as one."""
+
+    def __init__(self, *laps: Lap) -> None:
+        super().__init__([], [], [])
+        self._laps = laps
+
+    def read(self) -> Stages:
+        """Return the times of all stages of all laps; see Lap.read."""
+        return tuple(stage for lap in self._laps for stage in lap.read())
+
+
 class StageTimer:
     """Time the stages of one frame.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..client.effects import effects as every_effect
 from ..client.fills import fills
 from ..client.plan import CLIENT_DEPTH, PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
@@ -22,14 +23,26 @@ def usable_fills() -> list[str]:
     return [entry.name for entry in fills if set(entry.reads) <= {*PICTURE, SHOWN, SHOWN_DEPTH}]
 
 
-def plan_of(warp: str, fill: str, *, given: tuple[str, ...] = GIVEN, depth: bool = False) -> Plan:
+def usable_effects() -> list[str]:
+    """Return the names of effects that need no more than pictures with depth."""
+    return [effect.name for effect in every_effect if set(effect.made_by.reads) <= {*PICTURE, OTHERS}]
+
+
+def plan_of(
+    warp: str, fill: str, effects: str = "none", *, given: tuple[str, ...] = GIVEN, depth: bool = False
+) -> Plan:
     """Return the plan for somebody's own frames.
 
-    given: what the caller has. depth: whether the depth of what is shown is asked for.
+    effects: names separated by commas, or "none". given: what the caller has. depth:
+    whether the depth of what is shown is asked for.
     Errors: InputError for what is no name, and for warp "auto"; PlanError for passes that read
     more; UnknownNameError.
     """
-    for kind, name, usable in (("warp", warp, usable_warps), ("fill", fill, usable_fills)):
+    for kind, name, usable in (
+        ("warp", warp, usable_warps),
+        ("fill", fill, usable_fills),
+        ("effects", effects, usable_effects),
+    ):
         if not isinstance(name, str):
             raise InputError(f"{kind} is {name!r}: expected a name: {', '.join(usable())}")
     if warp == "auto":
@@ -37,10 +50,20 @@ def plan_of(warp: str, fill: str, *, given: tuple[str, ...] = GIVEN, depth: bool
             "warp 'auto' chooses during a run, by time and error over many pictures; for a single picture name one: "
             f"{', '.join(usable_warps())}"
         )
+    named = every_effect.selected(effects, ())
     try:
         return build_plan(
-            (), warp, fill, "none", client_geometry=False, brings=given, takes_depth="the caller" if depth else ""
+            named,
+            warp,
+            fill,
+            "none",
+            client_geometry=False,
+            brings=given,
+            named=named,
+            forced=named,
+            takes_depth="the caller" if depth else "",
         )
     except PlanError as error:
         able = f"warps {', '.join(usable_warps())}; fills {', '.join(usable_fills())}"
+        able += f"; effects {', '.join(usable_effects())}" if named else ""
         raise PlanError(f"{error}; a single picture has none. Usable are {able}") from error

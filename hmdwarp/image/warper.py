@@ -66,10 +66,10 @@ class Warper:
 
     Compiles and allocates at the start. Use as a context manager, or call close().
 
-    size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill: as
-    warp_image takes them; a fill that remembers learns from each picture. depth: whether results
-    have the depth of what is shown. gpu: a context made in the calling thread, which then makes all
-    calls; by default one is shared with all threads, one at a time. Take
+    size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
+    effects: as warp_image takes them; a fill that remembers learns from each picture. depth:
+    whether results have the depth of what is shown. gpu: a context made in the calling thread,
+    which then makes all calls; by default one is shared with all threads, one at a time. Take
     `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then your
     textures can be read without a copy, and you bind your own state again after each call.
     Errors: as warp_image.
@@ -82,11 +82,12 @@ class Warper:
         rendered_size: tuple[int, int] | None = None,
         warp: str = "iterative",
         fill: str = "pyramid",
+        effects: str = "none",
         depth: bool = False,
         gpu: Gpu | None = None,
     ) -> None:
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
-        self.plan = plan_of(warp, fill, depth=depth)
+        self.plan = plan_of(warp, fill, effects, depth=depth)
         self.size = checked_size(size)
         self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
         self._cleanup = ExitStack()
@@ -232,6 +233,7 @@ class Warper:
     def _check_given(self, others: int, client_depth: bool) -> None:
         """Check that the plan gets what it reads, and nothing that it does not."""
         named, most = f"warp '{self.plan.choice}'", self.plan.needs.others.count
+        named += "".join(f" with effect '{name}'" for name in self.plan.effects)
         if most and not others and self.plan.reads(OTHERS):
             raise InputError(f"{named} reads other pictures: give others=[(colour, depth_m, view), ..], at most {most}")
         if others > most:

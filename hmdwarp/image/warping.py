@@ -22,6 +22,7 @@ def warp_image(
     size: tuple[int, int] | None = None,
     gpu: Gpu | None = None,
     *,
+    effects: str = "none",
     others: Sequence[Other] = (),
     client_depth_m: ArrayLike | None = None,
     depth_scale: float | None = None,
@@ -37,9 +38,10 @@ def warp_image(
     a numpy.ma mask hides, in colour or depth, is a hole too. size: (w, h) of the result, by default
     the size of `colour`. gpu: a context made in the calling thread; by default one is made at the
     first call and shared by all threads, one at a time.
-    others: further pictures of the scene as (colour, depth_m, view), for warps that read them: the
-    other eye's, then older ones, newest first. client_depth_m: (h, w) metres in the shown view, for
-    warps that read it.
+    effects: names of effects that pictures are enough for, such as "reflections_from_pictures".
+    others: further pictures of the scene as (colour, depth_m, view), for warps and effects that
+    read them: the other eye's, then older ones, newest first. client_depth_m: (h, w)
+    metres in the shown view, for warps that read it.
     depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres.
     encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
@@ -53,7 +55,9 @@ def warp_image(
         checked_view(name, view)
     rendered_size = inverse_depth.shape[1::-1]
     shown_size = rendered_size if size is None else checked_size(size)
-    with Warper(shown_size, rendered_size=rendered_size, warp=warp, fill=fill, depth=depth, gpu=gpu) as warper:
+    with Warper(
+        shown_size, rendered_size=rendered_size, warp=warp, fill=fill, effects=effects, depth=depth, gpu=gpu
+    ) as warper:
         return warper.warp(
             colour,
             depth_m,

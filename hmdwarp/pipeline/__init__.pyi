@@ -5,12 +5,13 @@ from .channel import Channel as Channel
 from .client_scene import ClientScene as ClientScene
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
+from .frame_source import ServerFrames as ServerFrames
 from .layers_read import Reads as Reads
 from .loop import Loop as Loop
-from .loop import PoseRequest as PoseRequest
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions
 from .planning import build_plan_for as build_plan_for
 from .planning import plans_for as plans_for
+from .requested import PoseRequest as PoseRequest
 from .sizes import eye_sizes as eye_sizes
 from .sizes import memory_bytes as memory_bytes

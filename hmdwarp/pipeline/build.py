@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 
 import attrs
@@ -17,22 +17,26 @@ from ..client.plan import Plan, needs_of
 from ..clients import load_client
 from ..errors import InputError
 from ..frames import EyeSizes, Frame, Needs, frame_bytes, video_pixels
-from ..geometry import Eyes
+from ..geometry import Eyes, GuardBand, Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link import CHANGES, RESOLUTION
-from ..link.codec import codecs
+from ..link import CHANGES, RESOLUTION, LinkOptions
+from ..link.codec import Coding, codecs
 from ..scenes import Scene
 from ..server import Server
 from .changes import Changes
 from .channel import Channel
 from .client_scene import ClientScene
 from .frame_coder import Coder
+from .frame_source import FrameSource, ServerFrames
 from .layers_read import Reads
-from .loop import Loop, PoseRequest
+from .loop import Loop
 from .options import PipelineOptions
+from .planning import proxy_plan_for
+from .proxy import GuardedEyes, KnownHead, Proxy
+from .requested import PoseRequest
 from .sized import SizedCompensator
-from .sizes import check_room, eye_sizes
+from .sizes import check_room, eye_sizes, rendered_entry
 
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
 # refresh at 60 Hz, not a little more.
@@ -55,11 +59,15 @@ def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
     Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
     read.
     """
-    sends_hz = options.network.sends_hz(rate_hz)
-    if options.network.is_plain:
+    return _held(options.client_link, options.latency_ms, rate_hz, needs)
+
+
+def _held(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs) -> int:
+    sends_hz = link.sends_hz(rate_hz)
+    if link.is_plain:
         # Those sent since the refresh before, less the latency.
-        return refreshes_of(options.latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
-    return options.network.most_under_way(latency_ns(options), sends_hz) + 2 + needs.others.past
+        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
+    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + needs.others.past
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
@@ -67,9 +75,21 @@ def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> 
 
     plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
     """
-    stays_ns = max(0.0, 1e9 / options.network.sends_hz(rate_hz) - 1e9 / rate_hz)
-    newest_ns = plain_ns if options.network.is_plain else options.network.typical_ns(latency_ns(options))
+    return _expected(options.client_link, options.latency_ms, plain_ns, rate_hz)
+
+
+def _expected(link: LinkOptions, latency_ms: float, plain_ns: int, rate_hz: float) -> int:
+    stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
+    newest_ns = plain_ns if link.is_plain else link.typical_ns(round(latency_ms * 1e6))
     return newest_ns + round(stays_ns / 2)
+
+
+def refreshes_to_proxy(options: PipelineOptions, rate_hz: float) -> int:
+    """Return how many refreshes after drawing a frame the proxy has it, 0 without a proxy."""
+    if not options.proxy.on:
+        return 0
+    first, _ = options.proxy.links(options.network)
+    return refreshes_of(first.longest_ns(round(options.proxy.latency_ms * 1e6)) / 1e6, rate_hz)
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
@@ -106,6 +126,8 @@ class Pipeline:
     gpu: Gpu
     server: Server
     geometry: ClientScene
+    # Between the server and the channel; None without one.
+    proxy: Proxy | None
     channel: Channel
     loop: Loop
     # Chooses the warp; None where the options name one.
@@ -172,10 +194,13 @@ def build_pipeline(
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)
-        history = History(needs.others.past, needs.others.spacing_ns, server.recycle)
+        proxy = _proxy(options, server, target, requested, sizes, stack) if options.proxy.on else None
+        source: FrameSource = proxy or ServerFrames(server, requested, target.eyes)
+        history = History(needs.others.past, needs.others.spacing_ns, source.recycle)
         stack.callback(history.close)
-        channel = _channel(options, target, plans, history, server, geometry)
+        channel = _channel(options, target, plans, history, source, geometry)
         stack.callback(channel.close)
+        channel.before = proxy.summary if proxy is not None else None
         with ExitStack() as unfinished:
             compensators = []
             for plan in plans:
@@ -188,8 +213,8 @@ def build_pipeline(
             auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
         changes = Changes(scene) if options.network.send == CHANGES else None
-        loop = Loop(requested, server, channel, history, compensator, target.eyes, changes)
-        parts = (gpu, server, geometry, channel, loop, auto, lens_of, options)
+        loop = Loop(requested, source, channel, history, compensator, target.eyes, changes)
+        parts = (gpu, server, geometry, proxy, channel, loop, auto, lens_of, options)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
@@ -198,20 +223,89 @@ def _channel(
     target: Target,
     plans: Sequence[Plan],
     history: History,
-    server: Server,
+    source: FrameSource,
     geometry: ClientScene,
 ) -> Channel:
-    latency, rate_hz, recycle = target.link_latency_ns, target.rate_hz, server.recycle
+    link, latency, rate_hz = options.client_link, target.link_latency_ns, target.rate_hz
     # It waits for the next refresh at most.
-    age_s = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz) * 1e-9
-    coder = None if codecs.get(options.coding.codec).is_none else Coder(options.coding, rate_hz, age_s)
+    age_ns = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz)
+    coder, settled = _coder(options.coding, rate_hz, age_ns), _settled(source, geometry)
+    return Channel(link, latency, coder, Reads.of(plans), history.offer, source.recycle, rate_hz, settled)
+
+
+def _settled(source: FrameSource, geometry: ClientScene) -> Callable[[Frame, bool, int], None]:
+    """Return what is done with a frame whose fate is known: both ends take note of it."""
 
     def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:
         if arrived:
             geometry.receive(frame)
-        server.heard(frame, arrived, heard_ns)
+        source.heard(frame, arrived, heard_ns)
 
-    return Channel(options.network, latency, coder, Reads.of(plans), history.offer, recycle, rate_hz, settled)
+    return settled
+
+
+def _coder(coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
+    return None if codecs.get(coding.codec).is_none else Coder(coding, rate_hz, age_ns * 1e-9)
+
+
+def _proxy(
+    options: PipelineOptions, server: Server, target: Target, requested: PoseRequest, sizes: EyeSizes, stack: ExitStack
+) -> Proxy:
+    """Return the proxy: a loop like the client's, over frames that the server draws for it.
+
+    What it needs is freed with the stack. Errors: as build_pipeline.
+    """
+    asked, gpu, rate_hz = options.proxy, target.gpu, target.rate_hz
+    (first, _), plan = asked.links(options.network), proxy_plan_for(options, server.scene)
+    eyes, known = GuardedEyes(target.eyes, requested.guard, requested.size), KnownHead()
+    if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
+        raise InputError(f"--proxy-warp {asked.warp} looks into the other eye's picture, and there is one eye")
+    made = eye_sizes(asked.guard, eyes, sizes.rendered)
+    check_room(
+        gpu,
+        plan.needs,
+        made,
+        GuardBand.of(asked.guard),
+        _held(first, asked.latency_ms, rate_hz, plan.needs),
+        asked.latency_ms,
+    )
+    refresh_ns = refreshes_to_proxy(options, rate_hz) * 1e9 / rate_hz
+    latency_ns = round(asked.latency_ms * 1e6)
+    if first.is_plain:
+        # At most the time between any two refreshes so far apart, which are rounded to whole ns.
+        latency_ns = min(latency_ns, max(0, round(refresh_ns) - 2))
+    age_ns = _expected(first, asked.latency_ms, round(refresh_ns), rate_hz)
+    history = History(plan.needs.others.past, plan.needs.others.spacing_ns, server.recycle)
+    stack.callback(history.close)
+    geometry = ClientScene(server)
+    stack.callback(geometry.close)
+    compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
+    stack.callback(compensator.close)
+    # What it shows is for the head that it was asked for; what the server draws is seen later.
+    request = PoseRequest(
+        known,
+        lambda now_ns, later_ns: requested.for_server(now_ns, age_ns + later_ns),
+        made.shown,
+        asked.guard,
+        plan.needs,
+        age_ns=age_ns,
+    )
+    frames, coder = ServerFrames(server, request, eyes), _coder(asked.coding, rate_hz, age_ns)
+    reads, settled = Reads.of([plan]), _settled(frames, geometry)
+    channel = Channel(first, latency_ns, coder, reads, history.offer, frames.recycle, rate_hz, settled)
+    stack.callback(channel.close)
+    loop = Loop(request, frames, channel, history, compensator, eyes)
+    about = {
+        "latency_ms": asked.latency_ms,
+        "total_latency_ms": options.total_latency_ms,
+        "warp": asked.warp,
+        "fill": asked.fill,
+        "effects": list(plan.effects),
+        "rendered": rendered_entry(asked.guard, made),
+    }
+    proxy = Proxy(loop, known, channel, made.shown, about)
+    stack.callback(proxy.close)
+    return proxy
 
 
 def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:

@@ -56,6 +56,8 @@ class Channel:
         self._scales: Counter[float] = Counter()
         self._refreshes = self._frames = self._skipped = self._unchanged = 0
         self._bytes = Counter[str]()
+        # Summary of what stands before this link, given the refreshes per second.
+        self.before: Callable[[float], dict[str, Any]] | None = None
         self.link: Link[CodedFrame] = network.link(
             latency_ns,
             discard=lambda coded: offer(coded.frame),
@@ -188,6 +190,7 @@ class Channel:
             "frame_bytes": self._bytes.total() / max(self._frames, 1),
             **self._about_resolution(),
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
+            **({"proxy": self.before(rate_hz)} if self.before is not None else {}),
         }
 
     def _about_resolution(self) -> dict[str, Any]:

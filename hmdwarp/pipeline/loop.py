@@ -1,4 +1,4 @@
-"""The stereo loop: head pose, server, link, newest pose, client. Every driver drives this one."""
+"""The stereo loop: head pose, frame, link, newest pose, client. Every driver drives this one."""
 
 from __future__ import annotations
 
@@ -7,56 +7,28 @@ from typing import TYPE_CHECKING, TypedDict
 import attrs
 
 from ..client.inputs import PassInputs
-from ..frames import Frame
-from ..geometry import GuardBand
-from ..link import ResponseTime, scaled_size
+from ..link import ResponseTime
 from .changes import SEEN_PX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..auto.adaptive import AdaptiveCompensator
     from ..client.compensator import Compensator, EyeResult
     from ..client.history import History
     from ..client.plan import Plan
-    from ..frames import EyeImage, Needs
-    from ..geometry import Eyes, Guard, View
+    from ..frames import EyeImage, Frame, Needs
+    from ..geometry import Eyes, View
     from ..gpu.timers import Lap, Stages
     from ..link import TransitStats
-    from ..poses import PoseSample, PoseSource
-    from ..server import Server
+    from ..poses import PoseSample
     from .changes import Changes
     from .channel import Channel
+    from .frame_source import FrameSource
+    from .requested import PoseRequest
 
 
 class _Pictures(TypedDict):
     rendered: EyeImage
     others: tuple[EyeImage, ...]
-
-
-@attrs.frozen(eq=False)
-class PoseRequest:
-    """Head poses for the server and the display, and the format of the pictures to draw."""
-
-    source: PoseSource
-    # Predicts the head for the instant when a frame drawn now is seen; None for no prediction.
-    predicted: Callable[[int], PoseSample] | None
-    # (w, h) of one eye.
-    size: tuple[int, int]
-    # What is rendered beyond the shown view.
-    guard: Guard
-    # Layers that frames carry.
-    needs: Needs
-    # Time from the first row of the display to its last.
-    scanout_ns: int = 0
-
-    def for_server(self, now_ns: int) -> PoseSample:
-        """Return the pose for a frame drawn now: the current or the predicted one."""
-        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns)
-
-    def for_display(self, shown_ns: int) -> PoseSample:
-        """Return the head pose at the instant when the picture is seen."""
-        return self.source.head_at(shown_ns)
 
 
 @attrs.frozen(eq=False)
@@ -99,21 +71,21 @@ class Refresh:
 class Loop:
     """The loop over refreshes: `draw` sends what is due, `show` warps the newest that has arrived.
 
-    eyes: the views that belong to a head pose. changes: leaves out frames in which nothing has
-    moved; None to draw every one.
+    source: the server, or what stands between it and the link. eyes: the views that belong to a
+    head pose. changes: leaves out frames in which nothing has moved; None to draw every one.
     """
 
     def __init__(
         self,
         requested: PoseRequest,
-        server: Server,
+        source: FrameSource,
         channel: Channel,
         history: History,
         compensator: Compensator | AdaptiveCompensator,
         eyes: Eyes,
         changes: Changes | None = None,
     ) -> None:
-        self._requested, self._server, self._channel, self.history = requested, server, channel, history
+        self._requested, self._source, self._channel, self.history = requested, source, channel, history
         self.compensator: Compensator | AdaptiveCompensator = compensator
         self._eyes, self._changes = eyes, changes
         self._last: Refresh | None = None
@@ -123,7 +95,7 @@ class Loop:
         self.compensator, self._last = compensator, None
 
     def draw(self, now_ns: int) -> None:
-        """Let the server draw and send what is due by now; call it once a refresh."""
+        """Let the source draw and send what is due by now; call it once a refresh."""
         for instant_ns in self._channel.due(now_ns):
             if not self._channel.is_busy(instant_ns):
                 head = self._requested.for_server(instant_ns)
@@ -133,30 +105,21 @@ class Loop:
                     self._channel.leave_out(instant_ns)
 
     def _has_moved(self, head: PoseSample, now_ns: int) -> bool:
-        if self._changes is None or self._channel.has_to_send(now_ns) or self._server.has_more(now_ns):
+        if self._changes is None or self._channel.has_to_send(now_ns) or self._source.has_more(now_ns):
             return True
         return self._changes.moved_px(self._eyes.views(head.pose), now_ns) > SEEN_PX
 
     def draw_at(self, now_ns: int) -> None:
-        """Draw all eyes on the server for the head pose at `now_ns`, and send the frame."""
+        """Draw all eyes for the head pose at `now_ns`, and send the frame."""
         self._draw(self._requested.for_server(now_ns), now_ns)
 
     def _draw(self, head: PoseSample, now_ns: int) -> None:
-        asked = self._requested
-        timer = self._server.gpu.timer
-        with timer.stage("render"):
-            views, (size, guard) = self._eyes.views(head.pose), self._resolution()
-            frame = self._server.draw_frame(views, now_ns, size, guard, asked.needs, shown_size=asked.size)
+        frame = self._source.draw(head, now_ns, self._channel.scale)
+        if frame is None:
+            return
         if self._changes is not None:
             self._changes.sent(frame)
-        self._channel.send(Frame(frame.eyes, frame.drawn_ns, head, timer.lap()), now_ns)
-
-    def _resolution(self) -> tuple[tuple[int, int], Guard]:
-        """Return the size to draw in, without the guard band, and the guard band."""
-        asked, scale = self._requested, self._channel.scale
-        if scale == 1:
-            return asked.size, asked.guard
-        return scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
+        self._channel.send(frame, now_ns)
 
     def show(self, shown_ns: int) -> Refresh | None:
         """Warp the newest frame that has arrived to the head pose at `shown_ns`.
@@ -213,10 +176,11 @@ class Loop:
         Frames may carry more layers, for plans that run on the same refresh.
         """
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
+        chosen = frame.eyes[eye].only(needs).get("views", ())
         # Passes are made for pictures of one size.
         size = frame.eyes[eye].size
         past = (one for older in self.history.frames[: needs.others.past] if (one := older.eyes[eye]).size == size)
-        others = tuple(image.only(needs) for image in (*beside, *past))
+        others = tuple(image.only(needs) for image in (*beside, *chosen, *past))
         return {"rendered": frame.eyes[eye].only(needs), "others": others}
 
 

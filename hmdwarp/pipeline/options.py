@@ -11,7 +11,7 @@ import attrs
 
 from ..clients import PICTURE_CLIENT, load_client
 from ..errors import InputError
-from ..link import Bandwidth, LinkOptions
+from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..options import (
     AUTO,
@@ -34,42 +34,11 @@ from ..options import (
 )
 from ..scenes.options import SceneKey, SceneOptions
 from ..strategies import options_of_strategy, with_strategy
+from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
+from .proxy_options import ProxyOptions
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
-
-
-# Of what colour and depth allow, the most accurate in docs/results.md for its time.
-DEFAULT_WARP, DEFAULT_FILL = "iterative", "memory+pyramid"
-# Errs short, see docs/results-link.md.
-DEFAULT_PREDICTOR = "cautious"
-_DEPTH = "rendered.inverse_depth"
-
-
-def default_fill(warp: str) -> str:
-    """Return the default fill of a warp: none where it reads colour alone, to send no depth for it.
-
-    A name that no warp has gets the usual fill; who takes it says what is wrong.
-    """
-    if warp in (AUTO, DEFAULT_WARP):
-        return DEFAULT_FILL
-    from ..client.variants import parse_warp
-
-    try:
-        chosen = parse_warp(warp)
-    except InputError:
-        return DEFAULT_FILL
-    return DEFAULT_FILL if _DEPTH in chosen.entry.reads_for(chosen.settings) else "none"
-
-
-def default_guard(warp: str) -> float:
-    """Return the default guard band of a warp: 1 for none, which shows pictures as drawn."""
-    return 1.0 if warp == "none" else DEFAULT_GUARD
-
-
-def default_predictor(warp: str) -> str:
-    """Return the default predictor of a warp: none for none, which shows latency as it is."""
-    return "none" if warp == "none" else DEFAULT_PREDICTOR
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -104,7 +73,12 @@ class PipelineOptions(Declared):
     # Where the scene is a file.
     scene_options: SceneOptions = group(SceneOptions)
     # From drawing a frame to showing it.
-    latency_ms: float = option(200.0, "Milliseconds from drawing a frame to showing it.", unit="ms", valid=Number())
+    latency_ms: float = option(
+        200.0,
+        "Milliseconds from drawing a frame to showing it; with --proxy, from the proxy's picture on.",
+        unit="ms",
+        valid=Number(),
+    )
     # "" for a client that can do all that is asked of it; warp "auto" takes the client "picture".
     client: str = option(
         "",
@@ -199,6 +173,8 @@ class PipelineOptions(Declared):
     network: LinkOptions = group(LinkOptions)
     # Encoding and decoding on the link.
     coding: Coding = group(Coding)
+    # What stands between the server and that link.
+    proxy: ProxyOptions = group(ProxyOptions)
     predict: str = option(
         attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
         f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
@@ -216,6 +192,8 @@ class PipelineOptions(Declared):
 
     def __attrs_post_init__(self) -> None:
         self._check_strategy()
+        if self.proxy.on:
+            self._check_proxy()
         if self.chooses_warp:
             self._check_auto()
         elif self.budget_ms is not None:
@@ -255,6 +233,16 @@ class PipelineOptions(Declared):
         return self.client or (PICTURE_CLIENT if self.chooses_warp else "")
 
     @property
+    def client_link(self) -> LinkOptions:
+        """The link to the client: the network, less what belongs to the one before a proxy."""
+        return self.proxy.links(self.network)[1] if self.proxy.on else self.network
+
+    @property
+    def total_latency_ms(self) -> float:
+        """From drawing a frame to showing it, over both links where there is a proxy."""
+        return self.latency_ms + (self.proxy.latency_ms if self.proxy.on else 0.0)
+
+    @property
     def horizon_ns(self) -> int | None:
         """How far to predict ahead at most; None for the predictor's own."""
         return None if self.horizon_ms is None else round(self.horizon_ms * 1e6)
@@ -267,10 +255,17 @@ class PipelineOptions(Declared):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the results must know of the options, one sentence each."""
-        if self.network.response is None:
-            return ()
-        told = f"The latency of {self.latency_ms:g} ms is the network's alone"
-        return (f"{told}: rendering, encoding, queue, size over bandwidth and decoding come on top (response sum).",)
+        told, found = f"The latency of {self.latency_ms:g} ms is", []
+        if self.proxy.on:
+            found.append(
+                f"{told} that from the proxy to the client: {self.total_latency_ms:g} ms from the server. {self.proxy}."
+            )
+        if self.network.response is not None:
+            found.append(
+                f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "
+                "(response sum)."
+            )
+        return tuple(found)
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
@@ -278,13 +273,29 @@ class PipelineOptions(Declared):
 
     def _check_strategy(self) -> None:
         sets = options_of_strategy(self.strategy) if self.strategy else {}
-        for name in sorted({*sets} & {"warp", "fill", "effects"}):
-            found = getattr(self, name)
+        values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
+        for name in sorted(sets.keys() & values.keys()):
+            found = values[name]
             if found != sets[name]:
                 raise InputError(
                     f"strategy '{self.strategy}' with {name} '{found}': it sets {name} to '{sets[name]}'; "
                     f"{type(self).__name__}.of({{'strategy': ..}}) does so"
                 )
+
+    def _check_proxy(self) -> None:
+        if self.chooses_warp:
+            raise InputError(
+                f"--proxy with --warp {AUTO}: the proxy warps; name what the client does, none or rotation"
+            )
+        if self.network.send == CHANGES:
+            raise InputError(
+                f"--proxy with --send {CHANGES}: the proxy's picture changes with every frame that it gets; leave one "
+                "of the two out"
+            )
+        if self.network.overload == RESOLUTION:
+            raise InputError(
+                f"--proxy with --overload {RESOLUTION}: the proxy makes pictures of one size; leave one out"
+            )
 
     def _check_auto(self) -> None:
         if self.budget_ms is None:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
+import attrs
+
 from ..auto.levels import QualityLevel
 from ..client.capability import check_client
 from ..client.effects import effects
-from ..client.plan import Plan, build_plan
+from ..client.plan import PICTURE, Plan, build_plan
 from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..headsets import Headset
 from ..scenes import Scene
 from .options import PipelineOptions
+from .proxy_options import ProxyOptions
 
 
 def plans_for(
@@ -46,17 +49,32 @@ def build_plan_for(
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
     distorts, takes_depth: as in build_plan.
-    Errors: as build_plan; PlanError for a plan that the client cannot run, and
-    for a warp that is not for the scene; InputError for a lens
-    correction on a headset without a lens.
+    Errors: as build_plan; PlanError for a plan that the client cannot run, and for a warp that is
+    not for the scene; InputError for a lens correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
         raise InputError(
             f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
         )
+    plan = (
+        _plan_behind_proxy(options, scene, distorts)
+        if options.proxy.on
+        else _plan_of_all(options, scene, shares_frames=shares_frames, distorts=distorts, takes_depth=takes_depth)
+    )
+    if scene is not None and (why := plan.warp.unsuited(scene)):
+        raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
+    if options.client_name:
+        check_client(plan, load_client(options.client_name))
+    return plan
+
+
+def _plan_of_all(
+    options: PipelineOptions, scene: Scene | None, *, shares_frames: bool, distorts: str, takes_depth: str
+) -> Plan:
+    """Return the plan of who gets the server's frames."""
     called_for = effects.of(scene) if scene is not None else ()
     selected = effects.selected(options.effects, called_for)
-    plan = build_plan(
+    return build_plan(
         selected,
         options.warp,
         options.fill,
@@ -70,13 +88,59 @@ def build_plan_for(
         distorts=distorts,
         takes_depth=takes_depth,
     )
-    if scene is not None and (why := plan.warp.unsuited(scene)):
-        raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
-    if options.client_name:
-        check_client(plan, load_client(options.client_name))
-    return plan
 
 
-def plan_against(warp: str, fill: str) -> Plan:
-    """Return the plan of a comparison: without effects and lens."""
-    return build_plan((), warp, fill, "none", client_geometry=True)
+def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
+    """Return the plan of the proxy: it compensates all, and leaves the lens to the client.
+
+    Errors: as build_plan_for.
+    """
+    alone = attrs.evolve(
+        options,
+        strategy="",
+        proxy=ProxyOptions(),
+        warp=options.proxy.warp,
+        fill=options.proxy.fill,
+        lens="none",
+        fused=False,
+        scanout_ms=0.0,
+        client="",
+    )
+    return build_plan_for(alone, None, scene)
+
+
+def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: str) -> Plan:
+    """Return the plan of a client that gets the proxy's finished picture. Errors: as build_plan."""
+    done = f"the proxy compensates it, as far as its warp '{options.proxy.warp}' can"
+    compensated = proxy_plan_for(options, scene).effects
+    try:
+        plan = build_plan(
+            (),
+            options.warp,
+            options.fill,
+            options.lens,
+            client_geometry=False,
+            brings=brought(options),
+            fused=options.fused,
+            scanout=options.scanout_ms > 0 and options.follow_scanout,
+            distorts=distorts,
+        )
+    except PlanError as error:
+        raise PlanError(
+            f"{error}; a proxy sends the finished picture alone: show it by --warp none or rotation"
+        ) from error
+    left_out = ((name, done if name in compensated else why) for name, why in plan.left_out)
+    return attrs.evolve(plan, left_out=tuple(left_out))
+
+
+def brought(options: PipelineOptions) -> tuple[str, ...] | None:
+    """Return the layers of the frames that the client gets; None for any."""
+    return PICTURE[:1] if options.proxy.on else None
+
+
+def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:
+    """Return the plan of a comparison on the same frames: without effects and lens.
+
+    Errors: as build_plan.
+    """
+    return build_plan((), warp, fill, "none", client_geometry=True, brings=brought(options))

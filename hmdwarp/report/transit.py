@@ -111,6 +111,8 @@ def coding_rows(summary: Summary) -> Pairs:
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
+    if "proxy" in link:
+        rows += _about_proxy(link["proxy"])
     if "resolution" in link:
         rows += [
             (f"frames at {float(scale):.0%} of the width and height", str(count))
@@ -119,6 +121,18 @@ def coding_rows(summary: Summary) -> Pairs:
         ]
         rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
+
+
+def _about_proxy(proxy: Summary) -> Pairs:
+    """Return what the proxy gets and does."""
+    passes = proxy["warp"] if proxy["fill"] == "none" else f"{proxy['warp']} + {proxy['fill']}"
+    coded = " uncompressed" if proxy["codec"] == "none" else f", {proxy['codec']}"
+    took = proxy["time_ms"].get("total", {}).get("median")
+    return [
+        ("proxy", passes),
+        ("from the server to the proxy", f"{proxy['latency_ms']:g} ms, {proxy['mbit_s']:.1f} Mbit/s{coded}"),
+        ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
+    ]
 
 
 def _with_unit(value: float | None, unit: str) -> str:
@@ -134,7 +148,7 @@ def transit_lines(summary: Summary) -> list[str]:
     lines += [f"{name}: {weight}" for name, weight in model_rows(summary)]
     link = summary.get("link") or {}
     counts = link.get("frames") or {}
-    if link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
+    if "proxy" in link or link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
         rows = [*coding_rows(summary), *_response(summary, "median_ms")]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))

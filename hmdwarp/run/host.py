@@ -74,7 +74,7 @@ class PipelineHost:
     def _retime(self, options: LiveOptions) -> None:
         made, rate_hz = self.pipeline, options.rate_hz or self._display.rate_hz
         check_held(made.gpu, options, made.requested.needs, made.sizes, rate_hz)
-        made.channel.retime(options.network, latency_ns(options))
+        made.channel.retime(options.client_link, latency_ns(options))
 
     def _exchanged(self, before: LiveOptions, options: LiveOptions) -> bool:
         """Exchange the passes if that is enough; return whether it was."""

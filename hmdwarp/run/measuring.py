@@ -36,7 +36,7 @@ class Probe:
         self._setup, self._pool, self._keep_every = setup, pool, keep_every
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
-        self._against = [setup.compensator(plan_against(*pair)) for pair in setup.options.compared]
+        self._against = [setup.compensator(plan_against(setup.options, *pair)) for pair in setup.options.compared]
         self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}

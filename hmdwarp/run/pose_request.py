@@ -9,8 +9,8 @@ import numpy as np
 
 from ..frames import Needs
 from ..link.codec import check_codec
-from ..pipeline.loop import PoseRequest
 from ..pipeline.options import PipelineOptions
+from ..pipeline.requested import PoseRequest
 from ..poses import PoseSample, PoseSource, PoseTrack
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
@@ -30,7 +30,8 @@ def check_names(options: PipelineOptions) -> None:
     check_codec(options.coding.codec)
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
-    options.network.check(round(options.latency_ms * 1e6))
+    check_codec(options.proxy.codec)
+    options.client_link.check(round(options.latency_ms * 1e6))
 
 
 def pose_request(
@@ -47,11 +48,11 @@ def pose_request(
     showing it. size: (w, h) of one eye.
     """
 
-    def predicted(now_ns: int) -> PoseSample:
-        return predict(known(now_ns), now_ns, now_ns + age_ns, options.predict, options.horizon_ns)
+    def predicted(now_ns: int, later_ns: int) -> PoseSample:
+        return predict(known(now_ns), now_ns, now_ns + age_ns + later_ns, options.predict, options.horizon_ns)
 
     predicts = predicted if options.predict != "none" else None
-    return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6))
+    return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6), age_ns)
 
 
 class RecentPoses:

@@ -165,4 +165,4 @@ def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
 
 
 def _needs_of_against(options: RunOptions) -> Needs:
-    return functools.reduce(operator.or_, (plan_against(*pair).needs for pair in options.compared), Needs())
+    return functools.reduce(operator.or_, (plan_against(options, *pair).needs for pair in options.compared), Needs())

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import attrs
 
 from ..errors import InputError
-from ..pipeline.build import latency_ns, refreshes_of
+from ..pipeline.build import latency_ns, refreshes_of, refreshes_to_proxy
 from ..poses import PoseTrack
 from .options import RunOptions
 
@@ -24,6 +24,8 @@ class Schedule:
     count: int
     # Number of refreshes between drawing a frame and showing it.
     age: int
+    # Number of refreshes before that until a proxy has something to draw it from.
+    ahead: int = 0
 
     @property
     def age_ns(self) -> int:
@@ -35,14 +37,16 @@ class Schedule:
 
         At most the time between any two refreshes `age` apart, which are rounded to whole ns.
         """
-        return min(latency_ns(options), max(0, self.age_ns - 2)) if options.network.is_plain else latency_ns(options)
+        return (
+            min(latency_ns(options), max(0, self.age_ns - 2)) if options.client_link.is_plain else latency_ns(options)
+        )
 
     def numbered(self) -> Iterator[tuple[int, int]]:
         """Yield (number, time_ns) of every refresh.
 
         Those with a negative number only draw, so that a frame has arrived by the first shown one.
         """
-        for number in range(-self.age, self.count):
+        for number in range(-self.age - self.ahead, self.count):
             yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
 
 
@@ -60,15 +64,17 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
         raise InputError(
             f"--start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
         )
-    options.network.check(latency_ns(options))
-    age = refreshes_of(options.network.longest_ns(latency_ns(options)) / 1e6, rate_hz)
-    if age / rate_hz > length_s:
+    link = options.client_link
+    link.check(latency_ns(options))
+    age, ahead = refreshes_of(link.longest_ns(latency_ns(options)) / 1e6, rate_hz), refreshes_to_proxy(options, rate_hz)
+    first = (age + ahead) / rate_hz
+    if first > length_s:
         raise InputError(
-            f"--latency {options.latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no frame "
-            "would arrive; "
-            "use a shorter latency or a longer trace"
+            f"--latency {options.total_latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no "
+            "frame would arrive; use a shorter latency or a longer trace"
         )
-    start_s = max(options.start_s, age / rate_hz)
+    start_s = max(options.start_s, first)
     seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
     # Within 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes despite rounding.
-    return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, max(1, math.floor(seconds * rate_hz + 1e-6)), age)
+    count = max(1, math.floor(seconds * rate_hz + 1e-6))
+    return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, count, age, ahead)

@@ -100,18 +100,20 @@ class Server:
         guard: Guard = 1.0,
         needs: Needs | None = None,
         shown_size: Size | None = None,
+        age_ns: int = 0,
     ) -> Frame:
         """Draw all eyes, and the needed layers, into pooled targets.
 
         guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
         enlarged views. shown_size: of the display's picture, if the frame has another resolution.
+        age_ns: how old it will be when it is seen.
         Return the frame to the pools with recycle(). Errors: as guarded_eyes; InputError for a cube
         beyond the GL limit.
         """
         needs = needs if needs is not None else Needs()
         fovs, grown = guarded_eyes(views, guard, size)
         guarded = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True)]
-        drawings = [Drawing(view, size, drawn_ns, needs, shown_size, self._marched) for view in views]
+        drawings = [Drawing(view, size, drawn_ns, needs, shown_size, self._marched, age_ns) for view in views]
         shared: dict[str, Any] = {}
         for part in self._parts_for(needs):
             shared |= part.of_frame(guarded, drawings[0])

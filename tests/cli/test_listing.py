@@ -19,8 +19,8 @@ from hmdwarp.cli._app import app
 from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
+from hmdwarp.client import every_baseline
 from hmdwarp.client.effects import effects
-from hmdwarp.client.variants import every_baseline
 from hmdwarp.client.warps import warps
 from hmdwarp.frames.layers import layers
 from hmdwarp.resources import recording_names

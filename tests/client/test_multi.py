@@ -183,11 +183,13 @@ def test_an_unmoved_eye_with_a_wider_view_is_given_more_around(gpu):
     assert (inner(out)[..., 3] == 1).all()
 
 
-@pytest.mark.parametrize("spec", ["multi", "multi:frames=0", "multi:frames=1,eye=own", "multi:frames=3"])
+@pytest.mark.parametrize("spec", ["multi", "multi:frames=0", "multi:frames=3", "multi:views=2,frames=1,eye=own"])
 def test_any_number_of_pictures_equals_the_twin(gpu, spec):
     world = World(gpu, 30, (57, 43), (61, 40))
     needs = parse_warp(spec).entry.needs(parse_warp(spec).settings)
-    world.others = tuple(RenderedPicture(*world._picture(), world._beside()) for _ in range(needs.others.count))
+    # Views that the server chose come among the others.
+    count = needs.others.count + needs.get("views", 0)
+    world.others = tuple(RenderedPicture(*world._picture(), world._beside()) for _ in range(count))
     if not world.others:
         world.bring = lambda gpu, entry: None
     got, wanted = world.warp(gpu, spec), world.reference(spec)
@@ -233,15 +235,17 @@ def test_in_the_room_past_frames_and_the_other_eye_leave_fewer_holes(gpu):
 
 
 def test_what_it_needs_of_frames():
-    specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40")
+    specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40", "multi:views=2")
     told = {spec: parse_warp(spec).entry.needs(parse_warp(spec).settings) for spec in specs}
     assert told["multi"].others == Others(2, 300_000_000, True)
     assert told["multi:frames=0,eye=own"] == Needs()
     assert told["multi:spacing=40"].others.spacing_ns == 40_000_000
+    assert "views" not in told["multi"] and told["multi:views=2"]["views"] == 2
 
 
 @pytest.mark.parametrize(
-    "spec", ["multi:frames=-1", "multi:frames=9", "multi:spacing=-1", "multi:spacing=nan", "multi:eye=left"]
+    "spec",
+    ["multi:frames=-1", "multi:frames=9", "multi:spacing=-1", "multi:spacing=nan", "multi:eye=left", "multi:views=5"],
 )
 def test_impossible_settings_are_refused(spec):
     with pytest.raises(InputError, match="warp 'multi:"):

@@ -109,8 +109,8 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
-    entries = [warps.get(choice[0]), *(one.entry for one in parse_fills(choice[1]))]
-    wanted = {name for entry in entries for name in entry.reads if name in readable_names()}
+    read = [plan.warp.reads_for(plan.choice.settings), *(one.entry.reads for one in parse_fills(choice[1]))]
+    wanted = {name for reads in read for name in reads if name in readable_names()}
     if plan.warps_twice:
         wanted.add("rendered.inverse_depth")
     elif plan.makes_shown_depth:

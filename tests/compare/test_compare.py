@@ -17,7 +17,7 @@ from hmdwarp.compare import start_bytes, unfit
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, render_compare_page
 
-NAMED = ("imposter", "depth_image", "light")
+NAMED = ("imposter", "depth_image", "light", "proxy")
 QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
 
 
@@ -46,6 +46,12 @@ def test_all_see_the_same_head_over_the_same_link(data):
         assert len({row["frames"] for row in rows}) == 1
         assert {row["link"]["codec"] for row in rows} == {"h264"}
         assert all(row["mbit_s"] > 0 for row in rows)
+
+
+def test_a_proxy_stands_on_the_way_that_all_have(data):
+    ways = {row["latency_ms"]: row["link"]["proxy"] for row in data["rows"] if row["strategy"] == "proxy"}
+    assert {total: proxy["latency_ms"] for total, proxy in ways.items()} == {100: 75, 200: 150}
+    assert {total: proxy["total_latency_ms"] for total, proxy in ways.items()} == {100: 100, 200: 200}
 
 
 def test_what_crosses_once_is_counted_where_something_does(data):

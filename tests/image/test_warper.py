@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import threading
 
+import mirror_wall
 import moderngl
 import numpy as np
 import pytest
@@ -276,3 +277,28 @@ def test_what_does_not_fit_is_refused(gpu):
             warper.warp(colour, depth, view(), view(), others=[colour[0, 0, :2]])
     with pytest.raises(InputError, match="textures belong to a context"), Warper(SIZE) as shared:
         shared.warp_textures(None, None, view(), view())
+
+
+def test_reflections_are_found_in_the_pictures_that_are_given(gpu):
+    """A mirror whose image is known: with three more pictures the result is nearer to the truth."""
+    views = (mirror_wall.STRAIGHT, *mirror_wall.OTHERS, mirror_wall.SHOWN)
+    pictures = [mirror_wall.picture(one, 0.5) for one in views]
+    (colour, depth), *rest = [(each[0][::-1, :, :3].astype(np.float32), 1 / each[1][::-1]) for each in pictures]
+    others, truth = [(*each, one) for each, one in zip(rest[:-1], views[1:], strict=False)], rest[-1][0]
+    ends = {"rendered": views[0], "shown": views[-1]}
+    with Warper(mirror_wall.SIZE, effects="reflections_from_pictures", gpu=gpu) as warper:
+        found = warper.warp(colour, depth, **ends, others=others).colour
+        with pytest.raises(InputError, match="effect 'reflections_from_pictures' reads other pictures: give others="):
+            warper.warp(colour, depth, **ends)
+    once = warp_image(colour, depth, **ends, effects="reflections_from_pictures", others=others, gpu=gpu).colour
+    assert np.array_equal(found, once)
+    plain = warp_image(colour, depth, **ends, gpu=gpu).colour
+    inner = np.s_[24:-24, 24:-24]
+    assert np.abs(found - truth)[inner].mean() < 0.6 * np.abs(plain - truth)[inner].mean()
+
+
+def test_effects_that_need_more_than_pictures_are_refused(gpu):
+    with pytest.raises(PlanError, match="effects reflections_from_pictures"):
+        Warper(SIZE, effects="rigid_motion", gpu=gpu)
+    with pytest.raises(InputError, match="effects is None: expected a name"):
+        Warper(SIZE, effects=None, gpu=gpu)

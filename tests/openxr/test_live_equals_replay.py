@@ -19,7 +19,7 @@ from replays import small
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Eyes, Fov, Pose, View
 from hmdwarp.gpu import download
-from hmdwarp.pipeline import Loop
+from hmdwarp.pipeline import Loop, ServerFrames
 from hmdwarp.poses import angle_between, load_trace
 from hmdwarp.run import ReplaySetup, set_up_replay
 
@@ -172,7 +172,8 @@ def replayed(setup: ReplaySetup, rows: list[Shown], eyes: Eyes) -> list[list[NDA
     first used, and the link passes it on at once.
     """
     made, found, last = setup.pipeline, [], None
-    loop = Loop(made.requested, made.server, made.channel, made.loop.history, made.loop.compensator, eyes)
+    frames = ServerFrames(made.server, made.requested, eyes)
+    loop = Loop(made.requested, frames, made.channel, made.loop.history, made.loop.compensator, eyes)
     number_of = {tuple(row.head.position_m): number for number, row in enumerate(rows)}
     times = setup.track.time_ns.tolist()
     for number, (row, time_ns) in enumerate(zip(rows, times, strict=True)):

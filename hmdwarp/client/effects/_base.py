@@ -39,6 +39,8 @@ class Effect:
     source: str
     # Name of the effect that this one builds on, "" for none.
     refines: str = ""
+    # Names of the effects that it stands in for: they are left out beside it.
+    instead_of: tuple[str, ...] = ()
     # Whether it is a way to draw frames that only `--effects` asks for, not content of a scene.
     by_name_only: bool = False
 
@@ -104,7 +106,7 @@ class EffectPass(ABC):
 class RenderedPass(EffectPass):
     """Changes the rendered pictures before the warp."""
 
-    writes = ("rendered.colour", "rendered.inverse_depth")
+    writes: ClassVar[tuple[str, ...]] = ("rendered.colour", "rendered.inverse_depth")
 
     @abstractmethod
     def run(self, inputs: PassInputs) -> PassInputs:

@@ -16,7 +16,8 @@ from . import warps
 if TYPE_CHECKING:
     from ..inputs import PassInputs
 
-MOST_FRAMES = 8
+MOST_FRAMES, MOST_VIEWS = 8, 4
+_CHOSEN = "rendered.views"
 
 
 @attrs.frozen
@@ -28,7 +29,12 @@ class MultiSettings:
     # Whether to use the other eye's picture too, or only the eye's own.
     eye: Literal["other", "own"] = attrs.field(default="other", validator=attrs.validators.in_(("other", "own")))
 
+    # Further pictures that the server draws for this eye, from places that it may come to.
+    views: int = 0
+
     def __attrs_post_init__(self) -> None:
+        if not 0 <= self.views <= MOST_VIEWS:
+            raise ValueError(f"views is {self.views}: expected 0 to {MOST_VIEWS} further pictures")
         if not 0 <= self.frames <= MOST_FRAMES:
             raise ValueError(f"frames is {self.frames}: expected 0 to {MOST_FRAMES} past frames")
         if not (math.isfinite(self.spacing) and 0 <= self.spacing <= 60_000):
@@ -37,14 +43,14 @@ class MultiSettings:
 
 @warps.register
 class Multi(CompositeWarp):
-    """Combine the newest frame, then the other eye's, then past ones.
+    """Combine the newest frame, then the other eye's, then further views of it, then past ones.
 
     Each adds what those before it could not see.
     """
 
     name = "multi"
     summary = "fills what the newest frame did not see from the other eye's and from past frames"
-    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.others")
+    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.others", _CHOSEN)
     exact_when = "always, up to one bilinear resample, where one of the frames saw the surface and the scene is static"
     gets_wrong = "what no frame saw; things that moved, where the newest frame cannot contradict the older ones"
     source = "Mark et al. 1997, Post-Rendering 3D Warping; Mark 1999 (thesis); Bowles et al. 2012 (the gather)"
@@ -54,11 +60,17 @@ class Multi(CompositeWarp):
     @classmethod
     def needs(cls, settings: Any) -> Needs:
         spacing_ns = round(settings.spacing * 1e6) if settings.frames else 0
-        return Needs(others=Others(settings.frames, spacing_ns, settings.eye == "other"))
+        return Needs(others=Others(settings.frames, spacing_ns, settings.eye == "other"), views=settings.views)
+
+    @classmethod
+    def reads_for(cls, settings: Any) -> tuple[str, ...]:
+        return cls.reads if settings.views else tuple(name for name in cls.reads if name != _CHOSEN)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        return cls.bytes_of(1 + settings.frames + (settings.eye == "other"), rendered_pixels, shown_pixels)
+        return cls.bytes_of(
+            1 + settings.frames + (settings.eye == "other") + settings.views, rendered_pixels, shown_pixels
+        )
 
     def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         """Return the newest picture and the others.

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import attrs
 
 from . import EyeSizes, Layer, layers
+
+Picture = TypeVar("Picture")
 
 
 @attrs.frozen
@@ -21,6 +25,11 @@ class Others:
     def __bool__(self) -> bool:
         """Return whether any other picture is used."""
         return bool(self.past or self.other_eye)
+
+    def of(self, carried: Others, pictures: tuple[Picture, ...]) -> tuple[Picture, ...]:
+        """Return those that this needs of the pictures that `carried` brought."""
+        skipped = int(carried.other_eye and not self.other_eye)
+        return pictures[skipped : skipped + self.count]
 
     @property
     def count(self) -> int:

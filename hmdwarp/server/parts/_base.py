@@ -37,6 +37,8 @@ class Drawing:
     shown_size: tuple[int, int] | None = None
     # Whether plane mirrors show only what the picture itself shows, see Server.
     marched: bool = False
+    # How old the frame will be when it is seen.
+    age_ns: int = 0
 
 
 @attrs.frozen(eq=False)

@@ -163,7 +163,7 @@ class _Program:
         )
         every = self._all_options()
         scenes = {key: load_scene(*key) for key in {one.scene_key for one in every}}
-        wait_s = first_picture_wait_s([one.latency_ms for one in every])
+        wait_s = first_picture_wait_s([one.total_latency_ms for one in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
         self.words.recording = lambda: trials.recording
         no_pipeline: Any = _NoPipeline(self.live)

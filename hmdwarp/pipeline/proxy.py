@@ -1,0 +1,161 @@
+"""A proxy between server and client: it warps for a client that only shows pictures."""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+
+from ..frames import EyeImage, Frame
+from ..geometry import View, guarded_eyes
+from ..gpu.textures import SCALAR, Canvas, allocate, release_all
+from ..gpu.timers import Laps
+from ..metrics import middle_and_tail
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from ..client.compensator import EyeResult
+    from ..geometry import Eyes, Guard, Pose
+    from ..poses import PoseSample
+    from .channel import Channel
+    from .loop import Loop, Refresh
+
+# At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
+_KEPT = 1 << 15
+
+
+class KnownHead:
+    """A poses.PoseSource of one head: the one that the proxy was last asked for."""
+
+    def __init__(self) -> None:
+        self.head: PoseSample | None = None
+
+    def start(self) -> None:
+        """Do nothing."""
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        """Return that head."""
+        assert self.head is not None, "a proxy is asked for a head before it shows one"
+        return self.head
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+class GuardedEyes:
+    """Eyes with the client's guard band, which the pictures that the proxy makes hold."""
+
+    def __init__(self, eyes: Eyes, guard: Guard, size: tuple[int, int]) -> None:
+        self._eyes, self._guard, self._size = eyes, guard, size
+
+    def views(self, world_from_head: Pose) -> tuple[View, ...]:
+        """Return the view of each eye, the left one first."""
+        views = self._eyes.views(world_from_head)
+        fovs, _ = guarded_eyes(views, self._guard, self._size)
+        return tuple(View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True))
+
+
+class Proxy:
+    """A FrameSource that warps the server's newest frame to each head that it is asked for.
+
+    It runs the loop that a client would, which ends in the link to the client instead of a display.
+    Its frames are finished pictures without depth. There are none until the server's first frame
+    has arrived.
+
+    loop: over the frames from the server; its display shows `known`, its eyes are GuardedEyes.
+    channel: the link that they come through. size: (w, h) of the pictures that it makes. about:
+    what summary.json says of it beside what it measures.
+    """
+
+    def __init__(
+        self, loop: Loop, known: KnownHead, channel: Channel, size: tuple[int, int], about: Mapping[str, Any]
+    ) -> None:
+        self._loop, self._known, self._channel, self._size, self._about = loop, known, channel, size, about
+        self._gpu = loop.compensator.gpu
+        self._no_depth = allocate(self._gpu.gl, size, SCALAR)
+        framebuffer = self._gpu.gl.framebuffer([self._no_depth])
+        framebuffer.clear(-1.0)
+        framebuffer.release()
+        self._free: list[Canvas] = []
+        self._out: dict[moderngl.Texture, Canvas] = {}
+        # What it showed for the last head; None before the server's first frame.
+        self.shown: Refresh | None = None
+        self._recorded = True
+        self._stage_ms: defaultdict[str, deque[float]] = defaultdict(lambda: deque(maxlen=_KEPT))
+        self._age_ms: deque[float] = deque(maxlen=_KEPT)
+
+    @property
+    def made(self) -> int:
+        """How many pictures exist, under way or free."""
+        return len(self._free) + len(self._out)
+
+    def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame | None:
+        """Let the server draw what is due, and warp its newest frame that has arrived.
+
+        scale: 1, for the proxy makes pictures of one size.
+        """
+        self._record_last()
+        self._known.head = head
+        self._loop.draw(now_ns)
+        self.shown = refresh = self._loop.show(now_ns)
+        if refresh is None:
+            return None
+        self._recorded = False
+        timer = self._gpu.timer
+        with timer.stage("copy"):
+            eyes = tuple(self._kept(one, now_ns) for one in refresh.eyes)
+        return Frame(eyes, now_ns, head, Laps(*refresh.laps, timer.lap()))
+
+    def _kept(self, made: EyeResult, now_ns: int) -> EyeImage:
+        """Return a copy of a picture, which the loop overwrites at its next refresh."""
+        canvas = self._free.pop() if self._free else Canvas(self._gpu.gl, self._size)
+        canvas.copy_from(made.panel)
+        self._out[canvas.texture] = canvas
+        return EyeImage(made.view, canvas.texture, self._no_depth, drawn_ns=now_ns)
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return False: all that it sends are pictures."""
+        return False
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Do nothing: no picture is sent twice."""
+
+    def recycle(self, frame: Frame) -> None:
+        """Take a frame's pictures back; later ones will overwrite them."""
+        for eye in frame.eyes:
+            self._free.append(self._out.pop(eye.colour))
+
+    def _record_last(self) -> None:
+        """Note the times of the last refresh, which the GPU has finished by now."""
+        if self.shown is None or self._recorded:
+            return
+        self._recorded = True
+        self._age_ms.append(self.shown.age_ns * 1e-6)
+        for stages in self.shown.stage_ms:
+            took: defaultdict[str, float] = defaultdict(float)
+            for name, milliseconds in stages:
+                took[name] += milliseconds
+            for name, milliseconds in (*took.items(), ("total", sum(took.values()))):
+                self._stage_ms[name].append(milliseconds)
+
+    def summary(self, rate_hz: float) -> dict[str, Any]:
+        """Return the `proxy` of the link in summary.json: the first link, and the work for one eye.
+
+        rate_hz: refreshes per second. age_ms: from drawing a frame to warping it.
+        """
+        self._record_last()
+        return {
+            **self._about,
+            "time_ms": {name: middle_and_tail(values) for name, values in self._stage_ms.items()},
+            "age_ms": middle_and_tail(self._age_ms),
+            **self._channel.summary(rate_hz),
+        }
+
+    def close(self) -> None:
+        """Free the pictures; the figures stay readable."""
+        self._record_last()
+        release_all(*self._free, *self._out.values(), self._no_depth)
+        self._free.clear()
+        self._out.clear()

@@ -1,0 +1,45 @@
+"""What a loop is asked to show: whose head, and pictures of which format."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..frames import Needs
+    from ..geometry import Guard
+    from ..poses import PoseSample, PoseSource
+
+
+@attrs.frozen(eq=False)
+class PoseRequest:
+    """Head poses for the server and the display, and the format of the pictures to draw."""
+
+    source: PoseSource
+    # Predicts the head for so long after the instant when a frame drawn now is seen; None for no
+    # prediction.
+    predicted: Callable[[int, int], PoseSample] | None
+    # (w, h) of one eye.
+    size: tuple[int, int]
+    # What is rendered beyond the shown view.
+    guard: Guard
+    # Layers that frames carry.
+    needs: Needs
+    # Time from the first row of the display to its last.
+    scanout_ns: int = 0
+    # From drawing a frame to showing it, as far as that is known beforehand.
+    age_ns: int = 0
+
+    def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
+        """Return the pose for a frame drawn now: the current or the predicted one.
+
+        later_ns: how much later than a frame of this request it is seen.
+        """
+        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, later_ns)
+
+    def for_display(self, shown_ns: int) -> PoseSample:
+        """Return the head pose at the instant when the picture is seen."""
+        return self.source.head_at(shown_ns)
