@@ -25,6 +25,7 @@ import front_page
 import gpu_tables
 import guard
 import layouts
+import light
 import models
 import panel
 import passes
@@ -229,6 +230,12 @@ def scene_on_the_client(folder: Path) -> None:
     """Measure what it takes and brings that the client has the scene: some ten minutes."""
     (folder / "models").mkdir()
     replace("models", models.table(folder / "models", program))
+
+
+def moving_light(folder: Path) -> None:
+    """Measure late light in scenes whose light moves: some five minutes."""
+    (folder / "light").mkdir()
+    replace("light", light.table(folder / "light", program))
 
 
 def difference(folder: Path) -> None:
@@ -510,6 +517,7 @@ PARTS = {
     "strategies": strategies_compared,
     "difference": difference,
     "models": scene_on_the_client,
+    "light": moving_light,
     "prediction": prediction,
     "effects": effects,
     "reflections": reflections,

@@ -154,6 +154,8 @@ class World:
         settings = entry.Settings()
         if "rendered.cube" in entry.reads:
             self.bring_cube(gpu)
+        if "rendered.irradiance" in entry.reads:
+            self.rendered = self.rendered.having(irradiance=self._colour_texture(gpu, np.zeros((64, 64, 4))))
         if "rendered.peeled" in entry.reads:
             self.layers = self.layers or tuple(self._behind(k + 1) for k in range(entry.needs(settings)["peeled"]))
             uploaded = tuple(Surface(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)

@@ -62,6 +62,16 @@ class PointCloud(Protocol):
         """Return (n, 4, 4): world from the frame of what stands still, then of each body."""
 
 
+class LitScene(Protocol):
+    """A scene under its own lamps, with indirect light from elsewhere.
+
+    It draws rgba16f colour and r32f inverse depth.
+    """
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int, indirect: moderngl.Texture) -> None:
+        """Draw the whole picture. indirect: the light atlas, rgba16f."""
+
+
 class ClientGeometry(Protocol):
     """Draws for any view and instant; programs and buffers are made on first use."""
 
@@ -81,6 +91,12 @@ class ClientGeometry(Protocol):
 
         With a share and a texture scale of 1, lit, it is drawn as the server draws it, to the last
         bit. Parameters, errors: as of model().
+        """
+
+    def under_light(self) -> LitScene:
+        """Return the whole scene, whose indirect light comes with each picture.
+
+        Without lamps it is drawn by its baked light.
         """
 
     def arriving(self, delivery: Delivery) -> DrawnScene:

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import attrs
 import moderngl
 
 from ..gpu.scopes import drawing_into
 from ..gpu.textures import SCALAR, allocate
-from ..scenes import Pieces, partial_scene, pieces_of, reduced, unlit
+from ..scenes import Pieces, partial_scene, pieces_of, reduced, unlit, with_lamps_stopped
 from ..server import (
     Framebuffers,
     SceneBuffers,
@@ -54,6 +55,7 @@ class ClientScene:
         self._scenes: dict[_Key, SceneOnClient] = {}
         self._arriving: dict[Delivery, ArrivingScene] = {}
         self._points: dict[Cloud, ClientPoints] = {}
+        self._lit: SceneUnderLight | None = None
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
@@ -63,7 +65,7 @@ class ClientScene:
         """Return a model, see ClientGeometry.model."""
         key = (share, texture, lit)
         if key not in self._models:
-            scene = reduced(self._server.scene, share, self._cache, texture=texture)
+            scene = reduced(with_lamps_stopped(self._server.scene), share, self._cache, texture=texture)
             self._models[key] = DrawnModel(self._server.gpu, scene, lit=lit)
         return self._models[key]
 
@@ -74,6 +76,12 @@ class ClientScene:
             whole = partial_scene(self._server.scene, share, texture, lit=lit, folder=self._cache)
             self._scenes[key] = SceneOnClient(self._server, whole)
         return self._scenes[key]
+
+    def under_light(self) -> SceneUnderLight:
+        """Return the whole scene under its lamps, see ClientGeometry.under_light."""
+        if self._lit is None:
+            self._lit = SceneUnderLight(self._server.gpu, self._server.scene)
+        return self._lit
 
     def arriving(self, delivery: Delivery) -> ArrivingScene:
         """Return a scene that arrives little by little, see ClientGeometry.arriving."""
@@ -114,6 +122,10 @@ class ClientScene:
                 {"share": share, "texture": texture, **weight_of(whole.scene), "start_up_bytes": packed}
                 | {"first_picture_bytes": packed, "arrived_bytes": packed}
             )
+        if self._lit is not None:
+            packed = Pieces(attrs.evolve(self._lit.scene, lamps=())).whole_bytes
+            named = {"share": 1.0, "texture": 1.0, **weight_of(self._lit.scene), "start_up_bytes": packed}
+            weights.append({**named, "first_picture_bytes": packed, "arrived_bytes": packed})
         for delivery, arriving in self._arriving.items():
             named = {"share": delivery.share, "texture": delivery.texture, "budget": delivery.budget}
             weights.append({**named, **weight_of(arriving.scene), **arriving.weight()})
@@ -126,6 +138,9 @@ class ClientScene:
             for model in made.values():
                 model.close()
             made.clear()
+        if self._lit is not None:
+            self._lit.close()
+            self._lit = None
 
 
 class SceneOnClient:
@@ -145,6 +160,34 @@ class SceneOnClient:
         """Free its renderer."""
         if self._is_own:
             self._renderer.close()
+
+
+class SceneUnderLight:
+    """A client.LitScene: surfaces only, by the server's own passes."""
+
+    def __init__(self, gpu: Gpu, scene: Scene) -> None:
+        self.scene = scene
+        surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+        self._textures = SceneTextures(gpu, scene)
+        self._buffers = SceneBuffers(gpu, list(filter(stands_still, surfaces)), self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
+        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, late_light=True)
+        self._framebuffers = Framebuffers(gpu.gl)
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int, indirect: moderngl.Texture) -> None:
+        """Draw the whole picture, see LitScene.draw."""
+        if self._passes.lighting is not None:
+            self._passes.lighting.indirect = indirect
+        self._passes.draw(view, self._framebuffers.over(into.colour.texture, into.depth), time_ns)
+
+    def close(self) -> None:
+        """Free its buffers; the shader library owns the programs."""
+        self._passes.close()
+        self._framebuffers.close()
+        for one in self._moving:
+            one.close()
+        self._buffers.close()
+        self._textures.close()
 
 
 class DrawnModel:

@@ -49,8 +49,8 @@ def build_plan_for(
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
     distorts, takes_depth: as in build_plan.
-    Errors: as build_plan; PlanError for a plan that the client cannot run; InputError for a lens
-    correction on a headset without a lens.
+    Errors: as build_plan; PlanError for a plan that the client cannot run, and for a warp that is
+    not for the scene; InputError for a lens correction on a headset without a lens.
     """
     if options.lens != "none" and headset is not None and headset.lens is None:
         raise InputError(
@@ -61,6 +61,8 @@ def build_plan_for(
         if options.proxy.on
         else _plan_of_all(options, scene, shares_frames=shares_frames, distorts=distorts, takes_depth=takes_depth)
     )
+    if scene is not None and (why := plan.warp.unsuited(scene)):
+        raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
     if options.client_name:
         check_client(plan, load_client(options.client_name))
     return plan

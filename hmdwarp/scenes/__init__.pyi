@@ -3,6 +3,9 @@ from ._content import Body as Body
 from ._content import Deformation as Deformation
 from ._content import Material as Material
 from ._content import Motion as Motion
+from ._lamps import ATLAS as ATLAS
+from ._lamps import MOST_LAMPS as MOST_LAMPS
+from ._lamps import Lamp as Lamp
 from ._load import load_scene as load_scene
 from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture
@@ -29,11 +32,16 @@ from ._targets import with_targets as with_targets
 from .deformations import Joint as Joint
 from .deformations import Skinned as Skinned
 from .deformations import Waving as Waving
+from .motions import Pendulum as Pendulum
 from .motions import Spinning as Spinning
 from .motions import Thrown as Thrown
 from .motions import Track as Track
 from .options import SceneKey as SceneKey
 from .options import SceneOptions as SceneOptions
+from .radiosity import Transport as Transport
+from .radiosity import lamps_at as lamps_at
+from .radiosity import transport_of as transport_of
+from .radiosity import with_lamps_stopped as with_lamps_stopped
 from .shapes import Ball as Ball
 from .shapes import Quad as Quad
 from .shapes import checker as checker

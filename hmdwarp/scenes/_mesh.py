@@ -97,10 +97,14 @@ class Mesh:
     deformation: Deformation | None = None
     # (n, 3) linear colour of the material alone: `light` under light of 1. None if unknown.
     albedo: NDArray[np.float32] | None = attrs.field(default=None, converter=attrs.converters.optional(_triples))
+    # (n, 2) texels of the scene's light atlas. With them the scene's lamps light it instead of
+    # `light`, and it stops their light; without, it shines by `light` and stops nothing.
+    light_uv: NDArray[np.float32] | None = attrs.field(default=None, converter=attrs.converters.optional(_pairs))
 
     def __attrs_post_init__(self) -> None:
         count = len(self.positions)
-        for field in ("positions", "normals", "uv", "light", *(("albedo",) if self.albedo is not None else ())):
+        optional = [name for name in ("albedo", "light_uv") if getattr(self, name) is not None]
+        for field in ("positions", "normals", "uv", "light", *optional):
             array: NDArray[Any] = getattr(self, field)
             if len(array) != count:
                 raise SceneError(f"mesh '{self.name}': {count} positions but {len(array)} {field}")

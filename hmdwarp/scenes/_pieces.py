@@ -17,6 +17,7 @@ from ._chunks import chunks_of
 from ._mesh import Mesh, Texture
 from ._reduce import fewer_triangles, reduced, scaled, unlit, with_triangles
 from ._scene import Scene
+from .radiosity import with_lamps_stopped
 
 # A stand-in for the whole scene has as few triangles as this, or this share of them.
 STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02
@@ -29,9 +30,11 @@ _COUNT = struct.Struct("<I")
 def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Scene:
     """Return what a client has of a scene: the scene itself where nothing is reduced.
 
-    Mirrors, and what is see-through or fixed to the head, are whole. Parameters, errors: as of
+    Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still.
+    Parameters, errors: as of
     `reduced`; lit: with baked light, else as `unlit`.
     """
+    scene = with_lamps_stopped(scene)
     if (share, texture) != (1, 1):
         scene = reduced(scene, share, folder, texture=texture, matt=False)
     return scene if lit else unlit(scene)
@@ -39,7 +42,8 @@ def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, fold
 
 @lru_cache(maxsize=2)  # the sender's and the receiver's of one run
 def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Pieces:
-    """Return the pieces of a partial_scene; the same object for the same arguments."""
+    """Return the pieces of a partial_scene, without lamps; one object for the same arguments."""
+    scene = attrs.evolve(scene, lamps=()) if scene.lamps else scene
     return Pieces(partial_scene(scene, share, texture, lit=lit, folder=folder), folder)
 
 

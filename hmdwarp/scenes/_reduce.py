@@ -104,7 +104,8 @@ def unlit(scene: Scene) -> Scene:
     Where a mesh lacks an albedo, its baked colour at a luminance of 0.5 replaces it: hue of
     material and light together. Black is at least LEAST_ALBEDO.
     """
-    return attrs.evolve(scene, meshes=[attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes])
+    meshes = [attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes]
+    return attrs.evolve(scene, meshes=meshes, lamps=())
 
 
 def only_light(scene: Scene) -> Scene:
@@ -113,7 +114,10 @@ def only_light(scene: Scene) -> Scene:
     What glows by itself does so in the light. Per vertex, the light times the albedo of `unlit` is
     the baked colour: exact over a triangle with one albedo or one light.
     """
-    meshes = [attrs.evolve(mesh, light=mesh.light / _albedo(mesh), texture=WHITE) for mesh in scene.meshes]
+    meshes = [
+        attrs.evolve(mesh, light=mesh.light / _albedo(mesh), texture=WHITE, albedo=np.ones_like(mesh.light))
+        for mesh in scene.meshes
+    ]
     sky = attrs.evolve(scene.background, zenith=(1.0, 1.0, 1.0), horizon=(1.0, 1.0, 1.0), ground=(1.0, 1.0, 1.0))
     return attrs.evolve(scene, meshes=meshes, background=sky)
 
@@ -233,6 +237,7 @@ def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = Fa
         light=mesh.light[kept],
         triangles=which.reshape(-1, 3),
         albedo=None if mesh.albedo is None else mesh.albedo[kept],
+        light_uv=None if mesh.light_uv is None else mesh.light_uv[kept],
         deformation=None if mesh.deformation is None else _Subset(mesh.deformation, kept),
         material=Material() if matt else mesh.material,
     )

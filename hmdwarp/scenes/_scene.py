@@ -13,6 +13,7 @@ from ..errors import SceneError
 from ..geometry import Pose
 from ..registry import Registry
 from ._content import Body
+from ._lamps import Lamp, problem_with
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Mesh, Texture
 from ._mirrors import SceneMirror, mirrors_of
 
@@ -28,6 +29,10 @@ def _textures(values: Iterable[Texture]) -> tuple[Texture, ...]:
 
 
 def _bodies(values: Iterable[Body]) -> tuple[Body, ...]:
+    return tuple(values)
+
+
+def _lamps(values: Iterable[Lamp]) -> tuple[Lamp, ...]:
     return tuple(values)
 
 
@@ -89,6 +94,8 @@ class Scene:
     walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_bounds)
     # Survivable faults of a foreign file, one line each.
     notes: tuple[str, ...] = attrs.field(default=(), converter=_notes)
+    # Light that moves; without lamps all light is baked.
+    lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_lamps)
 
     def __attrs_post_init__(self) -> None:
         for mesh in self.meshes:
@@ -101,6 +108,8 @@ class Scene:
                 )
             if not 0 <= mesh.body <= len(self.bodies):
                 raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
+        if problem := problem_with(self.meshes, self.lamps):
+            raise SceneError(problem)
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
 
     @cached_property

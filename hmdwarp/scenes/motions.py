@@ -69,6 +69,36 @@ class Spinning:
 
 
 @attrs.frozen(eq=False)
+class Pendulum:
+    """Swing to and fro in a vertical plane, unturned: the angle is a sine of time.
+
+    Errors: SceneError for a period that is not above 0 and for numbers that are not finite.
+    """
+
+    pivot_m: Array = attrs.field(converter=_vector)
+    length_m: float
+    # The largest angle from straight down.
+    swing_rad: float
+    period_s: float = attrs.field(converter=float, validator=_positive_seconds)
+    # Of the plane, from the x axis about +y.
+    heading_rad: float = 0.0
+
+    def state(self, time_ns: int) -> RigidState:
+        """Return the pose and its derivatives at `time_ns`."""
+        pace = 2 * np.pi / self.period_s
+        angle = self.swing_rad * np.sin(pace * time_ns * 1e-9)
+        speed = self.swing_rad * pace * np.cos(pace * time_ns * 1e-9)
+        side = np.array([np.cos(self.heading_rad), 0, -np.sin(self.heading_rad)])
+        out = np.sin(angle) * side - (0, np.cos(angle), 0)
+        along = np.cos(angle) * side + (0, np.sin(angle), 0)
+        return RigidState(
+            Pose(self.pivot_m + self.length_m * out),
+            self.length_m * speed * along,
+            acceleration_m_s2=self.length_m * (-(pace**2) * angle * along - speed**2 * out),
+        )
+
+
+@attrs.frozen(eq=False)
 class Thrown:
     """Tumbling flight under gravity, repeated every `period_s`.
 

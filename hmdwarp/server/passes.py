@@ -11,6 +11,7 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.scopes import drawing_into
 from ..scenes import Scene
+from .lighting import Lighting
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
 from .upload import Batch, SceneBuffers
@@ -27,6 +28,7 @@ class ScenePasses:
 
     colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
     behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
+    late_light: with lamps, indirect light is what `lighting.indirect` is set to.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"
@@ -40,16 +42,22 @@ class ScenePasses:
         colour: bool,
         peel: bool = False,
         moving: Sequence[Moving] = (),
+        late_light: bool = False,
     ) -> None:
         self._gl, self._scene, self.buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
+        # Where the light of the scene's lamps comes from; baked light needs none.
+        self.lighting = Lighting(gpu, scene, late=late_light) if colour and scene.lamps else None
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
-        self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **defines)
+        lit = {"LAMPS": 1} if self.lighting is not None else {}
+        self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **defines, **lit)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
-        self._vertices = buffers.vertex_array(gpu.gl, self._surface.program, colour=colour)
-        self._of_moving = [
-            one.buffers.vertex_array(gpu.gl, self._surface.program, colour=colour) for one in self.moving
-        ]
+        self._vertices = self._vertex_array(gpu, buffers)
+        self._of_moving = [self._vertex_array(gpu, one.buffers) for one in self.moving]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
+
+    def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
+        more = [self.lighting.more(buffers.meshes)] if self.lighting is not None else []
+        return buffers.vertex_array(gpu.gl, self._surface.program, *more, colour=self._colour)
 
     @property
     def revision(self) -> int:
@@ -78,6 +86,8 @@ class ScenePasses:
         self._set_background(view)
         for one in self.moving:
             one.set_time(time_ns)
+        if self.lighting is not None:
+            self.lighting.use(self._surface.uniforms, time_ns)
         gl = self._gl
         framebuffer.viewport = viewport if viewport is not None else (0, 0, *framebuffer.size)
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
@@ -119,6 +129,8 @@ class ScenePasses:
         """Free the vertex arrays; the shader library owns programs, the scene buffers."""
         for vertices in (self._vertices, *self._of_moving):
             vertices.release()
+        if self.lighting is not None:
+            self.lighting.close()
         self._empty.release()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
 import attrs
 import moderngl
@@ -156,7 +157,7 @@ class SceneBuffers:
         return indices
 
     def vertex_array(
-        self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[moderngl.Buffer, str, str], colour: bool
+        self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[Any, ...], colour: bool
     ) -> moderngl.VertexArray:
         """Return the buffers, and `more` as moderngl takes them, as inputs of `program`."""
         names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)

@@ -1,11 +1,19 @@
-// Linear colour (texture times baked light) with coverage 1, and inverse depth; with PEEL only of
-// what lies behind the previous layer.
+// Linear colour (texture times baked light; with LAMPS, times the light of the scene's lamps) with
+// coverage 1, and inverse depth; with PEEL only of what lies behind the previous layer.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
 // Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
 // itself, linear across a triangle; Everitt 2001, Interactive Order-Independent Transparency
 // (peeling).
 #ifdef PEEL
 #include "lib/peel.glsl"
+#endif
+#ifdef LAMPS
+#include "lib/lamps.glsl"
+
+in vec3 place;
+in vec3 normal;
+in vec2 light_uv;
+in vec3 albedo;
 #endif
 #ifdef COLOUR
 uniform sampler2D surface;
@@ -28,7 +36,13 @@ void main() {
     if (!behind(gl_FragCoord.w)) discard;
 #endif
 #ifdef COLOUR
+#ifdef LAMPS
+    vec3 shown = light;
+    if (light_uv.x >= 0.0) shown = albedo * (direct_light(place, normalize(normal)) + indirect_light(light_uv));
+    colour = vec4(texel * shown, 1.0);
+#else
     colour = vec4(texel * light, 1.0);
+#endif
 #endif
     inverse_depth = gl_FragCoord.w;
 }

@@ -96,7 +96,7 @@ def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.kind == "draw"])
 def test_what_the_client_draws_itself_leaves_nothing_to_compensate(warp):
     plan = plan_of(EVERY_EFFECT, warp, named=EVERY_EFFECT)
-    assert plan.effects == () and not {"colour", "inverse_depth"} & set(plan.layers)
+    assert plan.effects == () and not {"rendered.colour", "rendered.inverse_depth"} & {*plan.layers}
     reasons = [dict(plan.left_out)[name] for name in EVERY_EFFECT]
     assert all(
         f"warp '{warp}' {warps.get(warp).without_effects}" in one or one.startswith("it refines") for one in reasons

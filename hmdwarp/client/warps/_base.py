@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ...gpu.context import Gpu
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
+    from ...scenes import Scene
     from ..client_geometry import ClientGeometry
     from ..inputs import PassInputs
     from ..lens import LensPass
@@ -129,6 +130,11 @@ class Warp(ABC):
     def needs(cls, settings: Any) -> Needs:
         """Return the layers that frames must carry, and the frames that the client must keep."""
         return Needs()
+
+    @classmethod
+    def unsuited(cls, scene: Scene) -> str:
+        """Return why it is not for that scene, "" if it is."""
+        return ""
 
     @classmethod
     def reads_for(cls, settings: Any) -> tuple[str, ...]:

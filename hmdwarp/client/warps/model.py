@@ -51,10 +51,10 @@ class Model(Warp):
     kind = "draw"
     needs_compute = False
     reads = ("client.model",)
-    exact_when = "always, to the last bit, with all triangles and texels, lit, once all has arrived"
+    exact_when = "to the last bit, with all triangles and texels, lit, once all has arrived, in light that stands still"
     gets_wrong = (
         "takes the whole scene, and a renderer for it, on the client; fewer triangles round outlines off, smaller "
-        "textures blur"
+        "textures blur; lamps that move are baked where they are at the start"
     )
     source = "the 2014 thesis, section 3.1 (GLX, partial models); Garland and Heckbert 1997, 1998 (fewer triangles)"
     Settings = ModelSettings

@@ -1,0 +1,46 @@
+"""The table of light that moves: late pictures, baked light, and late indirect light alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+SCENES = ("lantern", "sunroom")
+LATENCIES = ("200", "400", "800")
+WAYS = {
+    "`none`": ("--warp", "none", "--fill", "none"),
+    "`iterative` + `memory+pyramid`": ("--warp", "iterative", "--fill", "memory+pyramid"),
+    "`model`, light baked": ("--strategy", "model"),
+    "`irradiance`": ("--strategy", "irradiance"),
+}
+OPTIONS = (
+    *("--codec", "h264", "--size", "120x150", "--start", "2", "--seconds", "2", "--rate", "20"),
+    *("--metrics-every", "5", "--images", "0", "--against", "", "--quiet"),
+)
+HEAD = "| scene | latency ms | | PSNR dB | FLIP | Mbit/s | MB at the start |\n| --- | ---: | --- |" + " ---: |" * 4
+
+
+def table(folder: Path, program: Callable[..., None]) -> str:
+    """Run them all and return the table."""
+    lines = [HEAD]
+    for scene in SCENES:
+        for latency in LATENCIES:
+            for number, (way, options) in enumerate(WAYS.items()):
+                out = folder / f"{scene}-{latency}-{number}"
+                chosen = ("--scene", scene, "--latency", latency, *options)
+                program("replay", "look-around", *OPTIONS, *chosen, "--out", str(out))
+                lines.append(f"| {scene} | {latency} | {way} | {' | '.join(_figures(out))} |")
+    return "\n".join(lines)
+
+
+def _figures(out: Path) -> list[str]:
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    quality, models = summary["quality"], summary.get("client_models", ())
+    start = sum(model.get("start_up_bytes", 0) for model in models)
+    return [
+        f"{quality['psnr_db']['mean']:.1f}",
+        f"{quality['flip']['mean']:.3f}",
+        f"{summary['link']['mbit_s']:.2f}",
+        f"{start * 1e-6:.1f}",
+    ]

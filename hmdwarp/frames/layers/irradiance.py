@@ -1,0 +1,32 @@
+"""Indirect light of the whole scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...scenes import ATLAS
+from . import BRIGHT_VIDEO, OWN, EyeSizes, Layer, layers
+
+
+@layers.register
+class Irradiance(Layer):
+    """The light atlas of the surfaces: what each gets from the others and the sky.
+
+    The amount is how many times a second it changes at most; every frame has the newest whole.
+    """
+
+    name = "irradiance"
+    summary = "indirect light of all surfaces in one light atlas, whatever the eye sees"
+    formats = ("rgba16f",)
+    codings = (BRIGHT_VIDEO,)
+    size_class = OWN
+    drawn_by = "irradiance"
+    per_frame = True
+
+    @classmethod
+    def size(cls, sizes: EyeSizes) -> tuple[int, int]:
+        return ATLAS
+
+    @classmethod
+    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
+        return super().bytes(1, sizes)

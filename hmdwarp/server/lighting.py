@@ -1,0 +1,87 @@
+"""Light of moving lamps on the GPU, for the passes that draw a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gpu.textures import COLOUR, allocate
+from ..scenes import ATLAS, MOST_LAMPS, lamps_at, transport_of
+
+if TYPE_CHECKING:
+    from ..gpu.context import Gpu
+    from ..gpu.shaders import Uniforms
+    from ..scenes import Mesh, Scene
+
+INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
+
+
+def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
+    """Return the converged indirect light of an instant as the light atlas, bottom row first."""
+    transport = transport_of(scene)
+    return transport.atlas(transport.indirect(transport.direct(lamps_at(scene, time_ns))))
+
+
+class Lighting:
+    """Direct and indirect light of a scene with lamps.
+
+    late: indirect light is the texture `indirect`, which its owner writes; else that of the instant
+    that is drawn.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, *, late: bool = False) -> None:
+        self._gl, self._scene = gpu.gl, scene
+        self._own = None if late else allocate(gpu.gl, ATLAS, COLOUR)
+        self.indirect = self._own
+        rows = transport_of(scene).blockers.rows.astype(np.float32)
+        self._count = len(rows)
+        self._blockers = gpu.gl.texture((3, max(1, len(rows))), 4, rows.tobytes() or b"\0" * 48, dtype="f4")
+        self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._light: bytes = b""
+        self._buffers: list[moderngl.Buffer] = []
+
+    def more(self, meshes: Sequence[Mesh]) -> tuple[Any, ...]:
+        """Return further inputs of the vertex stage, as moderngl takes them."""
+        rows = [_vertex_rows(mesh) for mesh in meshes]
+        data = np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32).tobytes()
+        self._buffers.append(self._gl.buffer(data or b"\0" * 32))
+        return (self._buffers[-1], "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
+
+    def use(self, uniforms: Uniforms, time_ns: int) -> None:
+        """Set the uniforms and bind the textures for an instant."""
+        lamps = lamps_at(self._scene, time_ns)
+        places, colours = np.zeros((MOST_LAMPS, 4), np.float32), np.zeros((MOST_LAMPS, 4), np.float32)
+        for number, (place, colour) in enumerate(lamps):
+            places[number], colours[number, :3] = place, colour
+        uniforms.set(
+            lamp_place=places.ravel(),
+            lamp_colour=colours.ravel(),
+            lamp_count=len(lamps),
+            blocker_count=self._count,
+            indirect=INDIRECT_UNIT,
+            blockers=BLOCKERS_UNIT,
+        )
+        if self._own is not None and self._light != places.tobytes():
+            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
+            self._light = places.tobytes()
+        assert self.indirect is not None, "late indirect light is set before anything is drawn"
+        self.indirect.use(INDIRECT_UNIT)
+        self._blockers.use(BLOCKERS_UNIT)
+
+    def close(self) -> None:
+        """Free its textures and buffers."""
+        for each in (self._blockers, self._own, *self._buffers):
+            if each is not None:
+                each.release()
+
+
+def _vertex_rows(mesh: Mesh) -> NDArray[np.float32]:
+    """Return (n, 8): normal, place in the light atlas (-1 for none) and albedo."""
+    count = len(mesh.positions)
+    places = mesh.light_uv if mesh.light_uv is not None else np.full((count, 2), -1.0)
+    albedo = mesh.albedo if mesh.albedo is not None else np.full((count, 3), 0.5)
+    return np.concatenate([mesh.normals, places, albedo], axis=1).astype(np.float32)

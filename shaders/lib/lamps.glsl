@@ -1,0 +1,50 @@
+// Light of moving lamps: direct light with shadows by rays against every blocker, and indirect
+// light from an atlas. Server and clients use the same code. Included by the scene's fragment
+// stage.
+// Source: as hmdwarp/scenes/radiosity.py; Moeller and Trumbore 1997 (rays in a triangle's axes).
+uniform sampler2D indirect;  // light atlas, linear RGB
+uniform sampler2D blockers;  // a column for each triangle: three rows that take a point to its axes
+uniform int blocker_count;
+uniform int lamp_count;
+uniform vec4 lamp_place[4];  // a point's place in the scene, 1; or the way to a sun, 0
+uniform vec4 lamp_colour[4]; // what a white surface shows 1 m away, or under the sun
+
+const float OFF_M = 1e-3;     // in front of the surface, so that it is not its own shadow
+const float NEAREST_M2 = 1e-4; // a nearer surface gets no more light
+
+bool blocked(vec4 from, vec4 way, float longest) {
+    for (int i = 0; i < blocker_count; ++i) {
+        vec4 across = texelFetch(blockers, ivec2(0, i), 0), up = texelFetch(blockers, ivec2(1, i), 0);
+        vec4 off = texelFetch(blockers, ivec2(2, i), 0);
+        float t = -dot(off, from) / dot(off, way);
+        vec4 hit = from + t * way;
+        float u = dot(across, hit), v = dot(up, hit);
+        if (t > 0.0 && t < longest && u >= 0.0 && v >= 0.0 && u + v <= 1.0) return true;
+    }
+    return false;
+}
+
+vec3 direct_light(vec3 place, vec3 normal) {
+    vec3 total = vec3(0.0);
+    for (int i = 0; i < lamp_count; ++i) {
+        vec3 from = place + OFF_M * normal;
+        vec3 way = lamp_place[i].xyz - from * lamp_place[i].w;
+        float square = max(dot(way, way), 1e-12);
+        float cosine = dot(way, normal) * inversesqrt(square);
+        if (cosine <= 0.0) continue;
+        bool is_point = lamp_place[i].w != 0.0;
+        if (blocked(vec4(from, 1.0), vec4(way, 0.0), is_point ? 1.0 : 3e38)) continue;
+        total += lamp_colour[i].rgb * (is_point ? cosine / max(square, NEAREST_M2) : cosine);
+    }
+    return total;
+}
+
+// By hand: samplers blend with 8 bits, which shows as steps in smooth light.
+vec3 indirect_light(vec2 texel) {
+    vec2 low = floor(texel - 0.5), part = texel - 0.5 - low;
+    ivec2 first = ivec2(low), last = textureSize(indirect, 0) - 1;
+    ivec2 a = clamp(first, ivec2(0), last), b = clamp(first + 1, ivec2(0), last);
+    vec3 below = mix(texelFetch(indirect, a, 0).rgb, texelFetch(indirect, ivec2(b.x, a.y), 0).rgb, part.x);
+    vec3 above = mix(texelFetch(indirect, ivec2(a.x, b.y), 0).rgb, texelFetch(indirect, b, 0).rgb, part.x);
+    return mix(below, above, part.y);
+}

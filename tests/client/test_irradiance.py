@@ -1,0 +1,99 @@
+"""Late indirect light: direct light is of now, the atlas of when it was solved."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from client_scene import ClientScene
+from replays import run, small
+from worlds import read
+
+from hmdwarp.client import PassInputs, parse_warp
+from hmdwarp.client.warps import Output
+from hmdwarp.errors import PlanError
+from hmdwarp.frames import Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import SCALAR, Canvas, allocate
+from hmdwarp.link.codec import Coding
+from hmdwarp.run import set_up_replay
+from hmdwarp.scenes import scenes, with_lamps_stopped
+from hmdwarp.server import Server
+
+SIZE = (64, 56)
+FOV = Fov(-0.8, 0.75, -0.7, 0.65)
+HERE, THERE = View(Pose((0.05, 1.6, 0.1)), FOV), View(Pose((0.3, 1.5, -0.2), (0.05, 0.3, 0.02, 0.95)), FOV)
+LIT = [name for name in scenes.names() if scenes.get(name).build().lamps]
+
+
+def shown(gpu, geometry, frame, view, time_ns):
+    choice = parse_warp("irradiance")
+    warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
+    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
+    warp.run_with_depth(PassInputs(frame.eyes[0], view, shown_ns=time_ns), canvas, depth)
+    gpu.gl.memory_barrier()
+    found = read(canvas.texture), read(depth)[..., 0]
+    warp.close()
+    return found
+
+
+def frame_of(geometry, time_ns, updates=10.0):
+    return geometry._server.draw_frame([HERE, HERE], time_ns, SIZE, needs=Needs(irradiance=updates))
+
+
+@pytest.mark.parametrize("scene", LIT)
+def test_with_the_light_of_now_it_is_the_truth_bit_for_bit(gpu, scene):
+    """Whatever the frame was drawn for, from the same atlas and by the same passes."""
+    geometry = ClientScene(gpu, scene)
+    time_ns = 700_000_000
+    got = shown(gpu, geometry, frame_of(geometry, time_ns), THERE, time_ns)
+    truth = geometry._server.draw(THERE, SIZE, time_ns=time_ns)
+    assert np.array_equal(got[0], read(truth.colour))
+    assert np.array_equal(got[1], read(truth.inverse_depth)[..., 0])
+
+
+def test_only_indirect_light_is_late(gpu):
+    """The error is what the bounces changed, far below that of light that stands still."""
+    geometry = ClientScene(gpu, "lantern")
+    then, now = 100_000_000, 600_000_000
+    truth = read(geometry._server.draw(THERE, SIZE, time_ns=now).colour)
+    late = shown(gpu, geometry, frame_of(geometry, then), THERE, now)[0]
+    stopped = Server(gpu, with_lamps_stopped(geometry._server.scene, then))
+    baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
+    stopped.close()
+    late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))
+    assert 0 < late_error < baked_error / 4
+
+
+def test_each_update_is_whole_so_that_a_lost_one_is_no_matter(gpu):
+    """Frames between updates carry the last one again; older frames show the older light."""
+    geometry = ClientScene(gpu, "lantern")
+    times = (100_000_000, 150_000_000, 199_000_000, 200_000_000, 650_000_000)
+    frames = [frame_of(geometry, time_ns) for time_ns in times]
+    atlases = [read(frame.eyes[0]["irradiance"]) for frame in frames]
+    assert np.array_equal(atlases[0], atlases[1]) and np.array_equal(atlases[0], atlases[2])
+    assert not np.array_equal(atlases[0], atlases[3])
+    assert frames[0].eyes[0]["irradiance"] is frames[0].eyes[1]["irradiance"]
+    in_order = [shown(gpu, geometry, frame, HERE, 700_000_000)[0] for frame in frames]
+    turned_round = [shown(gpu, geometry, frame, HERE, 700_000_000)[0] for frame in reversed(frames)]
+    assert all(np.array_equal(a, b) for a, b in zip(in_order, reversed(turned_round), strict=True))
+
+
+def test_updates_are_as_many_as_asked_for(gpu):
+    geometry = ClientScene(gpu, "sunroom")
+    step = 1_000_000_000 // 20
+    for updates in (5.0, 10.0):
+        atlases = {read(frame_of(geometry, k * step, updates).eyes[0]["irradiance"]).tobytes() for k in range(20)}
+        assert len(atlases) == updates
+
+
+def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
+    with pytest.raises(PlanError, match="not for scene 'planes': its light stands still"):
+        set_up_replay(small(scene="planes", warp="irradiance", fill="none"))
+
+
+@pytest.mark.parametrize("codec", ["none", "h264"])
+def test_a_replay_sends_the_atlas_alone(tmp_path, codec):
+    """Coded, the atlas errs by a code's error; colour and depth cross in neither case."""
+    summary = run(tmp_path, scene="lantern", warp="irradiance", coding=Coding(codec), latency_ms=100.0).summary
+    assert set(summary["link"]["layers_mbit_s"]) == {"irradiance"}
+    assert summary["quality"]["psnr_db"]["mean"] > 35
