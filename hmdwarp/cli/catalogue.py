@@ -74,7 +74,6 @@ def _warps() -> list[dict[str, str]]:
                 "summary": f"as {system}: {of['summary']}",
                 "settings": values,
                 "does_as": system,
-                "baselines": "none",
             }
         )
     there = [name for name in OUTSIDE if not missing(name)]
@@ -101,8 +100,6 @@ def _warp_row(warp: type[Warp]) -> dict[str, str]:
         "kind": warp.kind,
         "reads": ", ".join(warp.reads),
         "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
-        "baselines": "; ".join(f"{warp.name}:{settings} ({system})" for settings, system in warp.baselines.items())
-        or "none",
         "fused_with_the_lens": "yes" if warp.fuses else "no",
         "follows_scanout": "yes" if warp.scans_out else "no",
         "exact_when": warp.exact_when,

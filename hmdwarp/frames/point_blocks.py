@@ -10,6 +10,7 @@ from __future__ import annotations
 import heapq
 import struct
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import attrs
 import numpy as np
@@ -96,7 +97,7 @@ def _blocks(data: bytes, at: int) -> Iterator[Block]:
     while at < len(data):
         cell, age, number, count, body, double, *low, edge, area = _HEAD.unpack_from(data, at)
         at += _HEAD.size
-        arrays: list[NDArray] = []
+        arrays: list[NDArray[Any]] = []
         for kind, columns in ((np.uint32, 1), (np.uint8, 2), (np.uint8, 3)):
             array = np.frombuffer(data, kind, count * columns, at)
             arrays.append(array if columns == 1 else array.reshape(count, columns))

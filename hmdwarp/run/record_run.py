@@ -10,7 +10,7 @@ from ..display import Closed, Lost
 from ..errors import MachineError
 from ..poses import Origin, PoseSample
 from ..poses.synth import RATE_HZ, synthesise
-from ..scenes._load import check_scene_name
+from ..scenes import check_scene_name
 from .ending import Ending, come_back
 from .live_run import live
 from .options import DESKTOP, OPENXR, SYNTHETIC, LiveOptions, RecordOptions

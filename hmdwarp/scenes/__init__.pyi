@@ -6,6 +6,7 @@ from ._content import Motion as Motion
 from ._lamps import ATLAS as ATLAS
 from ._lamps import MOST_LAMPS as MOST_LAMPS
 from ._lamps import Lamp as Lamp
+from ._load import check_scene_name as check_scene_name
 from ._load import load_scene as load_scene
 from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture

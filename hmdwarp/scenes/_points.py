@@ -203,13 +203,13 @@ def _texels_per_metre(rows: Array, area: Array, owner: NDArray, meshes: list[Mes
 
 
 @lru_cache(maxsize=64)
-def _levels(texture: Texture) -> list[Array]:
+def _levels(texture: Texture) -> list[NDArray[np.float32]]:
     """Return the linear image and its halves, down to one texel."""
     image = texture.image[..., :3]
     linear = linear_from_srgb(image) if texture.srgb else image / 255
-    levels = [np.asarray(linear, np.float32)]
+    levels: list[NDArray[np.float32]] = [np.asarray(linear, np.float32)]
     while max(levels[-1].shape[:2]) > 1:
-        last = levels[-1]
+        last: NDArray[np.floating] = levels[-1]
         for axis in (0, 1):
             if last.shape[axis] > 1:
                 pairs = last.take(range(last.shape[axis] // 2 * 2), axis)

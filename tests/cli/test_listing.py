@@ -20,7 +20,6 @@ from hmdwarp.cli._app import app
 from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
-from hmdwarp.client import every_baseline
 from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
 from hmdwarp.frames.layers import layers
@@ -110,13 +109,6 @@ def test_warps_hold_what_other_systems_do(command):
     assert "does as: CloudXR.js" in re.sub(
         r"does as +", "does as: ", command("list", "warps", "mesh:grid=64").done().out
     )
-
-
-def test_warps_say_which_system_they_stand_for(command):
-    rows = {row["name"]: row for row in json.loads(command("list", "warps", "--json").out)}
-    told = {part for row in rows.values() for part in row["baselines"].split("; ") if part != "none"}
-    assert told == {f"{spec} ({system})" for spec, system in every_baseline().items()}
-    assert "mesh:grid=64 (CloudXR.js)" in told and rows["forward"]["baselines"] == "none"
 
 
 def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):

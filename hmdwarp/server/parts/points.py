@@ -135,7 +135,8 @@ class _Sender:
 
         looks: how large each cell looks; first go those whose points lie farthest apart.
         """
-        book, out = self.book, []
+        book = self.book
+        out: list[Sent] = []
         while True:
             lacks = np.flatnonzero(book.points < wanted)
             apart = looks[lacks] / np.maximum(book.points[lacks], 0.1)
