@@ -213,7 +213,8 @@ def strategies_compared(folder: Path, *ready: str) -> None:
     """
     if not ready:
         clients = [part for name in client_names() for part in ("--client", name)]
-        program("compare", *clients, "--quiet", "--out", str(folder / "compare"))
+        shorter = ("--seconds", "0.6", "--rate", "30", "--metrics-every", "6")
+        program("compare", *clients, *shorter, "--quiet", "--out", str(folder / "compare"))
         ready = (str(folder / "compare" / "compare.json"),)
     data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
     heads = ("strategy", "crosses the link", "the client", "late")
@@ -260,6 +261,20 @@ def difference(folder: Path) -> None:
                 megabits = f"{measured['link']['mbit_s']:.2f}"
                 rows.append(((trace, latency, f"`{warp}`", f"`{fill}`", megabits), measured))
     replace("difference warped", table(("recording", "latency ms", "warp", "fill", "Mbit/s"), rows))
+
+
+def points(folder: Path) -> None:
+    """Measure points beside warps of pictures that have more than one surface."""
+    common = ("--size", "240x300", "--start", "1", "--seconds", "4", "--rate", "20", "--guard", "1.5")
+    rows = []
+    for trace in RECORDINGS:
+        for latency in ("200", "400", "800"):
+            for warp in ("points", "layered", "multi", "iterative"):
+                options = ("--warp", warp, "--fill", "pyramid", "--latency", latency, "--codec", "h264")
+                measured = run(folder, trace, *common, *options)
+                megabits = f"{measured['link']['mbit_s']:.2f}"
+                rows.append(((trace, latency, f"`{warp}`", megabits), measured))
+    replace("points", table(("recording", "latency ms", "warp", "Mbit/s"), rows))
 
 
 def defaults(folder: Path) -> None:
@@ -516,6 +531,7 @@ PARTS = {
     "defaults": defaults,
     "strategies": strategies_compared,
     "difference": difference,
+    "points": points,
     "models": scene_on_the_client,
     "light": moving_light,
     "prediction": prediction,
