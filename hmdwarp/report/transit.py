@@ -73,7 +73,7 @@ def model_rows(summary: Summary) -> Pairs:
             whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
             rows.append(
                 (
-                    "of that crossed",
+                    "of that crossed, packed",
                     f"{one['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, {one['arrived_bytes'] / 1e6:.2f} MB "
                     "in all",
                 )
