@@ -13,11 +13,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
 from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
+from hmdwarp.scenes import load_scene
 
 SMALL = {
     "trace": "look-around",
@@ -36,6 +38,11 @@ SMALL = {
     "workers": 0,
     "images": 0,
 }
+
+
+def suited(scene: str = "planes") -> list[str]:
+    """Return the names of the warps that are for the scene."""
+    return [warp.name for warp in warps if not warp.unsuited(load_scene(scene))]
 
 
 def small(out: Path | str = "nowhere", **options: object) -> RunOptions:

@@ -8,7 +8,7 @@ from typing import Any
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
 from ..client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
-from ..errors import InputError, MachineError, listed
+from ..errors import InputError, MachineError, PlanError, listed
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
 from ..poses import PoseTrack
@@ -82,7 +82,7 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
     strategy that takes more than a warp, fills and effects: those cannot share the late frames.
     """
     pairs = pairs_of(options) if options.warps or not options.strategies else []
-    own = [_combination(options, scene, warp, fill) for warp, fill in pairs]
+    own = [_combination(options, scene, *pair) for pair in pairs if options.warps or not _unsuited(scene, pair[0])]
     return own + [_strategy(options, scene, text) for text in options.strategies]
 
 
@@ -106,6 +106,13 @@ def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: st
     if warp in OUTSIDE:  # colour and depth of the whole picture, as this warp reads them
         return Combination(warp, fill, build_plan((), "forward", "none", "none", client_geometry=False))
     return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
+
+
+def _unsuited(scene: Scene | None, warp: str) -> str:
+    """Return why a warp is not for the scene, "" if it is."""
+    if scene is None or warp in OUTSIDE:
+        return ""
+    return parse_warp(warp).entry.unsuited(scene)
 
 
 def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
@@ -138,6 +145,8 @@ def plan_of(
     wanted = effect_names or options.effects
     selected = effects.selected(wanted, effects.of(scene) if scene is not None else ())
     named = effects.forced(wanted)
+    if why := _unsuited(scene, warp):
+        raise PlanError(f"warp '{warp}' is not for scene '{scene.name if scene is not None else ''}': {why}")
     return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused)
 
 

@@ -12,7 +12,19 @@ from ..pipeline.options import PipelineOptions
 from ._options import Said, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
-NEEDS_A_SERVER = ("backward", "composite", "environment", "layered", "multi", "model", "relight", "wide")
+NEEDS_A_SERVER = (
+    "backward",
+    "composite",
+    "difference",
+    "environment",
+    "irradiance",
+    "layered",
+    "model",
+    "multi",
+    "points",
+    "relight",
+    "wide",
+)
 _PIPELINE = attrs.fields(PipelineOptions)
 
 

@@ -237,7 +237,7 @@ def test_everything_is_freed(gpu):
 
 def test_warps_that_read_more_are_refused_by_name(gpu):
     for name in warps.names():
-        if set(warps.get(name).reads) <= set(GIVEN):
+        if set(warps.get(name).reads_for(warps.get(name).Settings())) <= set(GIVEN):
             continue
         with pytest.raises(PlanError, match="Usable are warps"):
             Warper(SIZE, warp=name, fill="none", gpu=gpu)

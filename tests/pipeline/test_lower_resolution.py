@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 
 import pytest
-from replays import contents, each_refresh, run, small
+from replays import contents, each_refresh, run, small, suited
 
-from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
@@ -47,7 +46,7 @@ def test_given_times_are_in_proportion_to_the_pixels(tmp_path):
     assert link["timeline"][-1]["parts"]["render"] == pytest.approx(50 * 0.5**2)
 
 
-@pytest.mark.parametrize("name", sorted(warps.names()))
+@pytest.mark.parametrize("name", sorted(suited()))
 def test_every_warp_takes_frames_of_any_size(tmp_path, name):
     late, whole = both(tmp_path, warp=name, fill="pyramid", guard=1.2)
     assert late["psnr_db"] > min(whole["psnr_db"] - 3, 20), "coarser, and not torn"

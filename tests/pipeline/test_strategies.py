@@ -19,7 +19,13 @@ from hmdwarp.strategies import options_of_strategy, strategies
 from hmdwarp.study.design import live_options
 
 NAMES = strategies.names()
-SMALL = ("--size", "96x80", "--headset", "flat-90", "--scene", "planes", "--seconds", "0.2", "--quiet")
+SMALL = ("--size", "96x80", "--headset", "flat-90", "--seconds", "0.2", "--quiet")
+
+
+def scene_for(name: str) -> str:
+    """A small scene that the strategy's warp is for."""
+    warp = options_of_strategy(name).get("warp", DEFAULT_WARP)
+    return "lantern" if parse_warp(warp).entry.unsuited(load_scene("planes")) else "planes"
 
 
 @pytest.fixture(params=NAMES)
@@ -44,7 +50,7 @@ def test_a_strategy_says_what_it_is(name):
 
 
 def test_the_plan_is_that_of_the_options_it_sets(name):
-    scene = load_scene("planes")
+    scene = load_scene(scene_for(name))
     by_name = PipelineOptions.of({"strategy": name})
     by_hand = PipelineOptions.of(options_of_strategy(name))
     assert build_plan_for(by_name, None, scene) == build_plan_for(by_hand, None, scene)
@@ -52,7 +58,8 @@ def test_the_plan_is_that_of_the_options_it_sets(name):
 
 
 def test_replay_runs_it_and_says_so(name, tmp_path):
-    done = hmdwarp("replay", "look-around", "--strategy", name, *SMALL, "--workers", 0, "--out", tmp_path / "run")
+    chosen = ("--strategy", name, "--scene", scene_for(name), *SMALL)
+    done = hmdwarp("replay", "look-around", *chosen, "--workers", 0, "--out", tmp_path / "run")
     assert (done.returncode, done.stderr) == (0, "")
     summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
     assert summary["strategy"] == name
@@ -61,7 +68,7 @@ def test_replay_runs_it_and_says_so(name, tmp_path):
 
 def test_live_runs_it(name, tmp_path):
     where = ("--source", "offscreen", "--trace", "look-around", "--out", tmp_path / "live")
-    done = hmdwarp("live", "--strategy", name, *SMALL, *where)
+    done = hmdwarp("live", "--strategy", name, "--scene", scene_for(name), *SMALL, *where)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["strategy"] == name
 
@@ -71,7 +78,11 @@ def test_a_study_condition_takes_it(name):
 
 
 def test_bench_compares_those_that_share_frames(tmp_path):
-    shared = [name for name in NAMES if set(options_of_strategy(name)) <= {"warp", "fill", "effects"}]
+    shared = [
+        name
+        for name in NAMES
+        if set(options_of_strategy(name)) <= {"warp", "fill", "effects"} and scene_for(name) == "planes"
+    ]
     chosen = [part for name in shared for part in ("--strategy", name)]
     options = ("--instants", 1, "--rounds", 1, "--workers", 0, "--out", tmp_path / "bench")
     done = hmdwarp("bench", "look-around", *chosen, "--size", "96x80", "--scene", "planes", "--quiet", *options)

@@ -6,7 +6,9 @@ What can be is done, what cannot is said over the picture, and a key never gets 
 from __future__ import annotations
 
 import pytest
+from replays import suited
 
+from hmdwarp.client import parse_warp
 from hmdwarp.display import Command
 from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
 from hmdwarp.run import commands as handling
@@ -32,12 +34,14 @@ def flat(gpu):
 def test_steps_pass_over_what_cannot_be(flat, back):
     said: list[str] = []
     one, seen = CommandHandler(flat, said.append), []
-    for _ in range(len(choices()["warp"]) - 1):
+    still = {spec for spec in choices()["warp"] if parse_warp(spec).entry.name not in suited("planes")}
+    for _ in range(len(choices()["warp"]) - 1 - len(still)):
         assert one.handle([Command("warp", back=back)])
         seen.append(flat.options.warp)
-    assert sorted(seen) == sorted(set(choices()["warp"]) - {"multi"})
+    assert sorted(seen) == sorted(set(choices()["warp"]) - {"multi"} - still)
     assert flat.options.warp == "forward"
-    assert len(said) == 1 and ONE_EYE in said[0]
+    assert sum(ONE_EYE in one for one in said) == 1
+    assert all(ONE_EYE in one or "its light stands still" in one for one in said)
 
 
 def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):

@@ -16,11 +16,10 @@ import numpy as np
 import pytest
 from PIL import Image
 from poses.traces import WRITERS, save
-from replays import contents, rows_of, run, small
+from replays import contents, rows_of, run, small, suited
 
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
-from hmdwarp.client.warps import warps
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
@@ -159,9 +158,7 @@ def test_progress_counts_up_to_all(tmp_path):
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
 
 
-@pytest.mark.parametrize(
-    ("warp", "fill", "lens"), list(itertools.product(warps.names(), fills.names(), lenses.names()))
-)
+@pytest.mark.parametrize(("warp", "fill", "lens"), list(itertools.product(suited(), fills.names(), lenses.names())))
 def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
     result = run(tmp_path, gpu=gpu, warp=warp, fill=fill, lens=lens, headset="rift-dk1", seconds=0.1)
     validate_summary(result.summary)

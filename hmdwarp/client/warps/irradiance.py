@@ -43,7 +43,7 @@ class Irradiance(Warp):
     gets_wrong = "indirect light is late by the link and up to one update; takes the whole scene on the client"
     source = "Crassin et al. 2013, CloudLight (irradiance maps)"
     Settings = IrradianceSettings
-    variants = ("updates=5", "updates=30")
+    variants = ("updates=5.0", "updates=30.0")
     depth_reads = ()
     carries = False
 

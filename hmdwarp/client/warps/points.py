@@ -67,7 +67,8 @@ class Points(Warp):
     )
     source = "the 2014 thesis, section 3.1 [14]; Pfister et al. 2000, Zwicker et al. 2001 (surface splats)"
     Settings = PointsSettings
-    variants = ("spacing=2", "size=0")
+    resamples = True
+    variants = ("spacing=2.0", "size=0.0")
     depth_reads = ()
     carries = False
     without_effects = "shows points alone, of plain surfaces, where they are now"
