@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -47,6 +47,8 @@ class PointCells:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+        # Of each texture that was looked up, see _levels.
+        self._levels: dict[int, list[NDArray[np.float32]]] = {}
         meshes = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.deformation is None]
         rows, owner = _split(meshes, scene)
         self._meshes = meshes
@@ -109,7 +111,9 @@ class PointCells:
         if index < 0:
             return np.ones((len(uv), 3))
         texture = self.scene.textures[index]
-        levels = _levels(texture)
+        if index not in self._levels:
+            self._levels[index] = _levels(texture)
+        levels = self._levels[index]
         level = np.clip(np.rint(np.log2(np.maximum(texels, 1e-9))), 0, len(levels) - 1).astype(int)
         out = np.empty((len(uv), 3))
         for number in np.unique(level):
@@ -202,7 +206,6 @@ def _texels_per_metre(rows: Array, area: Array, owner: NDArray, meshes: list[Mes
     return np.sqrt(on_texture / area)
 
 
-@lru_cache(maxsize=64)
 def _levels(texture: Texture) -> list[NDArray[np.float32]]:
     """Return the linear image and its halves, down to one texel."""
     image = texture.image[..., :3]

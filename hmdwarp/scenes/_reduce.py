@@ -6,11 +6,6 @@ Triangles are kept in a cache folder.
 from __future__ import annotations
 
 import hashlib
-import os
-import sys
-import tempfile
-import zipfile
-import zlib
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -21,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
+from ._cache import cache_folder, read_arrays, write_arrays
 from ._content import Deformation, Material
 from ._decimate import decimated
 from ._mesh import Mesh, Texture
@@ -133,17 +129,6 @@ def _known_albedo(mesh: Mesh) -> NDArray:
     return np.where(luminance > 0, UNKNOWN_ALBEDO * mesh.light / np.where(luminance > 0, luminance, 1), UNKNOWN_ALBEDO)
 
 
-def cache_folder() -> Path:
-    """Return the folder where programs of this user keep what they can make again."""
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
-    elif sys.platform == "darwin":
-        base = "~/Library/Caches"
-    else:
-        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home is no error)
-
-
 def fewer_triangles(meshes: Sequence[Mesh], share: float, folder: Path | None) -> Triangles:
     """Return decimated(), from the cache if it holds a result that fits the meshes.
 
@@ -174,12 +159,10 @@ def _key(meshes: Sequence[Mesh], share: float) -> str:
 
 def _read(path: Path, meshes: Sequence[Mesh]) -> Triangles | None:
     """Return what _write stored; None for a missing file, or one that does not fit these meshes."""
-    try:
-        # Given a path, np.load forgets to close a file that is no archive.
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            triangles, counts = stored["triangles"], stored["counts"]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+    stored = read_arrays(path, ("triangles", "counts"))
+    if stored is None:
         return None
+    triangles, counts = stored
     fits = (
         triangles.dtype == np.uint32
         and triangles.shape[1:] == (3,)
@@ -194,19 +177,8 @@ def _read(path: Path, meshes: Sequence[Mesh]) -> Triangles | None:
 
 
 def _write(path: Path, triangles: Triangles) -> None:
-    """Write a file that gets its name only when whole: another run may read at the same time."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            counts = np.array([len(part) for part in triangles], np.int64)
-            np.savez_compressed(
-                file, triangles=np.concatenate([np.zeros((0, 3), np.uint32), *triangles]), counts=counts
-            )
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    counts = np.array([len(part) for part in triangles], np.int64)
+    write_arrays(path, {"triangles": np.concatenate([np.zeros((0, 3), np.uint32), *triangles]), "counts": counts})
 
 
 @attrs.frozen(eq=False)

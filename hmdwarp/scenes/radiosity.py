@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
+from ._cache import cache_folder, read_arrays, write_arrays
 from ._lamps import ATLAS, NEAREST_M, stopped
-from ._reduce import cache_folder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -271,15 +271,16 @@ def _transport(
     corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
     blockers = Blockers(corners)
     path = (folder or cache_folder()) / f"light-{_key(background, patches, corners, rays)}.npz"
-    with suppress(OSError, ValueError, KeyError), np.load(path, allow_pickle=False) as stored:
-        return Transport(patches, blockers, stored["form_factors"], stored["sky"])
+    count = len(patches)
+    stored = read_arrays(path, ("form_factors", "sky"))
+    if stored is not None and [one.shape for one in stored] == [(count, count), (count, 3)]:
+        return Transport(patches, blockers, *stored)
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
     )
     factors, sky = _cast(patches, blockers, places, background, rays)
     with suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(path, form_factors=factors, sky=sky)
+        write_arrays(path, {"form_factors": factors, "sky": sky})
     return Transport(patches, blockers, factors, sky)
 
 

@@ -2,7 +2,10 @@
 // background over it.
 // In: linear light with coverage in alpha; the notice's ink. Out: sRGB, or linear light where
 // GL_FRAMEBUFFER_SRGB encodes it; alpha 1.
-// Source: IEC 61966-2-1:1999, with the constants of its amendment 1.
+// Source: as of lib/srgb.glsl.
+#if ENCODES
+#include "lib/srgb.glsl"
+#endif
 uniform sampler2D picture;
 uniform ivec2 picture_size;
 uniform ivec4 place; // x, y, width, height in pixels of the framebuffer
@@ -48,13 +51,6 @@ vec3 with_notice(vec3 light, vec2 p) {
 }
 #endif
 
-#if ENCODES
-vec3 srgb_from_linear(vec3 light) {
-    vec3 curve = 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055;
-    return mix(curve, 12.92 * light, lessThanEqual(light, vec3(0.0031308)));
-}
-#endif
-
 void main() {
     vec2 p = gl_FragCoord.xy - vec2(place.xy);
     vec3 light = picture_at(p);
@@ -62,7 +58,7 @@ void main() {
     light = with_notice(light, p);
 #endif
 #if ENCODES
-    light = srgb_from_linear(light);
+    light = encoded_of(light);
 #endif
     colour = vec4(light, 1.0);
 }

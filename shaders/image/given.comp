@@ -2,6 +2,9 @@
 // In: given_colour (linear light or sRGB, coverage in alpha), given_depth. Out: rgba16f, r32f.
 // Source: IEC 61966-2-1 (sRGB); OpenXR 1.1, XrCompositionLayerDepthInfoKHR (depth buffers).
 #include "lib/rows.glsl"
+#if ENCODED
+#include "lib/srgb.glsl"
+#endif
 uniform sampler2D given_colour;
 uniform sampler2D given_depth;
 layout(rgba16f) writeonly uniform image2D colour;
@@ -15,10 +18,9 @@ uniform float low, high, slack, at_least, per_value;
 const float NONE = -1.0;
 const float LARGEST = 65504.0;  // of a half
 
-vec3 light_of(vec3 value) {
+vec3 taken_over(vec3 value) {
 #if ENCODED
-    value = clamp(value, 0.0, 1.0);
-    return mix(pow((value + 0.055) / 1.055, vec3(2.4)), value / 12.92, lessThanEqual(value, vec3(0.04045)));
+    return light_of(clamp(value, 0.0, 1.0));
 #else
     return clamp(value, -LARGEST, LARGEST);
 #endif
@@ -45,7 +47,7 @@ void main() {
         vec4 given = texelFetch(given_colour, p, 0);
         float inverse = inverse_of(texelFetch(given_depth, p, 0).r);
         bool covered = given.a > 0.0 && inverse >= 0.0;
-        imageStore(colour, p, covered ? vec4(light_of(given.rgb), 1.0) : vec4(0.0));
+        imageStore(colour, p, covered ? vec4(taken_over(given.rgb), 1.0) : vec4(0.0));
         imageStore(inverse_depth, p, vec4(covered ? inverse : NONE, 0.0, 0.0, 0.0));
     }
 }

@@ -3,6 +3,7 @@
 // In: the winner of each pixel, points. Out: colour and inverse depth; 0 and -1 in holes.
 // Source: this project's; the sky as in server/background.frag.
 #include "lib/rows.glsl"
+#include "lib/srgb.glsl"
 #include "lib/point_discs.glsl"
 layout(rgba16f) writeonly uniform image2D shown_colour;
 #if WRITES_DEPTH
@@ -15,9 +16,8 @@ uniform vec3 up; // the world's up in eye space
 uniform int has_sky;
 const int RIM = 2; // pixels
 
-vec3 linear_of(uint word) {
-    vec3 s = vec3(word & 255u, (word >> 8) & 255u, (word >> 16) & 255u) / 255.0;
-    return mix(s / 12.92, pow((s + 0.055) / 1.055, vec3(2.4)), greaterThan(s, vec3(0.04045)));
+vec3 colour_of(uint word) {
+    return light_of(vec3(word & 255u, (word >> 8) & 255u, (word >> 16) & 255u) / 255.0);
 }
 
 bool beside(ivec2 at) {
@@ -36,7 +36,7 @@ void resolve(ivec2 at) {
     if (winner != NOBODY) {
         Disc disc = disc_of(winner);
         vec2 found = met(disc, vec2(at) + 0.5);
-        colour = vec4(linear_of(point_of[3u * winner + 2u]), 1.0);
+        colour = vec4(colour_of(point_of[3u * winner + 2u]), 1.0);
         inverse_depth = found.y <= 1.0 ? found.x : -1.0 / disc.middle.z;
     } else if (has_sky != 0 && !beside(at)) {
         float high = dot(normalize(vec3(lowest + (vec2(at) + 0.5) / pixels, -1.0)), up);

@@ -133,8 +133,13 @@ def test_form_factors_are_kept(tmp_path):
     first = transport_of(scene_of(quads, 1.0), tmp_path)
     (kept,) = tmp_path.iterdir()
     assert np.array_equal(transport_of(scene_of(quads, 1.0), tmp_path).form_factors, first.form_factors)
-    kept.write_bytes(b"no archive")
-    assert np.array_equal(transport_of(scene_of(quads, 1.0), tmp_path).form_factors, first.form_factors)
+    whole = kept.read_bytes()
+    other = tmp_path / "other.npz"
+    np.savez(other, form_factors=np.eye(2), sky=np.zeros((2, 3)))
+    for damaged in (b"no archive", whole[: len(whole) // 2], whole[:-1], b"", other.read_bytes()):
+        kept.write_bytes(damaged)
+        assert np.array_equal(transport_of(scene_of(quads, 1.0), tmp_path).form_factors, first.form_factors)
+        assert kept.read_bytes() != damaged  # mended
 
 
 def test_scenes_that_lamps_cannot_light_are_refused():
