@@ -9,6 +9,7 @@
 #endif
 #ifdef LAMPS
 #include "lib/lamps.glsl"
+#include "lib/light_atlas.glsl"
 
 in vec3 place;
 in vec3 normal;
@@ -38,7 +39,7 @@ void main() {
 #ifdef COLOUR
 #ifdef LAMPS
     vec3 shown = light;
-    if (light_uv.x >= 0.0) shown = albedo * (direct_light(place, normalize(normal)) + indirect_light(light_uv));
+    if (light_uv.x >= 0.0) shown = albedo * (direct_light(place, normalize(normal)) + of_atlas(light_uv));
     colour = vec4(texel * shown, 1.0);
 #else
     colour = vec4(texel * light, 1.0);
