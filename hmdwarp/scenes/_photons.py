@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Light = tuple[Array, tuple[float, float, float]]  # place and colour, as lamps_at() returns them
 MOST_BOUNCES = 64
+_NUMBERS = 5  # that a path takes to start
 # Of the kernel: how far a photon may lie off the plane of what it lights, in radii, and the least
 # cosine between their normals. As in shaders/lib/receivers.glsl.
 OFF_PLANE, LEAST_COSINE = 0.25, 0.8
@@ -66,8 +67,8 @@ class PhotonTracer:
         self.paths, self.bundles = paths, bundles
 
     @cached_property
-    def _starts(self) -> Array:
-        """(bundles, paths, 5) numbers in 0..1: two for the bundle's own part, three more."""
+    def _starts(self) -> NDArray[np.float32]:
+        """(bundles, paths, 5) numbers in 0..1, the first two in the bundle's own part of them."""
         return _nets(self.bundles, self.paths)
 
     @cached_property
@@ -81,26 +82,32 @@ class PhotonTracer:
 
         light: of a lamp, None for the sky. direct: those that come straight from a lamp too.
         """
-        origins, ways, powers = self._emit(light, self._starts[bundle])
-        chance = np.random.default_rng((bundle, 1))
+        numbers = self._starts[bundle].astype(np.float64)
+        origins, ways, powers = self._emit(light, numbers)
+        # All that are left are as bright as the brightest.
         whole = powers.max(initial=0.0)
-        origins, ways, powers = _roulette(chance, powers / max(whole, 1e-300), whole, origins, ways)
+        stays = powers.max(axis=1) / max(whole, 1e-300)
+        left = np.flatnonzero(numbers[:, _NUMBERS - 1] < stays)
+        origins, ways, powers = origins[left], ways[left], powers[left] / stays[left, None]
+        chance = np.random.default_rng(bundle)
         found: list[tuple[Array, Array, Array, Array]] = []
         for bounce in range(MOST_BOUNCES):
             met = self._receivers.meet(origins, ways)
             on = met.patch >= 0
-            patch, places, powers = met.patch[on], met.places[on], powers[on]
+            patch, places, powers, left = met.patch[on], met.places[on], powers[on], left[on]
             normals = self._receivers.patches.normals[patch]
             if bounce or direct or light is None:
                 found.append((places, normals, powers, met.texels[on]))
             albedo = self._receivers.patches.albedo[patch]
             stays = _share(powers * albedo, powers)
-            survives = chance.random(len(stays)) < stays
+            # The same for each path, whatever the others do.
+            drawn = chance.random((self.paths, 3))[left]
+            survives = drawn[:, 0] < stays
             if not survives.any():
                 break
-            normals = normals[survives]
+            normals, left = normals[survives], left[survives]
             powers = (powers * albedo)[survives] / stays[survives, None]
-            ways = _turned(cosine_ways(chance.random((len(normals), 2))), normals)
+            ways = _turned(cosine_ways(drawn[survives, 1:]), normals)
             origins = places[survives] + OFF_M * normals
         return Photons(*(np.concatenate(kind) for kind in zip(*found, strict=True))) if found else _none()
 
@@ -117,17 +124,8 @@ class PhotonTracer:
             origins, area = _through_box(self._box, ways, numbers)
             return origins, ways, area[:, None] * np.array(light[1]) / count
         ways = _sphere(numbers)
-        origins, area = _through_box(self._box, ways, numbers[:, 2:])
+        origins, area = _through_box(self._box, ways, numbers[:, 2:4])
         return origins, ways, 4 * area[:, None] * sky_light(self._background, -ways) / count
-
-
-def _roulette(
-    chance: np.random.Generator, share: Array, whole: float, origins: Array, ways: Array
-) -> tuple[Array, Array, Array]:
-    """Return the starts that are left, all as bright as the brightest."""
-    stays = share.max(axis=1, initial=0.0)
-    left = chance.random(len(stays)) < stays
-    return origins[left], ways[left], whole * share[left] / stays[left, None]
 
 
 def _share(left: Array, before: Array) -> Array:
@@ -176,7 +174,7 @@ def _turned(ways: Array, normals: Array) -> Array:
 
 
 @lru_cache(maxsize=4)
-def _nets(bundles: int, paths: int) -> Array:
+def _nets(bundles: int, paths: int) -> NDArray[np.float32]:
     """Return (bundles, paths, 5) points spread evenly, each bundle in its part of the first two.
 
     Of a Sobol' sequence any 2^k points lie evenly in all parts of the plane of equal shape that
@@ -186,14 +184,15 @@ def _nets(bundles: int, paths: int) -> Array:
     """
     from scipy.stats import qmc
 
-    steps = 1 << 30  # of SciPy's numbers
-    shift = np.random.default_rng(0).integers(steps, size=5)
-    plain = qmc.Sobol(5, scramble=False).random(bundles * paths)
-    points = (((plain * steps).astype(np.int64) ^ shift) + 0.5) / steps
+    steps = 1 << 30
+    shift = np.random.default_rng(0).integers(steps, size=_NUMBERS)
+    plain = qmc.Sobol(_NUMBERS, scramble=False).random(bundles * paths)  # in steps of 2^-30
+    # 24 bits of each are kept, so that none is rounded up to 1.
+    points = ((((plain * steps).astype(np.int64) ^ shift) >> 6) / (steps >> 6)).astype(np.float32)
     halvings = bundles.bit_length() - 1
     across, up = 1 << (halvings + 1) // 2, 1 << halvings // 2
     part = (points[:, 0] * across).astype(int) * up + (points[:, 1] * up).astype(int)
-    return points[np.argsort(part, kind="stable")].reshape(bundles, paths, 5)
+    return points[np.argsort(part, kind="stable")].reshape(bundles, paths, _NUMBERS)
 
 
 def kernel(distance: Array, radius: float) -> Array:

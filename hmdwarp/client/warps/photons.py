@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
 
 _DEFAULT = PhotonMap()
-MOST_PATHS = 1 << 18
+MOST_PATHS = 1 << 16
 
 
 @attrs.frozen
