@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..frames.layers.photons import PhotonMap
     from ..frames.layers.points import Cloud
     from ..frames.layers.scene_update import Delivery
+    from ..frames.photon_bundles import Cube
     from ..geometry import View
     from .shown_picture import ShownPicture
     from .warp_kinds.splats import Splats
@@ -92,9 +93,8 @@ class ReceivedPhotons(Protocol):
 
     photons: moderngl.Buffer
     count: int
-    # Lowest corner and edge of the cube that holds them, from the scene's origin, and that.
-    low: NDArray[np.float64]
-    edge: float
+    cube: Cube
+    # The scene's origin.
     origin_m: NDArray[np.float64]
 
     @property

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 # Bytes of a photon: position, normal, power.
 PHOTON_BYTES = 12
-# Lowest corner and edge of the cube that holds all positions.
-_CUBE = struct.Struct("<4f")
+# Whether every bundle has been sent; lowest corner and edge of the cube that holds all positions.
+_CUBE = struct.Struct("<B4f")
 # Bundle, its number, its photons.
 _HEAD = struct.Struct("<IIH")
 CUBE_BYTES, HEAD_BYTES = _CUBE.size, _HEAD.size
@@ -59,9 +59,16 @@ class PhotonUpdate:
     bundles: tuple[Sent, ...] = ()
 
 
-def packed_cube(low: Array, edge: float) -> bytes:
-    """Return the start of every update."""
-    return _CUBE.pack(*low, edge)
+@attrs.frozen(eq=False)
+class Cube:
+    """The cube that holds all positions, in metres from the scene's origin."""
+
+    low: Array
+    edge: float
+
+    def packed(self, *, whole: bool) -> bytes:
+        """Return the start of an update. whole: whether every bundle has been sent."""
+        return _CUBE.pack(whole, *self.low, self.edge)
 
 
 def packed(sent: Sent, places: Array, normals: NDArray[np.uint8], powers: Array) -> bytes:
@@ -73,14 +80,14 @@ def packed(sent: Sent, places: Array, normals: NDArray[np.uint8], powers: Array)
     return _HEAD.pack(*sent, len(steps)) + steps.tobytes() + normals.tobytes() + shared_exponent(powers).tobytes()
 
 
-def unpacked(content: NDArray[np.uint8]) -> tuple[Array, float, list[tuple[Sent, NDArray[np.uint32]]]]:
-    """Return the cube's lowest corner and edge, and the bundles.
+def unpacked(content: NDArray[np.uint8]) -> tuple[bool, Cube, list[tuple[Sent, NDArray[np.uint32]]]]:
+    """Return whether every bundle has been sent, the cube, and the bundles that came.
 
     A photon has three words: x and y; z and normal; power.
     """
     data = content.tobytes()
-    *low, edge = _CUBE.unpack_from(data)
-    return np.array(low), edge, list(_bundles(data, CUBE_BYTES))
+    whole, *low, edge = _CUBE.unpack_from(data)
+    return bool(whole), Cube(np.array(low), edge), list(_bundles(data, CUBE_BYTES))
 
 
 def _bundles(data: bytes, at: int) -> Iterator[tuple[Sent, NDArray[np.uint32]]]:
@@ -129,6 +136,11 @@ class BundleSender:
         self._sent_at = np.full(bundles, -1, np.int64)
         self._count = 0
         self._news: list[tuple[int, int, PhotonUpdate]] = []
+
+    @property
+    def whole(self) -> bool:
+        """Whether every bundle was sent, and none that is needed is known to be lost."""
+        return None not in self._light
 
     @property
     def remembered(self) -> int:

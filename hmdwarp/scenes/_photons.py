@@ -77,39 +77,46 @@ class PhotonTracer:
         corners = self._receivers.blockers.corners.reshape(-1, 3)
         return np.array([corners.min(axis=0), corners.max(axis=0)]) if len(corners) else np.zeros((2, 3))
 
-    def trace(self, light: Light | None, bundle: int, *, direct: bool = False) -> Photons:
-        """Return the photons of one bundle: those that have bounced, and those of the sky.
+    def trace(self, light: Light | None, bundles: Sequence[int], *, direct: bool = False) -> list[Photons]:
+        """Return the photons of each bundle: those that have bounced, and those of the sky.
 
         light: of a lamp, None for the sky. direct: those that come straight from a lamp too.
         """
-        numbers = self._starts[bundle].astype(np.float64)
+        numbers = self._starts[list(bundles)].reshape(-1, _NUMBERS).astype(np.float64)
         origins, ways, powers = self._emit(light, numbers)
         # All that are left are as bright as the brightest.
-        whole = powers.max(initial=0.0)
-        stays = powers.max(axis=1) / max(whole, 1e-300)
+        brightest = self._brightest_of_sky if light is None else powers.max(initial=0.0)
+        stays = powers.max(axis=1, initial=0.0) / max(brightest, 1e-300)
         left = np.flatnonzero(numbers[:, _NUMBERS - 1] < stays)
         origins, ways, powers = origins[left], ways[left], powers[left] / stays[left, None]
-        chance = np.random.default_rng(bundle)
-        found: list[tuple[Array, Array, Array, Array]] = []
+        chances = [np.random.default_rng(bundle) for bundle in bundles]
+        found = [(np.zeros(0, np.int64), *(np.zeros((0, width)) for width in (3, 3, 3, 2)))]
         for bounce in range(MOST_BOUNCES):
             met = self._receivers.meet(origins, ways)
             on = met.patch >= 0
             patch, places, powers, left = met.patch[on], met.places[on], powers[on], left[on]
             normals = self._receivers.patches.normals[patch]
             if bounce or direct or light is None:
-                found.append((places, normals, powers, met.texels[on]))
-            albedo = self._receivers.patches.albedo[patch]
-            stays = _share(powers * albedo, powers)
-            # The same for each path, whatever the others do.
-            drawn = chance.random((self.paths, 3))[left]
+                found.append((left, places, normals, powers, met.texels[on]))
+            out = powers * self._receivers.patches.albedo[patch]
+            stays = out.max(axis=1, initial=0.0) / np.maximum(powers.max(axis=1, initial=0.0), 1e-300)
+            # The same for each path, whatever becomes of others.
+            drawn = np.concatenate([chance.random((self.paths, 3)) for chance in chances])[left]
             survives = drawn[:, 0] < stays
             if not survives.any():
                 break
             normals, left = normals[survives], left[survives]
-            powers = (powers * albedo)[survives] / stays[survives, None]
+            powers = out[survives] / stays[survives, None]
             ways = _turned(cosine_ways(drawn[survives, 1:]), normals)
             origins = places[survives] + OFF_M * normals
-        return Photons(*(np.concatenate(kind) for kind in zip(*found, strict=True))) if found else _none()
+        of_path, *rest = (np.concatenate(kind) for kind in zip(*found, strict=True))
+        order = np.argsort(of_path // self.paths, kind="stable")
+        ends = np.searchsorted(of_path[order] // self.paths, np.arange(1, len(bundles)))
+        return [Photons(*each) for each in zip(*(np.split(kind[order], ends) for kind in rest), strict=True)]
+
+    @cached_property
+    def _brightest_of_sky(self) -> float:
+        return float(self._emit(None, self._starts.reshape(-1, _NUMBERS).astype(np.float64))[2].max(initial=0.0))
 
     def _emit(self, light: Light | None, numbers: Array) -> tuple[Array, Array, Array]:
         """Return origin, way and power of each path's start."""
@@ -126,14 +133,6 @@ class PhotonTracer:
         ways = _sphere(numbers)
         origins, area = _through_box(self._box, ways, numbers[:, 2:4])
         return origins, ways, 4 * area[:, None] * sky_light(self._background, -ways) / count
-
-
-def _share(left: Array, before: Array) -> Array:
-    return left.max(axis=1, initial=0.0) / np.maximum(before.max(axis=1, initial=0.0), 1e-300)
-
-
-def _none() -> Photons:
-    return Photons(*(np.zeros((0, width)) for width in (3, 3, 3, 2)))
 
 
 def _sphere(numbers: Array) -> Array:

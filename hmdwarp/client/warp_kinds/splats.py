@@ -54,7 +54,7 @@ class Splats:
             return
         photons.scene.draw_receivers(view, self._receivers, time_ns)
         self._bind(self._program.uniforms, 0)
-        self._program.uniforms.set(low=tuple(photons.low.tolist()), edge=photons.edge)
+        self._program.uniforms.set(low=tuple(photons.cube.low.tolist()), edge=photons.cube.edge)
         with drawing_into(self._framebuffer, moderngl.BLEND):
             self._gl.blend_func = (moderngl.ONE, moderngl.ONE)
             self._vertices.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=photons.count)

@@ -7,15 +7,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...frames.layers.photons import PhotonMap
 from ...frames.photon_bundles import (
+    CUBE_BYTES,
     BundleSender,
+    Cube,
     PhotonUpdate,
+    Sent,
     bundle_bytes,
     packed,
-    packed_cube,
 )
 from ...scenes import PhotonTracer, factor_atlas, lamps_at, light_keys, octahedral, of_atlas, transport_of
 from . import parts
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from ...scenes import Photons as TracedPhotons
 
 # Paths traced for one frame, at most: many of a sun's and of the sky's bring nothing in.
-MOST_TRACED = 1 << 15
+MOST_TRACED = 1 << 16
 
 
 @parts.register
@@ -88,38 +89,42 @@ class _Sender:
     def update(self, now_ns: int) -> PhotonUpdate:
         """Return what a frame drawn now brings."""
         self.book.settle(now_ns)
-        out = bytearray(packed_cube(*self._cube))
-        sent = []
-        left, traced = self._wanted.budget, 0
+        out, sent = bytearray(), []
+        left, traced = self._wanted.budget - CUBE_BYTES, 0
         lights = light_keys(lamps_at(self._scene, now_ns), self._scene.background) if self._tracers else []
         told_by = [lights[k][1] for k, _ in self._bundles]
         stale = self.book.stale(told_by)
-        for done, bundle in enumerate(stale):
-            tracer = self._tracers[self._bundles[bundle][0]]
-            if left - len(out) < bundle_bytes(tracer.paths) or traced >= MOST_TRACED:
-                stale = stale[done:]
-                break
-            traced += tracer.paths
-            found = self._traced(tracer, lights[self._bundles[bundle][0]][0], self._bundles[bundle][1])
-            entered = self.book.sent(bundle, told_by[bundle], empty=not len(found))
-            if entered is not None:
-                low, edge = self._cube
-                powers = found.powers * of_atlas(self._factors, found.texels)[:, None]
-                out += packed(entered, (found.places - low) / edge, octahedral(found.normals), powers)
-                sent.append(entered)
-        else:
-            stale = []
+        largest = bundle_bytes(self._wanted.paths_of_bundle)
+        while stale and left >= largest and traced < MOST_TRACED:
+            # Of one lamp, as many as surely fit.
+            of = self._bundles[stale[0]][0]
+            batch = [one for one in stale[: left // largest] if self._bundles[one][0] == of]
+            traced += len(batch) * self._wanted.paths_of_bundle
+            for bundle, found in zip(batch, self._traced(lights[of][0], batch), strict=True):
+                entered = self.book.sent(bundle, told_by[bundle], empty=not len(found))
+                if entered is not None:
+                    out += self._packed(entered, found)
+                    sent.append(entered)
+            left = self._wanted.budget - CUBE_BYTES - len(out)
+            stale = [one for one in stale if one not in batch]
         self.complete = not stale
-        return PhotonUpdate(np.frombuffer(bytes(out), np.uint8).copy(), tuple(sent))
+        start = self._cube.packed(whole=self.book.whole)
+        return PhotonUpdate(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
 
-    def _traced(self, tracer: PhotonTracer, light: Light | None, bundle: int) -> TracedPhotons:
-        return tracer.trace(light, bundle).at_most(self._wanted.most_photons)
+    def _traced(self, light: Light | None, bundles: Sequence[int]) -> list[TracedPhotons]:
+        """Return the photons of some bundles of one lamp."""
+        of, numbers = self._bundles[bundles[0]][0], [self._bundles[one][1] for one in bundles]
+        return [one.at_most(self._wanted.most_photons) for one in self._tracers[of].trace(light, numbers)]
+
+    def _packed(self, entered: Sent, found: TracedPhotons) -> bytes:
+        powers = found.powers * of_atlas(self._factors, found.texels)[:, None]
+        return packed(entered, (found.places - self._cube.low) / self._cube.edge, octahedral(found.normals), powers)
 
     @cached_property
-    def _cube(self) -> tuple[NDArray[np.float64], float]:
-        """Lowest corner and edge of the cube around all lit surfaces, as they are sent."""
+    def _cube(self) -> Cube:
+        """The cube around all lit surfaces, rounded as it is sent."""
         if not self._tracers:
-            return np.zeros(3), 1.0
+            return Cube(np.zeros(3), 1.0)
         corners = self._transport.blockers.corners.reshape(-1, 3)
         low = corners.min(axis=0).astype(np.float32).astype(np.float64)
-        return low, float(np.float32(max((corners - low).max(), 1e-6)))
+        return Cube(low, float(np.float32(max((corners - low).max(), 1e-6))))
