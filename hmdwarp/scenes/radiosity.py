@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 VERSION = 1  # of stored form factors; counted up with every change of them
 RAYS = 512  # of a patch
+# Places on a patch where light of lamps is looked up, (x, y) in texels from its middle: a Fibonacci
+# lattice, which no straight edge of a shadow runs along.
+# Source: Niederreiter 1992, Random Number Generation and Quasi-Monte Carlo Methods, chapter 5.
+LOOKED_AT = np.stack([(np.arange(21) + 0.5) / 21, (np.arange(21) * 13 + 0.5) / 21 % 1], axis=1) - 0.5
 # A ray starts this far in front of its surface, and a triangle reaches this share beyond its edges,
 # so that no ray slips between two.
 OFF_M, EDGE = 1e-4, 1e-6
@@ -238,15 +242,14 @@ class Transport:
         return self.receivers.blockers
 
     def direct(self, lamps: Sequence[tuple[Array, tuple[float, float, float]]]) -> Array:
-        """Return (n, 3) what lamps give each patch, with shadows, as the mean over 2x2 points.
+        """Return (n, 3) what lamps give each patch, with shadows, as the mean over LOOKED_AT.
 
         lamps: (place, colour) of each, relative to the scene's origin, as of Lamp.
         """
         total = np.zeros((len(self.patches), 3))
-        for across in (-0.25, 0.25):
-            for up in (-0.25, 0.25):
-                total += direct_light(self.blockers, self.patches.at(across, up), self.patches.normals, lamps) / 4
-        return total
+        for across, up in LOOKED_AT:
+            total += direct_light(self.blockers, self.patches.at(across, up), self.patches.normals, lamps)
+        return total / len(LOOKED_AT)
 
     @cached_property
     def gathered(self) -> NDArray[np.float32]:
