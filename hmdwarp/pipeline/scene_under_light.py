@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..gpu.textures import COLOUR, allocate
-from ..scenes import ATLAS, factor_atlas, transport_of
+from ..scenes import kernel_factors, transport_of
 from ..server import (
     Framebuffers,
     Indirect,
@@ -74,11 +74,12 @@ class SceneUnderPhotons(_Surfaces):
 
     def __init__(self, gpu: Gpu, scene: Scene, radius: float) -> None:
         super().__init__(gpu, scene, Indirect.SPLATS, Indirect.RECEIVERS)
-        self._factors = allocate(gpu.gl, ATLAS, COLOUR)
         lighting = self._passes[Indirect.RECEIVERS].lighting
+        self._factors: moderngl.Texture | None = None
         if lighting is not None:
-            self._factors.write(factor_atlas(transport_of(scene), radius).tobytes())
-            lighting.indirect = self._factors
+            factors = kernel_factors(transport_of(scene), radius)
+            self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
+            self._factors.write(factors.tobytes())
 
     def draw_receivers(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw normals and factors, see SplattedScene.draw_receivers."""
@@ -94,4 +95,5 @@ class SceneUnderPhotons(_Surfaces):
     def close(self) -> None:
         """Free its buffers; the shader library owns the programs."""
         super().close()
-        self._factors.release()
+        if self._factors is not None:
+            self._factors.release()

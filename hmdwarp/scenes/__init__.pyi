@@ -14,7 +14,7 @@ from ._mirrors import SceneMirror as SceneMirror
 from ._photons import Light as Light
 from ._photons import Photons as Photons
 from ._photons import PhotonTracer as PhotonTracer
-from ._photons import factor_atlas as factor_atlas
+from ._photons import kernel_factors as kernel_factors
 from ._photons import light_keys as light_keys
 from ._photons import of_atlas as of_atlas
 from ._pieces import COARSE as COARSE

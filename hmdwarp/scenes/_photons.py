@@ -12,7 +12,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .radiosity import OFF_M, Transport, cosine_ways, sky_light
+from ._lamps import ATLAS
+from .radiosity import OFF_M, Transport, cosine_ways, nearest_known, sky_light
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 Light = tuple[Array, tuple[float, float, float]]  # place and colour, as lamps_at() returns them
 MOST_BOUNCES = 64
 _NUMBERS = 5  # that a path takes to start
+# Of the factors of kernels: parts of a radius, parts of a texel at most, rounds until they balance.
+_PARTS, _MOST_PARTS, _ROUNDS = 4, 4, 50
 # Of the kernel: how far a photon may lie off the plane of what it lights, in radii, and the least
 # cosine between their normals. As in shaders/lib/receivers.glsl.
 OFF_PLANE, LEAST_COSINE = 0.25, 0.8
@@ -202,43 +205,66 @@ def kernel(distance: Array, radius: float) -> Array:
     return 2 / (np.pi * radius**2) * np.maximum(1 - (distance / radius) ** 2, 0)
 
 
-def kernel_factors(transport: Transport, radius: float) -> Array:
-    """Return (n,) the factor d of each patch that makes up for the kernel's share beside surfaces.
+@lru_cache(maxsize=4)
+def kernel_factors(transport: Transport, radius: float) -> NDArray[np.float16]:
+    """Return the factor d that makes up for what a kernel gives beside surfaces, as a finer atlas.
 
-    A photon on patch p lights patch x with d_x kernel d_p. Then each photon gives away all its
-    power, and evenly lit surfaces are even up to their borders.
+    (h, w, 4), bottom row first, of as many times ATLAS as the kernel asks for. A photon at p lights
+    x with d(x) kernel d(p). Then each photon gives away all its power, and evenly lit surfaces are
+    even up to their borders.
 
     Source: Sinkhorn and Knopp 1967, in its symmetric form.
     """
     patches = transport.patches
-    count = len(patches)
-    spread = np.zeros((count, count))
-    # Each patch is cut into parts, of a quarter of the kernel at most.
     widest = float(np.linalg.norm(patches.steps, axis=1).max(initial=0.0))
-    parts = int(np.clip(np.ceil(2 * widest / radius), 3, 16))
-    offsets = (np.arange(parts) + 0.5) / parts - 0.5
-    for across in offsets:
-        for up in offsets:
-            ways = patches.at(across, up)[None] - patches.centres[:, None]
-            off = np.abs((ways * patches.normals[:, None]).sum(axis=2))
-            near = (patches.normals @ patches.normals.T > LEAST_COSINE) & (off <= OFF_PLANE * radius)
-            spread += near * kernel(np.linalg.norm(ways, axis=2), radius) * patches.areas / parts**2
-    factors = np.ones(count)
-    for _ in range(100):
+    finer = int(np.clip(np.ceil(_PARTS * widest / radius), 1, _MOST_PARTS))
+    offsets = (np.arange(finer) + 0.5) / finer - 0.5
+    parts = [(column, row) for row in range(finer) for column in range(finer)]
+    places = np.concatenate([patches.at(offsets[column], offsets[row]) for column, row in parts])
+    normals, areas = np.tile(patches.normals, (len(parts), 1)), np.tile(patches.areas, len(parts)) / len(parts)
+    factors = _balanced(places, normals, areas, radius)
+    width, height = finer * np.array(ATLAS)
+    values = np.full((height, width), np.nan)
+    for number, (column, row) in enumerate(parts):
+        own = finer * patches.texels + (column, row)
+        values[own[:, 1], own[:, 0]] = factors[len(patches) * number :][: len(patches)]
+    picture = np.ones((height, width, 4), np.float16)
+    picture[..., :3] = nearest_known(values)[..., None]
+    return picture
+
+
+def _balanced(places: Array, normals: Array, areas: Array, radius: float) -> Array:
+    """Return (n,) factors with which each part of the surfaces gives and gets as much as it should."""
+    from scipy.sparse import coo_matrix
+    from scipy.spatial import cKDTree
+
+    if not len(places):
+        return np.zeros(0)
+    first, other = cKDTree(places).query_pairs(radius, output_type="ndarray").T
+    ways = places[other] - places[first]
+    alike = (normals[first] * normals[other]).sum(axis=1) > LEAST_COSINE
+    alike &= np.abs((ways * normals[first]).sum(axis=1)) <= OFF_PLANE * radius
+    first, other = first[alike], other[alike]
+    given = kernel(np.linalg.norm(ways[alike], axis=1), radius)
+    # What a part gives to itself: the kernel over a disc of its area.
+    share = np.minimum(areas / (np.pi * radius**2), 1)
+    own = np.arange(len(places))
+    rows, columns = np.concatenate([first, other, own]), np.concatenate([other, first, own])
+    entries = np.concatenate([given * areas[other], given * areas[first], (2 - share) * share])
+    spread = coo_matrix((entries, (rows, columns)), shape=(len(places),) * 2).tocsr()
+    factors = np.ones(len(places))
+    for _ in range(_ROUNDS):
         factors = np.sqrt(factors / np.maximum(spread @ factors, 1e-12))
     return factors
 
 
-def factor_atlas(transport: Transport, radius: float) -> NDArray[np.float16]:
-    """Return kernel_factors() as an atlas, see Transport.atlas."""
-    return transport.atlas(np.repeat(kernel_factors(transport, radius)[:, None], 3, axis=1))
-
-
-def of_atlas(values: Array, texels: Array) -> Array:
-    """Return what an atlas (h, w), bottom row first, holds at places in it, blended."""
+def of_atlas(atlas: NDArray[np.float16], texels: Array) -> Array:
+    """Return (n, 3) what an atlas holds at places in ATLAS, blended; it may be finer."""
     from scipy.ndimage import map_coordinates
 
-    return map_coordinates(values, (texels[:, ::-1] - 0.5).T, order=1, mode="nearest")
+    at = (texels * (atlas.shape[1] / ATLAS[0]) - 0.5)[:, ::-1].T
+    channels = [map_coordinates(atlas[..., k].astype(np.float64), at, order=1, mode="nearest") for k in range(3)]
+    return np.stack(channels, axis=1)
 
 
 def light_keys(lamps: Sequence[Light], background: Background) -> list[tuple[Light | None, bytes]]:

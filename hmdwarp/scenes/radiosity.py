@@ -268,18 +268,25 @@ class Transport:
     @cached_property
     def _nearest(self) -> NDArray[np.int64]:
         """(h, w) the patch whose light each texel of the atlas has: its own, or the nearest."""
-        from scipy.ndimage import distance_transform_edt
-
-        number = np.full(ATLAS[::-1], -1)
+        number = np.full(ATLAS[::-1], np.nan)
         number[self.patches.texels[:, 1], self.patches.texels[:, 0]] = np.arange(len(self.patches))
-        rows, columns = distance_transform_edt(number < 0, return_distances=False, return_indices=True)
-        return number[rows, columns]
+        return nearest_known(number).astype(np.int64)
 
     def atlas(self, values: Array) -> NDArray[np.float16]:
         """Return (h, w, 4) of (n, 3) values, bottom row first; borders repeat, coverage is 1."""
         picture = np.ones((*ATLAS[::-1], 4), np.float16)
         picture[..., :3] = values[self._nearest] if len(self.patches) else 0
         return picture
+
+
+def nearest_known(values: Array) -> Array:
+    """Return an atlas (h, w) with the nearest value that is known in place of nan; 0 without any."""
+    from scipy.ndimage import distance_transform_edt
+
+    if np.isnan(values).all():
+        return np.zeros_like(values)
+    rows, columns = distance_transform_edt(np.isnan(values), return_distances=False, return_indices=True)
+    return np.asarray(values[rows, columns])
 
 
 def direct_light(

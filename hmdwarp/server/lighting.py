@@ -84,7 +84,7 @@ class Lighting:
             self._use_lamps(uniforms, time_ns)
         if self._source is not Indirect.SPLATS:
             assert self.indirect is not None, "late indirect light is set before anything is drawn"
-            uniforms.set(indirect=INDIRECT_UNIT)
+            uniforms.set(indirect=INDIRECT_UNIT, texels=self.indirect.width / ATLAS[0])
             self.indirect.use(INDIRECT_UNIT)
 
     def _use_lamps(self, uniforms: Uniforms, time_ns: int) -> None:

@@ -5,41 +5,12 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from lit_rooms import GREY, cube, scene_of
 
 from hmdwarp.errors import SceneError
-from hmdwarp.geometry import Pose, RigidState
 from hmdwarp.scenes import ATLAS, Background, Lamp, Pendulum, Scene, lamps_at, scenes, transport_of, with_lamps_stopped
 from hmdwarp.scenes.library._lit_room import box, in_atlas, wall
 from hmdwarp.scenes.radiosity import RAYS, direct_light
-
-GREY = (0.6, 0.6, 0.6)
-DARK = Background()
-
-
-class Fixed:
-    def __init__(self, place):
-        self.place = place
-
-    def state(self, time_ns):
-        return RigidState(Pose(self.place))
-
-
-def scene_of(quads, texel_m: float, lamps=(), background=DARK) -> Scene:
-    meshes = [attrs.evolve(mesh, texture=-1) for mesh in in_atlas(quads, texel_m)]
-    return Scene("trial", "for tests", meshes, background=background, lamps=lamps)
-
-
-def cube(albedo=GREY):
-    """The inside of a cube of 2 m."""
-    sides = (((1, 0, 0), (0, 0, -1), (0, 1, 0)), ((0, 1, 0), (1, 0, 0), (0, 0, 1)), ((0, 0, 1), (-1, 0, 0), (0, 1, 0)))
-    quads = []
-    for out, _, up in map(np.array, sides):
-        for sign in (1, -1):
-            across = -sign * np.cross(up, out)  # right x up points inwards
-            quads.append(wall(tuple(sign * out), tuple(across), tuple(up), albedo))
-    for quad in quads:
-        assert quad.normal @ quad.centre < 0
-    return quads
 
 
 def test_a_furnace_glows_everywhere_alike(tmp_path):

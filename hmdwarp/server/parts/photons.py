@@ -18,7 +18,7 @@ from ...frames.photon_bundles import (
     bundle_bytes,
     packed,
 )
-from ...scenes import PhotonTracer, factor_atlas, lamps_at, light_keys, octahedral, of_atlas, transport_of
+from ...scenes import PhotonTracer, kernel_factors, lamps_at, light_keys, octahedral, of_atlas, transport_of
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
@@ -80,7 +80,7 @@ class _Sender:
     def _prepare(self) -> None:
         scene = self._scene
         self._transport = transport_of(scene)
-        self._factors = factor_atlas(self._transport, self._wanted.radius)[..., 0].astype(np.float64)
+        self._factors = kernel_factors(self._transport, self._wanted.radius)
         for light, _ in light_keys(lamps_at(scene, 0), scene.background):
             bundles = self._wanted.bundles(opened=light is None or not light[0][3])
             paths = self._wanted.paths_of_bundle
@@ -117,7 +117,7 @@ class _Sender:
         return [one.at_most(self._wanted.most_photons) for one in self._tracers[of].trace(light, numbers)]
 
     def _packed(self, entered: Sent, found: TracedPhotons) -> bytes:
-        powers = found.powers * of_atlas(self._factors, found.texels)[:, None]
+        powers = found.powers * of_atlas(self._factors, found.texels)
         return packed(entered, (found.places - self._cube.low) / self._cube.edge, octahedral(found.normals), powers)
 
     @cached_property
