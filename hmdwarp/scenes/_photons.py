@@ -234,7 +234,7 @@ def kernel_factors(transport: Transport, radius: float) -> NDArray[np.float16]:
 
 
 def _balanced(places: Array, normals: Array, areas: Array, radius: float) -> Array:
-    """Return (n,) factors with which each part of the surfaces gives and gets as much as it should."""
+    """Return (n,) factors with which each part gives and gets as much as it should."""
     from scipy.sparse import coo_matrix
     from scipy.spatial import cKDTree
 

@@ -280,7 +280,7 @@ class Transport:
 
 
 def nearest_known(values: Array) -> Array:
-    """Return an atlas (h, w) with the nearest value that is known in place of nan; 0 without any."""
+    """Return an atlas (h, w) with the nearest known value in place of nan; 0 without any."""
     from scipy.ndimage import distance_transform_edt
 
     if np.isnan(values).all():

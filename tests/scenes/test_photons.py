@@ -44,7 +44,7 @@ FIELDS = [field.name for field in attrs.fields(Photons)]
 def test_in_a_furnace_the_power_of_all_photons_is_that_of_the_lamp_times_the_sum_of_albedos(albedo):
     """4 pi colour (a + a^2 + ...) = 4 pi colour a / (1 - a): nothing gets out of a closed box.
 
-    A path with n photons has n with P(n >= k) = a^k, a the largest of the three, and its k-th photon
+    A path leaves k photons or more with the chance a^k, a the largest of the three, and its k-th
     has (a_c / a)^k of the first one's power: the variance of the sum follows. Four standard
     deviations of the mean over all paths.
     """
@@ -60,8 +60,8 @@ def test_in_a_furnace_the_power_of_all_photons_is_that_of_the_lamp_times_the_sum
 
 @pytest.mark.parametrize("height", [1.0, 1.6])
 def test_the_density_of_photons_on_a_plane_under_a_point_is_the_cosine_law(height):
-    """colour cos / d^2. A kernel k of radius h over photons of power p has the variance E p int k^2,
-    int k^2 = 4 / (3 pi h^2), and spreads light by h^2 / 6 on each axis: bias h^2 / 12 of the
+    """colour cos / d^2. A kernel k of radius h over photons of power p has the variance E p int k^2
+    with int k^2 = 4 / (3 pi h^2), and spreads light by h^2 / 6 on each axis: bias h^2 / 12 of the
     Laplacian. Four standard deviations, the bias, and a tenth of it for what comes after it."""
     plane = scene_of([wall((0, 0, 0), (4, 0, 0), (0, 0, -4), GREY)], 0.5)
     tracer, radius = tracer_of(plane), 0.3
@@ -85,13 +85,13 @@ def test_the_density_of_photons_on_a_plane_under_a_point_is_the_cosine_law(heigh
 
 
 def test_sun_and_sky_bring_what_falls_on_a_square():
-    """A square of 2 m facing up gets colour cos times its area of a sun, and 1 for each square metre
-    of a white sky; in a bowl of depth 0. Sobol' points in a part of the box: 2 %."""
+    """A square of 2 m facing up gets colour cos times its area of a sun, and 1 for each square
+    metre of a white sky. 16,000 paths, half of which come from below: 4 / sqrt(8192) = 4 %, less
+    as they are spread evenly: 2 %."""
     floor = scene_of([wall((0, 0, 0), (1, 0, 0), (0, 0, -1), (0, 0, 0))], 0.5, background=WHITE_SKY)
     tracer = tracer_of(floor)
     power = traced(tracer, SUN, direct=True).powers.sum(axis=0)
     assert np.allclose(power, 4 * 0.9 / np.linalg.norm(SUN[0][:3]) * np.array(COLOUR), rtol=0.02)
-    # Half of the sky's photons come from below, onto the back.
     assert np.allclose(traced(tracer, None).powers.sum(axis=0), 4.0, rtol=0.02)
 
 
@@ -107,11 +107,12 @@ def test_photons_bring_as_much_as_radiosity_finds(name, time_ms):
     assert np.allclose(found, wanted, rtol=0.03)
 
 
-@pytest.mark.parametrize("radius", [0.2, 0.5, 1.0])
+@pytest.mark.parametrize("radius", [0.7, 1.0, 2.0])
 def test_kernels_keep_all_power_and_evenly_lit_surfaces_are_even(radius):
-    """Photons spread evenly, 3x3 on a texel of 0.25 m, at places between those that factors are
-    found for: borders blend factors over half a texel."""
-    scene = scene_of([*cube(), *box((-0.6, -1, -0.6), (0, 0, 0), GREY)], 0.25)
+    """Photons spread evenly, 3x3 on a texel of half a metre. Factors are found for parts of a
+    quarter of the radius and repeat over half of that at borders: there they are up to 1/8 short of
+    what a kernel that is half beside the surface asks for, on a quarter of the surfaces at most."""
+    scene = scene_of([*cube(), *box((-0.6, -1, -0.6), (0, 0, 0), GREY)], 0.5)
     patches = transport_of(scene).patches
     offsets = [(x, y) for x in (-1 / 3, 0, 1 / 3) for y in (-1 / 3, 0, 1 / 3)]
     places = np.concatenate([patches.at(x, y) for x, y in offsets])
@@ -122,8 +123,7 @@ def test_kernels_keep_all_power_and_evenly_lit_surfaces_are_even(radius):
     same = (normals @ normals.T > 0.9) & (np.abs(((places[:, None] - places[None]) * normals).sum(axis=2)) < 0.01)
     spread = own[:, None] * (kernel(apart, radius) * same) * own[None]
     light, given = spread @ areas, areas @ spread
-    print(radius, np.abs(light - 1).mean(), np.abs(light - 1).max(), np.abs(given - 1).mean())
-    assert np.abs(light - 1).mean() < 0.03 and np.abs(light - 1).max() < 0.2
+    assert np.abs(light - 1).mean() < 0.03 and np.abs(light - 1).max() < 0.125
     assert np.abs(given - 1).mean() < 0.03
 
 

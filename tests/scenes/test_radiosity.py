@@ -149,8 +149,8 @@ def test_charts_in_the_atlas_keep_a_border(name):
 
 @pytest.mark.parametrize("time_ms", [300, 1000, 1500, 2500])
 def test_a_patch_of_sun_has_its_whole_power_wherever_its_edges_are(time_ms):
-    """Against 400 points a patch. An edge is placed within 1/21 of a texel, 17 mm, on either side of
-    a patch of sun some 2 m wide: 2 % if all edges erred alike."""
+    """Against 400 points a patch. An edge is placed within 1/21 of a texel, 17 mm, on either side
+    of a patch of sun some 2 m wide: 2 % if all edges erred alike."""
     scene = scenes.get("sunroom").build()
     transport, lamps = transport_of(scene), lamps_at(scene, time_ms * 1_000_000)
     middles = (np.arange(20) + 0.5) / 20 - 0.5
