@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from ..frames.layers.scene_update import Delivery
     from ..frames.photon_bundles import Cube
     from ..geometry import View
+    from ..gpu.shaders import Inputs
     from .shown_picture import ShownPicture
-    from .warp_kinds.splats import Splats
 
 
 class ClientModel(Protocol):
@@ -84,7 +84,7 @@ class SplattedScene(Protocol):
     def draw_receivers(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw what lamps light: the normal, and the factor for photons; 0 for what they do not."""
 
-    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Splats) -> None:
+    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Inputs) -> None:
         """Draw the whole picture."""
 
 

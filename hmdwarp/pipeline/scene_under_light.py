@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     import moderngl
 
     from ..client import ShownPicture
-    from ..client.warp_kinds.splats import Splats
     from ..geometry import View
     from ..gpu.context import Gpu
+    from ..gpu.shaders import Inputs
     from ..scenes import Scene
 
 
@@ -85,7 +85,7 @@ class SceneUnderPhotons(_Surfaces):
         """Draw normals and factors, see SplattedScene.draw_receivers."""
         self._draw(Indirect.RECEIVERS, view, into, time_ns)
 
-    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Splats) -> None:
+    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Inputs) -> None:
         """Draw the whole picture, see SplattedScene.draw."""
         lighting = self._passes[Indirect.SPLATS].lighting
         if lighting is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 import numpy as np
@@ -15,7 +15,7 @@ from ..scenes import ATLAS, MOST_LAMPS, lamps_at, transport_of
 
 if TYPE_CHECKING:
     from ..gpu.context import Gpu
-    from ..gpu.shaders import Uniforms
+    from ..gpu.shaders import Inputs, Uniforms
     from ..scenes import Mesh, Scene
 
 INDIRECT_UNIT, BLOCKERS_UNIT, SPLATS_UNIT = 6, 7, 8
@@ -31,13 +31,6 @@ class Indirect(enum.Enum):
     RECEIVERS = "receivers"
 
 
-class Bound(Protocol):
-    """Textures and uniforms that are set together."""
-
-    def use(self, uniforms: Uniforms, unit: int) -> None:
-        """Bind the textures from that unit on, and set the uniforms."""
-
-
 def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
     """Return the converged indirect light of an instant as the light atlas, bottom row first."""
     transport = transport_of(scene)
@@ -51,7 +44,7 @@ class Lighting:
         self._gl, self._scene, self._source = gpu.gl, scene, source
         self._own = allocate(gpu.gl, ATLAS, COLOUR) if source is Indirect.OWN else None
         self.indirect = self._own
-        self.splats: Bound | None = None
+        self.splats: Inputs | None = None
         rows = transport_of(scene).blockers.rows.astype(np.float32)
         self._count = len(rows)
         self._blockers = gpu.gl.texture((3, max(1, len(rows))), 4, rows.tobytes() or b"\0" * 48, dtype="f4")

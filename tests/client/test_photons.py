@@ -23,7 +23,7 @@ from hmdwarp.frames.layers.photons import PhotonMap
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
-from hmdwarp.pipeline.client_scene import ClientScene as PlainClientScene
+from hmdwarp.pipeline import ClientScene as PlainClientScene
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import ATLAS, Lamp, kernel_factors, lamps_at, load_scene, scenes, transport_of, with_lamps_stopped
 from hmdwarp.scenes.radiosity import direct_light
