@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
+from gl_clock import counting_made
 from lit_rooms import Fixed
 from reference.photons import photons, received, seen
 from replays import run, small
@@ -231,6 +232,21 @@ def test_a_dark_lamp_lights_nothing(gpu):
     assert [len(one) for one in contents] == [17]
     picture = shown(gpu, dark, 0)[0][..., :3]
     assert ((picture == 0) | (picture > 0.999)).all(), "but the bulb"
+
+
+def test_showing_and_receiving_make_nothing_on_the_gpu(gpu):
+    with counting_made() as made:
+        geometry, choice = ClientScene(gpu, "lantern"), parse_warp(SPEC)
+        warp, canvas = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(), geometry), Canvas(gpu.gl, SIZE)
+        counts = []
+        for time_ms in (0, 300, 600):
+            receive(geometry, frames_of(geometry, time_ms * 1_000_000))
+            frame = geometry._server.draw_frame([HERE], 0, (8, 8))
+            warp.run(PassInputs(frame.eyes[0], THERE, shown_ns=time_ms * 1_000_000), canvas)
+            geometry._server.recycle(frame)
+            counts.append(made.copy())
+        warp.close()
+    assert counts[0]["texture"] and counts[1] == counts[2]
 
 
 def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():

@@ -32,7 +32,6 @@ RUNS = {
     "all effects": {"scene": "gallery", "warp": "forward", "fill": "interpolate"},
     "things that move": {"scene": "parade", "warp": "forward", "fill": "pyramid"},
     "mirrors": {"scene": "greenhouse", "warp": "forward", "fill": "none"},
-    "photons": {"scene": "lantern", "warp": "photons:budget=2000,paths=256", "fill": "none"},
 }
 
 
