@@ -24,12 +24,12 @@ void main() {
     vec3 middle = (place - eye) * scene_from_eye, facing = abs(normal * scene_from_eye);
     // A disc with its thickness to both sides, within the ball.
     vec3 reach = min(sqrt(max(1.0 - facing * facing, 0.0)) + OFF_PLANE * facing, vec3(1.0)) * (ROOM * radius);
-    float near = max(-middle.z - reach.z, NEAR_M), far = -middle.z + reach.z;
+    float nearest = max(-middle.z - reach.z, NEAR_M), farthest = -middle.z + reach.z;
     vec2 lowest = middle.xy - reach.xy, highest = middle.xy + reach.xy;
-    lowest /= mix(vec2(far), vec2(near), vec2(lessThan(lowest, vec2(0.0))));
-    highest /= mix(vec2(near), vec2(far), vec2(lessThan(highest, vec2(0.0))));
+    lowest /= mix(vec2(farthest), vec2(nearest), vec2(lessThan(lowest, vec2(0.0))));
+    highest /= mix(vec2(nearest), vec2(farthest), vec2(lessThan(highest, vec2(0.0))));
     vec2 corner = mix(lowest, highest, vec2(gl_VertexID & 1, gl_VertexID >> 1));
     corner = clamp(corner, low_tangents.xy, low_tangents.zw);
     vec2 share = (corner - low_tangents.xy) / (low_tangents.zw - low_tangents.xy);
-    gl_Position = far > NEAR_M ? vec4(2.0 * share - 1.0, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
+    gl_Position = farthest > NEAR_M ? vec4(2.0 * share - 1.0, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
 }
