@@ -34,8 +34,8 @@ SIZE = (96, 80)
 FOV = Fov(-0.8, 0.75, -0.7, 0.65)
 HERE, THERE = View(Pose((0.05, 1.6, 0.1)), FOV), View(Pose((0.3, 1.5, -0.2), (0.05, 0.3, 0.02, 0.95)), FOV)
 LIT = [name for name in scenes.names() if scenes.get(name).build().lamps]
-FEW = PhotonMap(budget=20_000, paths=1024)
-SPEC = "photons:budget=20000,paths=1024"
+FEW = PhotonMap(budget=20_000, paths=1024, radius=0.5)
+SPEC = "photons:budget=20000,paths=1024,radius=0.5"
 
 
 @functools.cache
@@ -152,10 +152,10 @@ def test_before_any_photon_there_is_direct_light_alone(gpu):
 def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu, name):
     geometry = ClientScene(gpu, name)
     then, now = 100_000_000, 900_000_000
-    wanted = PhotonMap(paths=1 << 14)
+    wanted = PhotonMap()
     receive(geometry, frames_of(geometry, then, wanted), wanted)
     truth = read(geometry._server.draw(THERE, SIZE, time_ns=now).colour)
-    late = shown(gpu, geometry, now, "photons:paths=16384")[0]
+    late = shown(gpu, geometry, now, "photons")[0]
     stopped = Server(gpu, with_lamps_stopped(geometry._server.scene, then))
     baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
     stopped.close()
