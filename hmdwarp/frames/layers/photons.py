@@ -16,7 +16,7 @@ class PhotonMap:
     # Bytes of each frame, at most, before they are packed.
     budget: int = 60_000
     # Paths that a lamp sends, rounded up to a power of 2; a sun and the sky send more.
-    paths: int = 1 << 14
+    paths: int = 1 << 13
     # Metres that a photon lights around it.
     radius: float = 0.8
 
