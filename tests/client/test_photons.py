@@ -161,7 +161,7 @@ def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu
     stopped.close()
     late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))
     # In sunroom the sun turns by 10 degrees, and what photons scatter is most of the error.
-    assert late_error < baked_error * {"lantern": 0.4, "sunroom": 0.9}[name]
+    assert late_error < baked_error * {"lantern": 0.5, "sunroom": 0.9}[name]
 
 
 def test_updates_in_any_order_and_some_of_them_twice_show_the_same(gpu):
