@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import moderngl
 import numpy as np
@@ -33,6 +33,9 @@ class Lighting:
     that is drawn.
     """
 
+    # Of the shaders of passes that it lights.
+    defines: ClassVar[Mapping[str, int]] = {"LAMPS": 1}
+
     def __init__(self, gpu: Gpu, scene: Scene, *, late: bool = False) -> None:
         self._gl, self._scene = gpu.gl, scene
         self._own = None if late else allocate(gpu.gl, ATLAS, COLOUR)
@@ -44,15 +47,30 @@ class Lighting:
         self._light: bytes = b""
         self._buffers: list[moderngl.Buffer] = []
 
-    def more(self, meshes: Sequence[Mesh]) -> tuple[Any, ...]:
-        """Return further inputs of the vertex stage, as moderngl takes them."""
+    def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
+        """Return further inputs of the vertex stage, as moderngl takes them.
+
+        albedo: whether the shader reads it.
+        """
         rows = [_vertex_rows(mesh) for mesh in meshes]
         data = np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32).tobytes()
         self._buffers.append(self._gl.buffer(data or b"\0" * 32))
+        if not albedo:
+            return (self._buffers[-1], "3f4 2f4 12x1", "in_normal", "in_light_uv")
         return (self._buffers[-1], "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
 
     def use(self, uniforms: Uniforms, time_ns: int) -> None:
         """Set the uniforms and bind the textures for an instant."""
+        light = self.use_lamps(uniforms, time_ns)
+        if self._own is not None and self._light != light:
+            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
+            self._light = light
+        assert self.indirect is not None, "late indirect light is set before anything is drawn"
+        uniforms.set(indirect=INDIRECT_UNIT)
+        self.indirect.use(INDIRECT_UNIT)
+
+    def use_lamps(self, uniforms: Uniforms, time_ns: int) -> bytes:
+        """Set what direct light takes, for an instant; return where the lamps are."""
         lamps = lamps_at(self._scene, time_ns)
         places, colours = np.zeros((MOST_LAMPS, 4), np.float32), np.zeros((MOST_LAMPS, 4), np.float32)
         for number, (place, colour) in enumerate(lamps):
@@ -62,15 +80,10 @@ class Lighting:
             lamp_colour=colours.ravel(),
             lamp_count=len(lamps),
             blocker_count=self._count,
-            indirect=INDIRECT_UNIT,
             blockers=BLOCKERS_UNIT,
         )
-        if self._own is not None and self._light != places.tobytes():
-            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
-            self._light = places.tobytes()
-        assert self.indirect is not None, "late indirect light is set before anything is drawn"
-        self.indirect.use(INDIRECT_UNIT)
         self._blockers.use(BLOCKERS_UNIT)
+        return places.tobytes()
 
     def close(self) -> None:
         """Free its textures and buffers."""

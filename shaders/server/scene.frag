@@ -1,4 +1,5 @@
-// Linear colour (texture times baked light; with LAMPS, times the light of the scene's lamps) with
+// Linear colour (texture times baked light; with LAMPS, times the light of the scene's lamps; with
+// VOXELS, indirect light from a grid and not from an atlas) with
 // coverage 1, and inverse depth; with PEEL only of what lies behind the previous layer.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
 // Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
@@ -9,6 +10,11 @@
 #endif
 #ifdef LAMPS
 #include "lib/lamps.glsl"
+#ifdef VOXELS
+#include "lib/voxel_near.glsl"
+#else
+#include "lib/light_atlas.glsl"
+#endif
 
 in vec3 place;
 in vec3 normal;
@@ -38,7 +44,15 @@ void main() {
 #ifdef COLOUR
 #ifdef LAMPS
     vec3 shown = light;
-    if (light_uv.x >= 0.0) shown = albedo * (direct_light(place, normalize(normal)) + indirect_light(light_uv));
+    if (light_uv.x >= 0.0) {
+        vec3 facing_way = normalize(normal);
+#ifdef VOXELS
+        vec3 indirect_light = near_light(place, facing_way);
+#else
+        vec3 indirect_light = atlas_light(light_uv);
+#endif
+        shown = albedo * (direct_light(place, facing_way) + indirect_light);
+    }
     colour = vec4(texel * shown, 1.0);
 #else
     colour = vec4(texel * light, 1.0);

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from ..upload import SceneTextures
 
 
+# Layers that say how a picture is lit.
+LIGHT = ("voxels",)
+
+
 @attrs.frozen(eq=False)
 class Drawing:
     """One picture to draw."""
@@ -40,6 +44,11 @@ class Drawing:
     # How old the frame will be when it is seen.
     age_ns: int = 0
 
+    def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
+        """Return another picture at the same instant, lit in the same way, without layers."""
+        needs = Needs(**{name: self.needs[name] for name in LIGHT if name in self.needs})
+        return Drawing(view, size, self.time_ns, needs)
+
 
 @attrs.frozen(eq=False)
 class DrawContext:
@@ -57,6 +66,8 @@ class DrawContext:
     acquire: Callable[..., Target]
     # draw(view, size, drawing): draws a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
+    # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
+    passes_for: Callable[[Drawing], ScenePasses]
 
 
 class Part(ABC):
@@ -76,6 +87,10 @@ class Part(ABC):
     def in_scene(cls, scene: Scene) -> bool:
         """Return whether the scene has any of it in the picture itself."""
         return False
+
+    def passes_for(self, drawing: Drawing) -> ScenePasses | None:
+        """Return what draws the plain surfaces in place of the server's passes, None for nothing."""
+        return None
 
     @abstractmethod
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
