@@ -50,7 +50,7 @@ class VoxelLighting(Lighting):
         self.gpu, self.settings = gpu, settings
         self.grid = grid = VoxelGrid.around(scene, settings.size)
         surfaces = voxel_surfaces(scene, grid)
-        self._count = len(surfaces)
+        self._piece_count = len(surfaces)
         self._update: int | None = None
         numbers, first, counts = np.unique(surfaces.cells, return_index=True, return_counts=True)
         self._cells = np.column_stack([numbers, first, counts, np.zeros_like(first)]).astype(np.uint32)
@@ -79,7 +79,7 @@ class VoxelLighting(Lighting):
             "grid_low": tuple(grid.low.tolist()),
             "cell_m": float(grid.cell_m),
             "grid_size": float(grid.size),
-            "cones": np.resize(cones, (MOST_CONES, 4)).ravel(),
+            "cones": np.resize(cones, (MOST_CONES, 3)).ravel(),
             "cone_count": settings.cones,
             "cone_width": width,
             "sky_zenith": sky.zenith,
@@ -111,7 +111,7 @@ class VoxelLighting(Lighting):
         if update == self._update:
             return
         self._update = update
-        if not self._count:
+        if not self._piece_count:
             return
         for binding, buffer in enumerate(self._storage):
             buffer.bind_to_storage_buffer(binding)
@@ -124,15 +124,15 @@ class VoxelLighting(Lighting):
             self._enter()
 
     def _over_pieces(self, program: Compute) -> None:
-        program.uniforms.set(piece_count=self._count)
-        program.run(self._count)
+        program.uniforms.set(piece_count=self._piece_count)
+        program.run(self._piece_count)
         self.gpu.barrier()
 
     def _enter(self) -> None:
         """Enter what the surfaces send into the grid, and make its levels."""
         for unit, one in enumerate(self._facing):
             one.bind_to_image(unit, read=False, write=True)
-        self._fill.uniforms.set(facing=tuple(range(6)), cell_count=len(self._cells), grid_size=self.grid.size)
+        self._fill.uniforms.set(cell_count=len(self._cells), grid_size=self.grid.size)
         self._fill.run(len(self._cells))
         self.gpu.barrier()
         for one in self._facing:
@@ -144,16 +144,16 @@ class VoxelLighting(Lighting):
 
 
 def cones_of(count: int) -> tuple[NDArray[np.float32], float]:
-    """Return (count, 4) cones around (0, 0, 1), their ways and shares, and how wide they are.
+    """Return (count, 3) ways of cones around (0, 0, 1), and how wide they are at a distance of 1.
 
-    Each covers as much of the half space as the others; its share is that of Lambert's cosine.
-    Source: Swinbank and Purser 2006, Fibonacci Grids.
+    Each has the same share of Lambert's cosine, and a solid angle of its share of the half space.
+    Source: Pharr, Jakob and Humphreys 2016, Physically Based Rendering, 13.6.3 (Malley's method);
+    Vogel 1979, A Better Way to Construct the Sunflower Head.
     """
-    height = 1 - (np.arange(count) + 0.5) / count
+    radius = np.sqrt((np.arange(count) + 0.5) / count)
     angle = np.arange(count) * math.pi * (3 - math.sqrt(5))
-    radius = np.sqrt(1 - height**2)
-    cones = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height, height / height.sum()])
-    return cones.astype(np.float32), 2 * math.tan(math.acos(1 - 1 / count))
+    ways = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)])
+    return ways.astype(np.float32), 2 * math.tan(math.acos(1 - 1 / count))
 
 
 class PlacePasses(ScenePasses):

@@ -4,7 +4,7 @@
 // Source: Crassin et al. 2011, Interactive Indirect Illumination Using Voxel Cone Tracing.
 #include "lib/voxel_pieces.glsl"
 layout(std430, binding = 3) readonly buffer Cells { uvec4 cell_of[]; }; // number, first piece, pieces
-layout(rgba16f) writeonly uniform image3D facing[6];
+layout(rgba16f, binding = 0) writeonly uniform image3D facing[6]; // as in lib/voxels.glsl
 uniform uint cell_count;
 uniform int grid_size;
 

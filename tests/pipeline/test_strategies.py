@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from commands import hmdwarp
 
-from hmdwarp.client import parse_fills, parse_warp
+from hmdwarp.client import parse_fills, parse_indirect, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import InputError
 from hmdwarp.options import options_of
@@ -23,9 +23,11 @@ SMALL = ("--size", "96x80", "--headset", "flat-90", "--seconds", "0.2", "--quiet
 
 
 def scene_for(name: str) -> str:
-    """A small scene that the strategy's warp is for."""
-    warp = options_of_strategy(name).get("warp", DEFAULT_WARP)
-    return "lantern" if parse_warp(warp).entry.unsuited(load_scene("planes")) else "planes"
+    """A small scene that the strategy's warp and light are for."""
+    sets, planes = options_of_strategy(name), load_scene("planes")
+    light = parse_indirect(sets.get("indirect", "converged"))
+    warp = parse_warp(sets.get("warp", DEFAULT_WARP)).entry
+    return "lantern" if warp.unsuited(planes) or (light is not None and light.unsuited(planes)) else "planes"
 
 
 @pytest.fixture(params=NAMES)
