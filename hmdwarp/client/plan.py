@@ -187,7 +187,8 @@ def build_plan(
     name, which an imposter compensates too. forced, forbidden: names of effects that are declared
     though the scene lacks them, and not declared though it has them; used only in the stated
     reasons. distorts, takes_depth: names of the display parts that correct the lens after this
-    plan, and that read the shown picture's depth; "" for none. indirect: as parse_indirect takes it.
+    plan, and that read the shown picture's depth; "" for none. indirect: as parse_indirect
+    takes it.
 
     Errors: UnknownNameError for an unregistered name; PlanError for a pass that reads a layer which
     no pass before it writes, and for passes that cannot be fused; InputError for a setting that the

@@ -266,14 +266,21 @@ class PipelineOptions(Declared):
             found.append(
                 f"{told} that from the proxy to the client: {self.total_latency_ms:g} ms from the server. {self.proxy}."
             )
-        if self.indirect != attrs.fields(type(self)).indirect.default:
-            found.append(f"Pictures have indirect light by {self.indirect}, the truth has converged light.")
+        if self.light_note:
+            found.append(self.light_note)
         if self.network.response is not None:
             found.append(
                 f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "
                 "(response sum)."
             )
         return tuple(found)
+
+    @property
+    def light_note(self) -> str:
+        """Say how pictures are lit, if other than the truth; "" if alike."""
+        if self.indirect == attrs.fields(type(self)).indirect.default:
+            return ""
+        return f"Pictures have indirect light by {self.indirect}, the truth has converged light."
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""

@@ -109,11 +109,12 @@ def _merged(pieces: Array, grid: VoxelGrid) -> VoxelSurfaces:
     pieces, areas = pieces[areas > 0], areas[areas > 0]
     middle = pieces.mean(axis=1)
     cells = np.clip(np.floor(middle[:, :3]).astype(np.int64), 0, grid.size - 1) @ grid.size ** np.arange(3)
-    keys = np.column_stack([cells, np.rint(middle[:, 3:6] * _NORMAL_STEPS).astype(np.int64)])
-    kept, which = np.unique(keys, axis=0, return_inverse=True)
-    total = np.zeros((len(kept), 10))
-    np.add.at(total, which.ravel(), np.column_stack([areas, areas[:, None] * middle]))
+    ways = np.rint((1 + np.clip(middle[:, 3:6], -1, 1)) * _NORMAL_STEPS).astype(np.int64)
+    several = 2 * _NORMAL_STEPS + 1
+    kept, which = np.unique(cells * several**3 + ways @ several ** np.arange(3), return_inverse=True)
+    columns = np.column_stack([areas, areas[:, None] * middle]).T
+    total = np.stack([np.bincount(which, column, len(kept)) for column in columns], axis=1)
     means = total[:, 1:] / total[:, :1]
     normals = means[:, 3:6] / np.maximum(np.linalg.norm(means[:, 3:6], axis=1, keepdims=True), 1e-12)
     places = grid.low + grid.cell_m * means[:, :3]
-    return VoxelSurfaces(kept[:, 0], places, normals, total[:, 0], means[:, 6:9])
+    return VoxelSurfaces(kept // several**3, places, normals, total[:, 0], means[:, 6:9])

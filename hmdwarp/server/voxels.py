@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..gpu.shaders import Compute, Uniforms
-    from ..scenes import Mesh, Scene
+    from ..scenes import Scene
     from .moving import Moving
     from .passes import Viewport
     from .targets import Framebuffers
@@ -188,7 +188,10 @@ class _Small:
 
 
 class NearLight:
-    """What cones gather at the pixels of pictures of half the size; sizes that were drawn are kept."""
+    """What cones gather at the pixels of pictures of half the size.
+
+    Those of sizes that were drawn are kept.
+    """
 
     def __init__(self, lighting: VoxelLighting, scene: Scene, plain: ScenePasses, framebuffers: Framebuffers) -> None:
         self._lighting, self._framebuffers = lighting, framebuffers
@@ -197,7 +200,7 @@ class NearLight:
         self._small: dict[tuple[int, int], _Small] = {}
 
     def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
-        """Set the uniforms of lib/voxel_near.glsl and bind its textures for a picture of the view."""
+        """Set the uniforms of lib/voxel_near.glsl and bind its textures, for a view's picture."""
         x, y, wide, high = viewport
         size = (wide + 1) // 2, (high + 1) // 2
         small = self._drawn(view, size, time_ns)
@@ -214,7 +217,8 @@ class NearLight:
     def _drawn(self, view: View, size: tuple[int, int], time_ns: int) -> _Small:
         gpu = self._lighting.gpu
         if size not in self._small:
-            self._small[size] = _Small(*(allocate(gpu.gl, size, kind) for kind in (_PLACES, _PLACES, COLOUR)))
+            place, normal, light = (allocate(gpu.gl, size, kind) for kind in (_PLACES, _PLACES, COLOUR))
+            self._small[size] = _Small(place, normal, light)
         small = self._small[size]
         if small.view is view and small.time_ns == time_ns:
             return small

@@ -21,7 +21,7 @@ MOST_CONES = 32
 
 
 def _between(least: int, most: int) -> Any:
-    def check(_: object, field: attrs.Attribute, value: int) -> None:
+    def check(_: object, field: attrs.Attribute[int], value: int) -> None:
         if not least <= value <= most:
             raise ValueError(f"{field.name} is {value}: expected {least} to {most}")
 
@@ -29,7 +29,7 @@ def _between(least: int, most: int) -> Any:
 
 
 def _one_of(known: tuple[int, ...]) -> Any:
-    def check(_: object, field: attrs.Attribute, value: int) -> None:
+    def check(_: object, field: attrs.Attribute[int], value: int) -> None:
         if value not in known:
             raise ValueError(f"{field.name} is {value}: expected one of {', '.join(map(str, known))}")
 
@@ -63,7 +63,8 @@ class Voxels(Layer):
     summary = "the picture's indirect light is looked up in a grid of voxels that views share; it adds no bytes"
     drawn_by = "voxels"
     apart = True
-    nothing, something = None, VoxelLight()
+    lights = True
+    nothing, something = None, VoxelLight(size=16)
 
     @classmethod
     def merged(cls, amount: VoxelLight, other: VoxelLight) -> VoxelLight:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import attrs
 
 from ...frames import Needs
+from ...frames.layers import layers
 
 if TYPE_CHECKING:
     import moderngl
@@ -20,10 +21,6 @@ if TYPE_CHECKING:
     from ..passes import ScenePasses
     from ..targets import Framebuffers, Target
     from ..upload import SceneTextures
-
-
-# Layers that say how a picture is lit.
-LIGHT = ("voxels",)
 
 
 @attrs.frozen(eq=False)
@@ -46,7 +43,7 @@ class Drawing:
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
         """Return another picture at the same instant, lit in the same way, without layers."""
-        needs = Needs(**{name: self.needs[name] for name in LIGHT if name in self.needs})
+        needs = Needs(**{name: amount for name, amount in self.needs.items() if layers.get(name).lights})
         return Drawing(view, size, self.time_ns, needs)
 
 
@@ -89,7 +86,7 @@ class Part(ABC):
         return False
 
     def passes_for(self, drawing: Drawing) -> ScenePasses | None:
-        """Return what draws the plain surfaces in place of the server's passes, None for nothing."""
+        """Return what draws the plain surfaces in place of the server's passes, or None."""
         return None
 
     @abstractmethod
