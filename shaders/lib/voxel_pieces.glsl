@@ -1,4 +1,5 @@
 // The surfaces in the cells of a grid, one after the other cell by cell, and the light they send.
+// Included by the stages that light the grid.
 struct Piece {
     vec4 place;  // metres from the scene's origin; its area in faces of a cell
     vec4 normal;
