@@ -113,7 +113,7 @@ def _merged(pieces: Array, grid: VoxelGrid) -> VoxelSurfaces:
     several = 2 * _NORMAL_STEPS + 1
     kept, which = np.unique(cells * several**3 + ways @ several ** np.arange(3), return_inverse=True)
     columns = np.column_stack([areas, areas[:, None] * middle]).T
-    total = np.stack([np.bincount(which, column, len(kept)) for column in columns], axis=1)
+    total: Array = np.stack([np.bincount(which, column, len(kept)) for column in columns], axis=1).astype(np.float64)
     means = total[:, 1:] / total[:, :1]
     normals = means[:, 3:6] / np.maximum(np.linalg.norm(means[:, 3:6], axis=1, keepdims=True), 1e-12)
     places = grid.low + grid.cell_m * means[:, :3]
