@@ -11,6 +11,8 @@ LATENCIES = ("200", "400", "800")
 WAYS = {
     "`none`": ("--warp", "none", "--fill", "none"),
     "`iterative` + `memory+pyramid`": ("--warp", "iterative", "--fill", "memory+pyramid"),
+    "`voxels`": ("--strategy", "voxels"),
+    "`voxels:cones=16`": ("--strategy", "voxels:cones=16"),
     "`model`, light baked": ("--strategy", "model"),
     "`irradiance`": ("--strategy", "irradiance"),
     "`photons`": ("--strategy", "photons"),

@@ -31,6 +31,7 @@ import panel
 import passes
 import prediction_tables
 import studies
+import users as user_tables
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
@@ -243,6 +244,11 @@ def moving_light(folder: Path) -> None:
     """Measure late light in scenes whose light moves: some five minutes."""
     (folder / "light").mkdir()
     replace("light", light.table(folder / "light", program))
+
+
+def users(_: Path) -> None:
+    """Measure a server's time for several users in a scene whose light moves: two minutes."""
+    replace("users", user_tables.table())
 
 
 def difference(folder: Path) -> None:
@@ -541,6 +547,7 @@ PARTS = {
     "points": points,
     "models": scene_on_the_client,
     "light": moving_light,
+    "users": users,
     "prediction": prediction,
     "effects": effects,
     "reflections": reflections,

@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp.client import parse_warp
+from hmdwarp.client import parse_indirect, parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
@@ -49,9 +49,11 @@ def suited(scene: str = "planes") -> list[str]:
 
 
 def scene_for(strategy: str) -> str:
-    """Return a small scene that the strategy's warp is for."""
-    warp = options_of_strategy(strategy).get("warp", DEFAULT_WARP)
-    return "lantern" if parse_warp(warp).entry.unsuited(load_scene("planes")) else "planes"
+    """Return a small scene that the strategy's warp and light are for."""
+    sets, planes = options_of_strategy(strategy), load_scene("planes")
+    light = parse_indirect(sets.get("indirect", "converged"))
+    warp = parse_warp(sets.get("warp", DEFAULT_WARP)).entry
+    return "lantern" if warp.unsuited(planes) or (light is not None and light.unsuited(planes)) else "planes"
 
 
 def small(out: Path | str = "nowhere", **options: object) -> RunOptions:

@@ -7,7 +7,15 @@ from typing import Any
 
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
-from ..client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
+from ..client.variants import (
+    CONVERGED,
+    every_baseline,
+    every_warp,
+    fill_text,
+    parse_fills,
+    parse_indirect,
+    parse_warp,
+)
 from ..errors import InputError, MachineError, PlanError, listed
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
@@ -79,7 +87,8 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
     """Return each warp with each fill, and the strategies.
 
     Without a scene yet, only the names are checked. Errors: as build_plan; InputError for a
-    strategy that takes more than a warp, fills and effects: those cannot share the late frames.
+    strategy that takes more than these, effects and another light: those cannot share the late
+    frames.
     """
     pairs = pairs_of(options) if options.warps or not options.strategies else []
     own = [_combination(options, scene, *pair) for pair in pairs if options.warps or not _unsuited(scene, pair[0])]
@@ -117,14 +126,14 @@ def _unsuited(scene: Scene | None, warp: str) -> str:
 
 def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
     sets = options_of_strategy(text)
-    if beyond := sorted({*sets} - {"warp", "fill", "effects"}):
+    if beyond := sorted({*sets} - {"warp", "fill", "effects", "indirect"}):
         raise InputError(
             f"--strategy {text}: it sets {listed(beyond)} too, and all of a bench share the same late frames; "
             "'hmdwarp compare' runs each for itself"
         )
     run = RunOptions.of({"strategy": text}, trace=options.recordings[0])
     effects_too = ",".join((options.effects, sets["effects"])) if "effects" in sets else options.effects
-    plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too)
+    plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too, indirect=run.indirect)
     return Combination(run.warp, run.fill, plan, text)
 
 
@@ -137,6 +146,7 @@ def plan_of(
     *,
     fused: bool = False,
     effect_names: str = "",
+    indirect: str = CONVERGED,
 ) -> Plan:
     """Return the plan of a warp and fill in a scene.
 
@@ -147,7 +157,9 @@ def plan_of(
     named = effects.forced(wanted)
     if why := _unsuited(scene, warp):
         raise PlanError(f"warp '{warp}' is not for scene '{scene.name if scene is not None else ''}': {why}")
-    return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused)
+    if scene is not None and (light := parse_indirect(indirect)) is not None and (why := light.unsuited(scene)):
+        raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
+    return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused, indirect=indirect)
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:

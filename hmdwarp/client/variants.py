@@ -9,10 +9,14 @@ from typing import Any, Generic, TypeVar, get_type_hints
 import attrs
 
 from ..errors import InputError
-from ..registry import Registry
+from ..frames.layers.voxels import VoxelLight
+from ..registry import Registry, unknown_name
 from .fills import Fill, fills
+from .settings import NoSettings
 from .warps import Warp, warps
 
+# How the server finds the light between surfaces where lamps move.
+CONVERGED, VOXELS = "converged", "voxels"
 _WANTED = {int: "a whole number", float: "a number"}
 
 
@@ -61,6 +65,20 @@ def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
     return tuple(choice for choice in chain if choice.entry.is_pass)
 
 
+def parse_indirect(text: str) -> VoxelLight | None:
+    """Parse how the server finds indirect light: 'converged' (None), or 'voxels:key=value'.
+
+    Errors: UnknownNameError for another name; InputError for a setting that it lacks, or a bad
+    value.
+    """
+    name, _, rest = text.partition(":")
+    if name not in (CONVERGED, VOXELS):
+        raise unknown_name("indirect light", name, [CONVERGED, VOXELS])
+    kind = NoSettings if name == CONVERGED else VoxelLight
+    settings = _settings(kind, name, f"indirect light '{text}'", rest)
+    return settings if isinstance(settings, VoxelLight) else None
+
+
 def fill_text(chain: tuple[Choice[Fill], ...]) -> str:
     """Return the shortest text equivalent to the chain."""
     return "+".join(map(str, chain)) or "none"
@@ -94,22 +112,28 @@ def _every(registry: Registry[type[Entry]]) -> list[str]:
 
 def _parsed(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
     name, _, rest = text.partition(":")
-    entry, named = registry.get(name), f"{registry.kind} '{text}'"
-    fields = {field.name: field for field in attrs.fields(entry.Settings)}
-    kinds = get_type_hints(entry.Settings)
+    entry = registry.get(name)
+    return Choice(entry, _settings(entry.Settings, entry.name, f"{registry.kind} '{text}'", rest))
+
+
+def _settings(kind: type, name: str, named: str, text: str) -> Any:
+    """Return the settings of a kind from 'key=value,key=value'.
+
+    name: of what they belong to. named: that with its settings, as messages call it.
+    """
+    fields = {field.name: field for field in attrs.fields(kind)}
+    kinds = get_type_hints(kind)
     values = {}
-    for part in filter(None, (piece.strip() for piece in rest.split(","))):
+    for part in filter(None, (piece.strip() for piece in text.split(","))):
         key, equals, value = (piece.strip() for piece in part.partition("="))
         if key not in fields or not equals:
             known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
-            raise InputError(
-                f"{named}: '{part}' is no setting of '{entry.name}'; its settings and their defaults: {known}"
-            )
+            raise InputError(f"{named}: '{part}' is no setting of '{name}'; its settings and their defaults: {known}")
         if key in values:
             raise InputError(f"{named}: {key} is given twice; give it once")
         values[key] = _converted(named, key, value, kinds[key])
     try:
-        return Choice(entry, entry.Settings(**values))
+        return kind(**values)
     except (ValueError, TypeError) as error:
         raise InputError(f"{named}: {error}") from error
 

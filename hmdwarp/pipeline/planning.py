@@ -10,6 +10,7 @@ from ..auto.levels import QualityLevel
 from ..client.capability import check_client
 from ..client.effects import effects
 from ..client.plan import PICTURE, Plan, build_plan
+from ..client.variants import CONVERGED, parse_indirect
 from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..headsets import Headset
@@ -63,6 +64,9 @@ def build_plan_for(
     )
     if scene is not None and (why := plan.warp.unsuited(scene)):
         raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
+    voxels = parse_indirect(options.indirect)
+    if voxels is not None and scene is not None and (why := voxels.unsuited(scene)):
+        raise PlanError(f"indirect light '{options.indirect}' is not for scene '{scene.name}': {why}")
     if options.client_name:
         check_client(plan, load_client(options.client_name))
     return plan
@@ -87,6 +91,7 @@ def _plan_of_all(
         forbidden={*called_for} - {*selected},
         distorts=distorts,
         takes_depth=takes_depth,
+        indirect=options.indirect,
     )
 
 
@@ -143,4 +148,5 @@ def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:
 
     Errors: as build_plan.
     """
-    return build_plan((), warp, fill, "none", client_geometry=True, brings=brought(options))
+    light = CONVERGED if options.proxy.on else options.indirect
+    return build_plan((), warp, fill, "none", client_geometry=True, brings=brought(options), indirect=light)

@@ -37,6 +37,9 @@ from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
 from ._slow import slow_in as slow_in
 from ._targets import with_targets as with_targets
+from ._voxels import VoxelGrid as VoxelGrid
+from ._voxels import VoxelSurfaces as VoxelSurfaces
+from ._voxels import voxel_surfaces as voxel_surfaces
 from .deformations import Joint as Joint
 from .deformations import Skinned as Skinned
 from .deformations import Waving as Waving

@@ -118,7 +118,7 @@ class Patches:
         return self.centres + self.steps[..., 0] * across + self.steps[..., 1] * up + OFF_M * self.normals
 
 
-def _lit(meshes: Sequence[Mesh]) -> list[Mesh]:
+def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
     """Return the meshes that lamps light: they have places in the light atlas."""
     return [mesh for mesh in meshes if mesh.light_uv is not None]
 
@@ -129,8 +129,8 @@ def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
     Errors: SceneError where two triangles cover the same texel.
     """
     kinds: list[list[Array]] = [[] for _ in range(5)]
-    for mesh in _lit(meshes):
-        texture = _mean_colour(textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
+    for mesh in lit_meshes(meshes):
+        texture = mean_colour(textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
         albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.positions, 0.5)
         assert mesh.light_uv is not None
         for triangle in mesh.triangles:
@@ -169,7 +169,8 @@ def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
     return Patches(texels, *rest)
 
 
-def _mean_colour(texture: Texture) -> Array:
+def mean_colour(texture: Texture) -> Array:
+    """Return the mean light of a texture, linear RGB."""
     image = texture.image[..., :3]
     linear = linear_from_srgb(image) if texture.srgb else image / 255
     return np.asarray(linear, np.float64).mean(axis=(0, 1))
@@ -334,7 +335,7 @@ def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS) -> 
 def _transport(
     every: tuple[Mesh, ...], textures: tuple[Texture, ...], background: Background, folder: Path | None, rays: int
 ) -> Transport:
-    meshes, patches = _lit(every), patches_of(every, textures)
+    meshes, patches = lit_meshes(every), patches_of(every, textures)
     corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]

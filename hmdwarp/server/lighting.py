@@ -27,8 +27,17 @@ class Indirect(enum.Enum):
     # Solved for the instant that is drawn; the light atlas `Lighting.indirect`, which its owner
     # sets; a picture of it, `Lighting.splats`.
     OWN, ATLAS, SPLATS = "own", "atlas", "splats"
+    # A grid of voxels, see server/voxels.py.
+    VOXELS = "voxels"
     # Nowhere: in place of colour, drawn are the normal and what `Lighting.indirect` holds.
     RECEIVERS = "receivers"
+
+
+_DEFINES = {
+    Indirect.SPLATS: ("LAMPS", "SPLATTED"),
+    Indirect.VOXELS: ("LAMPS", "VOXELS"),
+    Indirect.RECEIVERS: ("RECEIVERS",),
+}
 
 
 def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
@@ -41,7 +50,7 @@ class Lighting:
     """Direct and indirect light of a scene with lamps."""
 
     def __init__(self, gpu: Gpu, scene: Scene, source: Indirect = Indirect.OWN) -> None:
-        self._gl, self._scene, self._source = gpu.gl, scene, source
+        self._gl, self._scene, self.source = gpu.gl, scene, source
         self._own = allocate(gpu.gl, ATLAS, COLOUR) if source is Indirect.OWN else None
         self.indirect = self._own
         self.splats: Inputs | None = None
@@ -52,35 +61,39 @@ class Lighting:
         self._light: bytes = b""
         self._buffers: list[moderngl.Buffer] = []
 
-    def more(self, meshes: Sequence[Mesh]) -> tuple[Any, ...]:
-        """Return further inputs of the vertex stage, as moderngl takes them."""
+    def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
+        """Return further inputs of the vertex stage, as moderngl takes them.
+
+        albedo: whether the shader reads it.
+        """
         rows = [_vertex_rows(mesh) for mesh in meshes]
         data = np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32).tobytes()
         self._buffers.append(self._gl.buffer(data or b"\0" * 32))
-        if self._source is Indirect.RECEIVERS:
+        if not albedo:
             return (self._buffers[-1], "3f4 2f4 12x1", "in_normal", "in_light_uv")
         return (self._buffers[-1], "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
 
     @property
     def defines(self) -> dict[str, object]:
         """What the scene's shaders are told."""
-        if self._source is Indirect.RECEIVERS:
-            return {"RECEIVERS": 1}
-        return {"LAMPS": 1, "SPLATTED": 1} if self._source is Indirect.SPLATS else {"LAMPS": 1}
+        return dict.fromkeys(_DEFINES.get(self.source, ("LAMPS",)), 1)
 
     def use(self, uniforms: Uniforms, time_ns: int) -> None:
         """Set the uniforms and bind the textures for an instant."""
-        if self._source is Indirect.SPLATS:
+        light = self.use_lamps(uniforms, time_ns) if self.source is not Indirect.RECEIVERS else b""
+        if self.source is Indirect.SPLATS:
             assert self.splats is not None, "splats are set before anything is drawn"
             self.splats.use(uniforms, SPLATS_UNIT)
-        if self._source is not Indirect.RECEIVERS:
-            self._use_lamps(uniforms, time_ns)
-        if self._source is not Indirect.SPLATS:
-            assert self.indirect is not None, "late indirect light is set before anything is drawn"
-            uniforms.set(indirect=INDIRECT_UNIT, texels=self.indirect.width / ATLAS[0])
-            self.indirect.use(INDIRECT_UNIT)
+            return
+        if self._own is not None and self._light != light:
+            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
+            self._light = light
+        assert self.indirect is not None, "late indirect light is set before anything is drawn"
+        uniforms.set(indirect=INDIRECT_UNIT, texels=self.indirect.width / ATLAS[0])
+        self.indirect.use(INDIRECT_UNIT)
 
-    def _use_lamps(self, uniforms: Uniforms, time_ns: int) -> None:
+    def use_lamps(self, uniforms: Uniforms, time_ns: int) -> bytes:
+        """Set what direct light takes, for an instant; return where the lamps are."""
         lamps = lamps_at(self._scene, time_ns)
         places, colours = np.zeros((MOST_LAMPS, 4), np.float32), np.zeros((MOST_LAMPS, 4), np.float32)
         for number, (place, colour) in enumerate(lamps):
@@ -92,10 +105,8 @@ class Lighting:
             blocker_count=self._count,
             blockers=BLOCKERS_UNIT,
         )
-        if self._own is not None and self._light != places.tobytes():
-            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
-            self._light = places.tobytes()
         self._blockers.use(BLOCKERS_UNIT)
+        return places.tobytes()
 
     def close(self) -> None:
         """Free its textures and buffers."""

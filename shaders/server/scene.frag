@@ -1,5 +1,6 @@
 // Linear colour (texture times baked light; with LAMPS, times the light of the scene's lamps) with
 // coverage 1, and inverse depth; with PEEL only of what lies behind the previous layer. With
+// SPLATTED or VOXELS indirect light is from a picture or a grid and not from the light atlas. With
 // RECEIVERS the normal and the light atlas in place of colour.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
 // Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
@@ -12,6 +13,8 @@
 #include "lib/lamps.glsl"
 #ifdef SPLATTED
 #include "lib/splatted.glsl"
+#elif defined(VOXELS)
+#include "lib/voxel_near.glsl"
 #endif
 
 in vec3 place;
@@ -19,7 +22,7 @@ in vec3 normal;
 in vec2 light_uv;
 in vec3 albedo;
 #endif
-#if defined(RECEIVERS) || (defined(LAMPS) && !defined(SPLATTED))
+#if defined(RECEIVERS) || (defined(LAMPS) && !defined(SPLATTED) && !defined(VOXELS))
 #include "lib/light_atlas.glsl"
 #endif
 #ifdef RECEIVERS
@@ -52,13 +55,15 @@ void main() {
 #ifdef LAMPS
     vec3 shown = light;
     if (light_uv.x >= 0.0) {
-        vec3 facing = normalize(normal);
+        vec3 facing_way = normalize(normal);
 #ifdef SPLATTED
-        vec3 late = splatted_light(place, facing);
+        vec3 indirect_light = splatted_light(place, facing_way);
+#elif defined(VOXELS)
+        vec3 indirect_light = near_light(place, facing_way);
 #else
-        vec3 late = of_atlas(light_uv);
+        vec3 indirect_light = of_atlas(light_uv);
 #endif
-        shown = albedo * (direct_light(place, facing) + late);
+        shown = albedo * (direct_light(place, facing_way) + indirect_light);
     }
     colour = vec4(texel * shown, 1.0);
 #else
