@@ -34,6 +34,7 @@ FLOORS = [
     {"frames"},
     {"server"},
     {"link"},
+    {"feed"},
     {"client"},
     {"strategies"},
     {"auto"},
@@ -59,7 +60,8 @@ APART = {
     "server": {"poses", "headsets"},
     "frames": {"gpu", "poses"},
     "link": {"gpu", "server", "headsets", "scenes", "poses", "frames"},
-    "client": {"server", "link", "poses"},
+    "feed": {"server", "link", "gpu", "scenes", "poses", "headsets", "frames"},
+    "client": {"server", "link", "poses", "feed"},
     "metrics": {"client", "server", "link"},
     "report": {"client", "server", "link", "gpu"},
     "doctor": {"client", "server", "scenes", "poses"},
@@ -69,11 +71,12 @@ CLOCK_READERS = {
     "pipeline/arriving_scene.py",
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
+    "pipeline/remote.py",
     "doctor/checks.py",
     "study/store/clock.py",
 }
 # Display: its clock is the one all live times are on.
-CLOCK_FOLDERS = ("cli/", "run/", "bench/", "compare/", "display/", "thesis/")
+CLOCK_FOLDERS = ("cli/", "feed/", "run/", "bench/", "compare/", "display/", "thesis/")
 HEAVY = (
     "scipy",
     "moderngl",

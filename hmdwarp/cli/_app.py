@@ -9,7 +9,7 @@ import typer
 
 from ..options import Option
 from ..version import __version__
-from . import bench, compare, doctor, listing, live, plan, record, replay, study, thesis, trace, warp
+from . import bench, compare, doctor, listing, live, plan, record, replay, serve, study, thesis, trace, warp
 from ._help import Group
 from ._options import commands
 
@@ -43,6 +43,7 @@ def _root(
 app.command("replay")(replay.replay)
 app.command("live")(live.live)
 app.command("record")(record.record)
+app.command("serve")(serve.serve)
 app.command("bench")(bench.bench)
 app.command("compare")(compare.compare)
 app.command("warp")(warp.warp)

@@ -34,6 +34,7 @@ from .loop import Loop
 from .options import PipelineOptions
 from .planning import proxy_plan_for
 from .proxy import GuardedEyes, KnownHead, Proxy
+from .remote import Remote, RemoteChannel, RemoteFrames
 from .requested import PoseRequest
 from .sized import SizedCompensator
 from .sizes import check_room, eye_sizes, rendered_entry
@@ -179,10 +180,12 @@ def build_pipeline(
     plans: Sequence[Plan],
     requested: PoseRequest,
     levels: tuple[QualityLevel, ...] = (),
+    remote: Remote | None = None,
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level.
+    plans: one, or one for each quality level. remote: draws the frames elsewhere; it belongs to the
+    caller.
     Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
@@ -196,6 +199,8 @@ def build_pipeline(
         stack.callback(geometry.close)
         proxy = _proxy(options, server, target, requested, sizes, stack) if options.proxy.on else None
         source: FrameSource = proxy or ServerFrames(server, requested, target.eyes)
+        if remote is not None:
+            source = RemoteFrames(remote, server, requested, target.eyes)
         history = History(needs.others.past, needs.others.spacing_ns, source.recycle)
         stack.callback(history.close)
         channel = _channel(options, target, plans, history, source, geometry)
@@ -228,6 +233,9 @@ def _channel(
 ) -> Channel:
     link, latency, rate_hz = options.client_link, target.link_latency_ns, target.rate_hz
     # It waits for the next refresh at most.
+    if isinstance(source, RemoteFrames):
+        settled = _settled(source, geometry)
+        return RemoteChannel(source, latency, Reads.of(plans), history.offer, rate_hz, settled, link)
     age_ns = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz)
     coder, settled = _coder(options.coding, rate_hz, age_ns), _settled(source, geometry)
     return Channel(link, latency, coder, Reads.of(plans), history.offer, source.recycle, rate_hz, settled)

@@ -29,6 +29,8 @@ from .replay_run import figures as figures
 from .replay_run import replay as replay
 from .replay_setup import ReplaySetup as ReplaySetup
 from .replay_setup import set_up_replay as set_up_replay
+from .serve_options import ServeOptions as ServeOptions
+from .serve_run import serve as serve
 from .short_bench import levels_by_short_bench as levels_by_short_bench
 from .truth import draw_truth as draw_truth
 from .watchdog import Watchdog as Watchdog

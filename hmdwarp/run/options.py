@@ -68,6 +68,11 @@ class RunOptions(PipelineOptions):
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
     trace_options: TraceOptions = group(TraceOptions)
+    # "" for frames that are drawn here.
+    connect: str = option(
+        "", "HOST:PORT of 'hmdwarp serve' that draws the frames: their latency is measured, --latency counts nothing."
+    )
+    token_file: Path | None = option(None, "File with the secret that the server at --connect wants.", kind=Path)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
     command: str = ""

@@ -16,7 +16,9 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..gpu.textures import download
 from ..metrics import Kept, QualityPool, pooled, worker_count
+from ..pipeline.build import refreshes_of
 from ..pipeline.loop import Refresh
+from ..pipeline.remote import Remote
 from ..report import OutputFolder, VideoWriter
 from .frame_rows import Row
 from .guard import settled
@@ -58,12 +60,35 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         ) as pool:
             probe = Probe(setup, pool, _keep_every(setup))
             log = _run(setup, probe, out, progress)
+        if setup.remote is not None:
+            _write_delays(setup, setup.remote, out)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
         more = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
         result = result_of(setup, log, compared, more)
         write_results(out, log, result, compared, pool, options.command)
     return result
+
+
+def _write_delays(setup: ReplaySetup, remote: Remote, out: OutputFolder) -> None:
+    """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again.
+
+    That replay begins to draw as long before the first shown refresh as the longest delay; what was
+    drawn here before is left out.
+    """
+    schedule = setup.schedule
+    start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
+    delays = [delay_ns for _, delay_ns in remote.delays_ns]
+    ahead = schedule.age
+    while delays and ahead > (needed := refreshes_of(max(delays) / 1e6, schedule.rate_hz)):
+        delays, ahead = delays[ahead - needed :], needed
+    if delays:
+        longest = max(delays)
+        delays[:0] = [longest] * (refreshes_of(longest / 1e6, schedule.rate_hz) - ahead)
+        out.write_text("delays.csv", "".join(["delay_ms\n", *(f"{delay / 1e6!r}\n" for delay in delays)]))
+        setup.notes.append(
+            f"The same frames at the same ages, without the server: --start {start_s!r} --delay-trace delays.csv"
+        )
 
 
 def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, Any]:

@@ -19,12 +19,14 @@ from ..headsets import Headset, load_headset
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
+from ..pipeline.remote import Remote, check_carried, check_remote
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, load_scene
 from .options import RunOptions
 from .pose_request import check_names, pose_request
 from .schedule import Schedule, schedule_of
+from .serve_options import secret_in
 
 if TYPE_CHECKING:
     from ..auto.adaptive import AdaptiveCompensator
@@ -51,6 +53,8 @@ class ReplaySetup:
     schedule: Schedule
     gpu: Gpu
     pipeline: Pipeline
+    # Draws the frames; None where they are drawn here.
+    remote: Remote | None
     notes: list[str]
     _cleanup: ExitStack
 
@@ -116,16 +120,26 @@ def set_up_replay(
     if options.as_recorded:
         trace = _on_its_own_clock(trace)
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = schedule_of(trace.track, options, rate_hz)
     size = options.size or headset.eye_size_px
     guarded_size(options.guard_band, headset, size)
+    if options.connect:
+        check_remote(options)
+    else:
+        schedule = schedule_of(trace.track, options, rate_hz)
     scene = load_scene(*options.scene_key)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     name = track.name or trace.path.stem
-    say(f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
     with ExitStack() as stack:
+        remote = None
+        if options.connect:
+            check_carried(needs)
+            remote = Remote(options.connect, secret_in(options.token_file), holds=True, say=_both(say, notes.append))
+            stack.callback(remote.close)
+            options = _with_latency_to(remote, options, headset, size, track)
+            schedule = schedule_of(trace.track, options, rate_hz)
+        say(f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
         gpu = stack.enter_context(Gpu())
         source = RecordedSource(track)
         source.start()
@@ -133,9 +147,28 @@ def set_up_replay(
         age_ns = expected_age_ns(options, schedule.age_ns, rate_hz)
         request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
-        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels))
-        notes = [*trace.notes(), *scene.notes, *notes, *options.notes]
-        return ReplaySetup(options, trace, track, scene, headset, size, schedule, gpu, pipeline, notes, stack.pop_all())
+        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, remote))
+        notes[:0] = [*trace.notes(), *scene.notes]
+        notes.extend(options.notes)
+        parts = (options, trace, track, scene, headset, size, schedule, gpu, pipeline, remote, notes)
+        return ReplaySetup(*parts, stack.pop_all())
+
+
+def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
+    def take(text: str) -> None:
+        for taker in takers:
+            taker(text)
+
+    return take
+
+
+def _with_latency_to(
+    remote: Remote, options: RunOptions, headset: Headset, size: tuple[int, int], track: PoseTrack
+) -> RunOptions:
+    """Return the options with the latency that is measured, in place of the one that is set."""
+    head = track.at(track.start_ns)
+    longest_ns = remote.measure(head, headset.views(head.pose), options.guard_band, size)
+    return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
 
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:

@@ -1,0 +1,3 @@
+"""Frames from another process or machine: messages, clocks, and both ends (docs/feed.md)."""
+
+EXTRA = "feed"

@@ -1,0 +1,147 @@
+"""The client's end of the feed: requests go out, frames come in with the instant they arrived."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from typing import Any
+
+import attrs
+
+from .clock import Alignment, Exchange
+from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
+from .sockets import address_of, zmq_module
+
+# What came in and was not taken yet; the oldest goes first.
+_MOST_FRAMES, _MOST_HELD = 128, 512 << 20
+
+
+@attrs.frozen(eq=False)
+class Arrival:
+    """A frame, and when its last byte was here."""
+
+    frame: FrameMessage
+    heard_ns: int
+
+
+class Caller:
+    """One client of a server, with a thread of its own so that arrivals are noted as they happen.
+
+    A server that goes away is called again until it is back; requests without a connection are
+    dropped. Errors: InputError for an address that is none; MachineError without the library.
+    """
+
+    def __init__(self, address: str, secret: str = "") -> None:
+        self._zmq: Any = zmq_module()
+        self.address, self._token = address_of(address), token_of(secret)
+        self.clock = Alignment()
+        self._changed = threading.Condition()
+        self._arrived: deque[Arrival] = deque()
+        self._held = 0
+        self._newest = 0
+        # Lines to tell, each once.
+        self._lines: deque[str] = deque(maxlen=100)
+        self.malformed = 0
+        self._context = self._zmq.Context()
+        self._orders, orders = (self._context.socket(self._zmq.PAIR) for _ in range(2))
+        for one in (self._orders, orders):
+            one.setsockopt(self._zmq.LINGER, 0)
+        orders.bind("inproc://orders")
+        self._orders.connect("inproc://orders")
+        self._thread = threading.Thread(target=self._work, args=(orders,), name="feed", daemon=True)
+        self._thread.start()
+
+    def ask(self, ask: Ask) -> int:
+        """Send a request; return when, on this machine's clock."""
+        now_ns = time.monotonic_ns()
+        self._orders.send(encode(attrs.evolve(ask, sent_ns=now_ns, received=self._newest, token=self._token)))
+        return now_ns
+
+    def take(self) -> list[Arrival]:
+        """Return the frames that have arrived since the last call, in order of arrival."""
+        with self._changed:
+            arrived, self._held = list(self._arrived), 0
+            self._arrived.clear()
+        return arrived
+
+    def wait_until(self, instant_ns: int) -> bool:
+        """Wait for an arrival until that instant; return whether there is one."""
+        with self._changed:
+            left_s = (instant_ns - time.monotonic_ns()) * 1e-9
+            if not self._arrived and left_s > 0:
+                self._changed.wait(left_s)
+            return bool(self._arrived)
+
+    def lines(self) -> list[str]:
+        """Return what there is to tell since the last call."""
+        with self._changed:
+            told = list(self._lines)
+            self._lines.clear()
+        return told
+
+    def close(self) -> None:
+        """Hang up."""
+        self._orders.send(b"")
+        self._thread.join()
+        self._orders.close(0)
+        self._context.term()
+
+    def _work(self, orders: Any) -> None:
+        socket = self._context.socket(self._zmq.DEALER)
+        options = {"LINGER": 0, "SNDHWM": 64, "RCVHWM": 4, "MAXMSGSIZE": MOST_BYTES, "IMMEDIATE": 1, "IPV6": "[" in self.address}
+        options |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000}
+        for name, value in options.items():
+            socket.setsockopt(getattr(self._zmq, name), value)
+        socket.connect(self.address)
+        poller = self._zmq.Poller()
+        poller.register(socket, self._zmq.POLLIN)
+        poller.register(orders, self._zmq.POLLIN)
+        try:
+            while True:
+                ready = dict(poller.poll())
+                if socket in ready:
+                    parts = socket.recv_multipart()
+                    self._hear(parts, time.monotonic_ns())
+                if orders in ready:
+                    data = orders.recv()
+                    if not data:
+                        return
+                    try:
+                        socket.send(data, self._zmq.NOBLOCK)
+                    except self._zmq.Again:
+                        pass  # nobody is there, or it takes nothing
+        finally:
+            socket.close(0)
+            orders.close(0)
+
+    def _hear(self, parts: list[bytes], heard_ns: int) -> None:
+        try:
+            if len(parts) != 1:
+                raise Malformed(f"{len(parts)} parts: expected one")
+            message = decode(parts[0])
+            if isinstance(message, Ask):
+                raise Malformed("a message for servers: expected a frame")
+        except Malformed as error:
+            self.malformed += 1
+            if self.malformed == 1:
+                self._tell(f"left out: {error}; further ones are counted")
+            return
+        if isinstance(message, Refusal):
+            self._tell(f"{self.address}: refused: {message.text}")
+            return
+        if self.clock.add(Exchange(message.asked_ns, message.received_ns, message.sent_ns, heard_ns)):
+            self._tell(f"{self.address}: the clock there has jumped, it is aligned anew")
+        with self._changed:
+            self._newest = max(self._newest, message.number)
+            self._arrived.append(Arrival(message, heard_ns))
+            self._held += message.bytes
+            while len(self._arrived) > _MOST_FRAMES or (self._held > _MOST_HELD and len(self._arrived) > 1):
+                self._held -= self._arrived.popleft().frame.bytes
+            self._changed.notify_all()
+
+    def _tell(self, line: str) -> None:
+        with self._changed:
+            if line not in self._lines:
+                self._lines.append(line)
+            self._changed.notify_all()

@@ -1,0 +1,39 @@
+"""What both ends know of the library: addresses, and sockets that hold little."""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from types import ModuleType
+
+from ..errors import InputError
+from ..extra import import_extra
+from . import EXTRA
+
+_TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
+
+
+def zmq_module() -> ModuleType:
+    """Return the library. Errors: MachineError where it is not installed."""
+    return import_extra("zmq", "pyzmq", EXTRA)
+
+
+def address_of(text: str) -> str:
+    """Return the library's address for HOST:PORT, tcp://HOST:PORT or ipc://PATH. Errors: InputError."""
+    if text.startswith("ipc://") and len(text) > len("ipc://"):
+        return text
+    found = _TCP.fullmatch(text)
+    if found is None or (found[2] != "*" and int(found[2]) > 65535):
+        raise InputError(f"address '{text}': expected HOST:PORT, such as 127.0.0.1:5570, or ipc://PATH")
+    return f"tcp://{found[1]}:{found[2]}"
+
+
+def is_local(address: str) -> bool:
+    """Return whether only this machine reaches it."""
+    found = _TCP.fullmatch(address)
+    if found is None or found[1] == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(found[1].strip("[]")).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,292 @@
+"""A server elsewhere: its frames come by the feed, as old as they then are.
+
+The loop is the same one. Requests go out where frames would be drawn, and a frame that has arrived
+enters the link with the delay that was measured.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from ..errors import InputError, MachineError
+from ..feed.caller import Arrival, Caller
+from ..feed.message import Ask
+from ..frames import EyeImage, Frame, Needs
+from ..geometry import guarded_eyes
+from ..gpu.textures import upload
+from ..link import LinkOptions
+from ..link.codec import codecs
+from ..link.options import DROP
+from .channel import Channel
+from .layers_read import Reads
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..geometry import Eyes, Guard, View
+    from ..poses import PoseSample
+    from ..server import Server
+    from .options import PipelineOptions
+    from .requested import PoseRequest
+
+# Requests whose answers say how long the way is; the first also waits for the server's set-up.
+_TRIALS = 6
+_ANSWER_NS = 30_000_000_000
+_TELL_NS = 2_000_000_000
+# Requests that may be without an answer; what is older is never answered.
+_MOST_PENDING = 4096
+_MS = 1e6
+
+
+@attrs.frozen(eq=False)
+class _Pending:
+    head: PoseSample
+    # On the loop's clock, and on this machine's.
+    drawn_ns: int
+    sent_ns: int
+    size: tuple[int, int]
+
+
+class Remote:
+    """The session with a server elsewhere.
+
+    holds: the loop waits, at each refresh, until it is known what has arrived by then; for loops
+    that run on a clock of their own. say: called with each line about the connection.
+    Errors: as Caller.
+    """
+
+    def __init__(
+        self, address: str, secret: str = "", *, holds: bool, say: Callable[[str], None] = lambda text: None
+    ) -> None:
+        self._caller, self._holds, self._say = Caller(address, secret), holds, say
+        self._number = 0
+        self._pending: dict[int, _Pending] = {}
+        self._heard_ns, self._is_lost = time.monotonic_ns(), False
+        self.unanswered = self.refused = 0
+        self._paced: tuple[int, int] | None = None
+        # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
+        self.delays_ns: list[tuple[int, int]] = []
+
+    def ask(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], now_ns: int) -> None:
+        """Ask for a frame of these eyes at that instant of the loop's clock."""
+        fovs, grown = guarded_eyes(views, guard, size)
+        wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
+        self._number += 1
+        sent_ns = self._caller.ask(Ask(self._number, 0, now_ns, head.time_ns, 0, grown, head.pose, wide))
+        self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown)
+        while len(self._pending) > _MOST_PENDING:
+            del self._pending[next(iter(self._pending))]
+            self.unanswered += 1
+
+    def measure(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
+        """Return the longest time in ns from a request to its frame, of a few.
+
+        Errors: MachineError where nothing answers.
+        """
+        took = []
+        for _ in range(_TRIALS):
+            took.append(self._trial(head, views, guard, size))
+        self._pending.clear()
+        self.delays_ns.clear()
+        return max(took[1:])
+
+    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
+        until_ns = time.monotonic_ns() + _ANSWER_NS
+        while (now_ns := time.monotonic_ns()) < until_ns:
+            self.ask(head, views, guard, size, head.time_ns)
+            # Asked again after a while: the connection may not have been there.
+            again_ns = min(until_ns, now_ns + 1_000_000_000)
+            while time.monotonic_ns() < again_ns:
+                self._caller.wait_until(again_ns)
+                lines = self._caller.lines()
+                if lines and "refused" in lines[-1]:
+                    raise InputError(f"--connect {lines[-1]}")
+                for _, arrival in self._known():
+                    return arrival.heard_ns - arrival.frame.asked_ns
+        raise MachineError(
+            f"--connect {self._caller.address}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and "
+            "check address and token"
+        )
+
+    def pace(self, now_ns: int) -> None:
+        """Wait so that refreshes come no faster than on the display, where the loop holds."""
+        if not self._holds:
+            return
+        clock_ns = time.monotonic_ns()
+        if self._paced is not None:
+            due_ns = self._paced[1] + now_ns - self._paced[0]
+            if due_ns > clock_ns:
+                time.sleep((due_ns - clock_ns) * 1e-9)
+                clock_ns = due_ns
+        self._paced = now_ns, clock_ns
+
+    def arrived(self, now_ns: int) -> list[tuple[_Pending, Arrival]]:
+        """Return what has arrived since the last call, oldest first.
+
+        Where the loop holds, what has not arrived when this returns arrives later than `now_ns`.
+        """
+        found = self._known()
+        while self._holds and self._pending:
+            latest_ns = max(one.sent_ns + now_ns - one.drawn_ns for one in self._pending.values())
+            if time.monotonic_ns() >= latest_ns:
+                break
+            self._caller.wait_until(latest_ns)
+            found += self._known()
+        self._tell()
+        return found
+
+    def _known(self) -> list[tuple[_Pending, Arrival]]:
+        """Return the arrivals that answer a request; frames come in order, so older ones never will."""
+        found = []
+        for arrival in self._caller.take():
+            number = arrival.frame.number
+            if number not in self._pending:
+                continue
+            for older in [one for one in self._pending if one < number]:
+                del self._pending[older]
+                self.unanswered += 1
+            pending = self._pending.pop(number)
+            if arrival.frame.size != pending.size:
+                self.refused += 1
+                continue
+            self._heard_ns = arrival.heard_ns
+            found.append((pending, arrival))
+            self.delays_ns.append((pending.drawn_ns, arrival.heard_ns - pending.sent_ns))
+        return found
+
+    def _tell(self) -> None:
+        for line in self._caller.lines():
+            self._say(line)
+        silent_ns = time.monotonic_ns() - self._heard_ns
+        if self._is_lost and silent_ns < _TELL_NS:
+            self._say(f"{self._caller.address}: frames come again")
+            self._is_lost = False
+        elif not self._is_lost and self._pending and silent_ns >= _TELL_NS:
+            self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.0f} s; the last one stays")
+            self._is_lost = True
+
+    def summary(self) -> dict[str, Any]:
+        """Return what summary.json has of the connection."""
+        return {
+            "address": self._caller.address,
+            "clock": self._caller.clock.summary(),
+            "unanswered": self.unanswered,
+            "malformed": self._caller.malformed + self.refused,
+        }
+
+    def close(self) -> None:
+        """End the session."""
+        self._caller.close()
+
+
+@attrs.frozen(eq=False)
+class RemoteFrames:
+    """Frames that another machine draws: asking returns none, they arrive at the channel.
+
+    server: this side's, of whose textures the frames are made.
+    """
+
+    remote: Remote
+    server: Server
+    requested: PoseRequest
+    eyes: Eyes
+
+    def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
+        """Ask for a frame for that head."""
+        asked = self.requested
+        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns)
+
+    def made(self, pending: _Pending, arrival: Arrival) -> Frame:
+        """Return the frame that arrived."""
+        found, eyes = arrival.frame, []
+        for view, colour, inverse_depth in zip(found.views, found.colours, found.inverse_depths, strict=True):
+            target = self.server.acquire(found.size)
+            upload(target.colour, colour)
+            upload(target.inverse_depth, inverse_depth)
+            eyes.append(EyeImage(view, target.colour, target.inverse_depth, drawn_ns=pending.drawn_ns))
+        took_ms = {"render": found.render_ns / _MS}
+        return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return False: nobody here knows."""
+        return False
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Pass over: the server elsewhere hears of it with the next request."""
+
+    def recycle(self, frame: Frame) -> None:
+        """Return the frame's textures to the pools."""
+        self.server.recycle(frame)
+
+
+class RemoteChannel(Channel):
+    """The channel of frames that arrive by the feed: their delay is measured, not set."""
+
+    def __init__(
+        self,
+        frames: RemoteFrames,
+        latency_ns: int,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        rate_hz: float,
+        settled: Callable[[Frame, bool, int], None],
+        network: LinkOptions,
+    ) -> None:
+        super().__init__(network, latency_ns, None, reads, offer, frames.recycle, rate_hz, settled)
+        self._remote, self._frames_of = frames.remote, frames
+        self._measured_ns = self._render_ns = 0
+        self.link.delay_by(self._delays())
+
+    def _delays(self) -> Iterator[int]:
+        while True:
+            yield self._measured_ns
+
+    def due(self, now_ns: int) -> list[int]:
+        """Return the instants at which a frame is asked for, up to now."""
+        self._remote.pace(now_ns)
+        return super().due(now_ns)
+
+    def newest(self, now_ns: int) -> Frame | None:
+        """Return the newest frame that has arrived by now, or None before the first."""
+        for pending, arrival in self._remote.arrived(now_ns):
+            took_ns = arrival.heard_ns - pending.sent_ns
+            self._render_ns = min(arrival.frame.render_ns, took_ns)
+            self._measured_ns = took_ns - self._render_ns
+            self.send(self._frames_of.made(pending, arrival), pending.drawn_ns)
+        return super().newest(now_ns)
+
+    def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
+        return self._render_ns, 0
+
+    def fates(self) -> dict[str, int]:
+        """Return what became of every frame; skipped: requests that the server passed over."""
+        return {**super().fates(), "skipped": self._remote.unanswered}
+
+    def summary(self, rate_hz: float) -> dict[str, Any]:
+        """Return the `link` of summary.json, with the connection."""
+        return {**super().summary(rate_hz), "feed": self._remote.summary()}
+
+
+def check_remote(options: PipelineOptions) -> None:
+    """Check what cannot be set where frames come from elsewhere. Errors: InputError."""
+    if not options.network.is_plain or options.network.overload != DROP:
+        raise InputError(
+            "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
+            "leave them out"
+        )
+    if not codecs.get(options.coding.codec).is_none or options.proxy.on or options.chooses_warp:
+        raise InputError("--connect with --codec, --proxy or --warp auto: not supported, leave them out")
+
+
+def check_carried(needs: Needs) -> None:
+    """Check that plans read what the feed carries. Errors: InputError."""
+    names = ", ".join(name for name in needs if name != "others")
+    if names:
+        raise InputError(
+            f"--connect: the feed carries colour and depth, and the passes need {names} too: use --effects none, or "
+            "another warp or fill"
+        )

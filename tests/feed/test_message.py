@@ -1,0 +1,116 @@
+"""Messages: what is encoded comes back bit for bit; whatever else comes in is refused, never more."""
+
+import random
+import struct
+import tracemalloc
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.feed.message import (
+    MOST_BYTES,
+    Ask,
+    FrameMessage,
+    Malformed,
+    Refusal,
+    decode,
+    encode,
+    token_of,
+)
+from hmdwarp.geometry import Fov, Pose, View
+
+HEAD = Pose((0.1, 1.6, -1e-9), (0.1, 0.2, 0.3, 0.9))
+VIEWS = tuple(View(HEAD @ Pose((x, 0, 0)), Fov(-0.8, 0.7, -0.6, 0.65), Pose((x, 0, 0))) for x in (-0.03, 0.03))
+ASK = Ask(7, -5, 2**62, 12, 6, (4, 3), HEAD, VIEWS, token_of("secret"))
+RNG = np.random.default_rng(1)
+FRAME = FrameMessage(
+    7,
+    1,
+    2,
+    3,
+    4,
+    5,
+    VIEWS,
+    tuple(RNG.random((3, 4, 4)).astype(np.float16) for _ in VIEWS),
+    tuple(RNG.random((3, 4)).astype(np.float32) for _ in VIEWS),
+)
+
+
+def same_view(a: View, b: View) -> bool:
+    poses = ((a.pose, b.pose), (a.head_from_eye, b.head_from_eye))
+    exact = all(
+        (p.position_m == q.position_m).all() and (p.orientation_xyzw == q.orientation_xyzw).all() for p, q in poses
+    )
+    return exact and a.fov == b.fov
+
+
+def test_a_request_comes_back_bit_for_bit():
+    back = decode(encode(ASK))
+    assert isinstance(back, Ask)
+    plain = ("number", "sent_ns", "time_ns", "head_ns", "received", "size", "token")
+    assert [getattr(back, name) for name in plain] == [getattr(ASK, name) for name in plain]
+    assert all(map(same_view, back.views, VIEWS))
+
+
+def test_a_frame_comes_back_bit_for_bit():
+    back = decode(encode(FRAME))
+    assert isinstance(back, FrameMessage)
+    assert back.size == (4, 3) and (back.number, back.time_ns) == (7, 5)
+    for ours, theirs in zip((*FRAME.colours, *FRAME.inverse_depths), (*back.colours, *back.inverse_depths), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    assert all(map(same_view, back.views, VIEWS))
+
+
+def test_a_refusal_is_one_printable_line():
+    back = decode(encode(Refusal(3, "no\n\x1b[31m room" + "é" * 10)))
+    assert back == Refusal(3, "no  [31m room" + "é" * 10)
+
+
+@pytest.mark.parametrize(
+    ("at", "value", "told"),
+    [
+        (0, b"NOPE", "begins with"),
+        (4, struct.pack("<H", 2), "version 2"),
+        (6, struct.pack("<H", 9), "kind 9"),
+        (8, struct.pack("<I", 12), "it says 12"),
+        (8, struct.pack("<I", MOST_BYTES + 1), "it says"),
+    ],
+)
+def test_what_is_wrong_is_said(at, value, told):
+    data = bytearray(encode(ASK))
+    data[at : at + len(value)] = value
+    with pytest.raises(Malformed, match=told):
+        decode(bytes(data))
+
+
+def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
+    data = bytearray(encode(FRAME))
+    at = data.index(struct.pack("<II", 4, 3))
+    data[at : at + 8] = struct.pack("<II", 8192, 8192)
+    tracemalloc.start()
+    with pytest.raises(Malformed, match="expected"):
+        decode(bytes(data))
+    assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    tracemalloc.stop()
+
+
+def test_a_hundred_thousand_broken_messages_are_read_or_refused():
+    rng = random.Random(19)
+    whole = [encode(ASK), encode(attrs.evolve(FRAME, views=FRAME.views)), encode(Refusal(1, "why"))]
+    refused = 0
+    for _ in range(100_000):
+        data = bytearray(rng.choice(whole))
+        for _ in range(rng.randint(1, 4)):
+            data[rng.randrange(len(data))] = rng.choice((0, 1, 127, 128, 255, rng.randrange(256)))
+        if rng.random() < 0.3:
+            del data[rng.randrange(len(data)) :]
+        elif rng.random() < 0.2:
+            data += bytes(rng.randrange(20))
+        if rng.random() < 0.5 and len(data) >= 12:
+            data[8:12] = struct.pack("<I", len(data))
+        try:
+            decode(bytes(data))
+        except Malformed:
+            refused += 1
+    assert refused > 50_000
