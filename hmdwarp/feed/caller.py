@@ -89,7 +89,14 @@ class Caller:
 
     def _work(self, orders: Any) -> None:
         socket = self._context.socket(self._zmq.DEALER)
-        options = {"LINGER": 0, "SNDHWM": 64, "RCVHWM": 4, "MAXMSGSIZE": MOST_BYTES, "IMMEDIATE": 1, "IPV6": "[" in self.address}
+        options = {
+            "LINGER": 0,
+            "SNDHWM": 64,
+            "RCVHWM": 4,
+            "MAXMSGSIZE": MOST_BYTES,
+            "IMMEDIATE": 1,
+            "IPV6": "[" in self.address,
+        }
         options |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000}
         for name, value in options.items():
             socket.setsockopt(getattr(self._zmq, name), value)

@@ -158,7 +158,9 @@ class Listener:
         self._bad += 1
         now_ns = time.monotonic_ns()
         if now_ns - self._told_ns >= _EACH_NS:
-            self._say(f"left out {self._bad} messages that are none: {error}" if self._bad > 1 else f"left out: {error}")
+            self._say(
+                f"left out {self._bad} messages that are none: {error}" if self._bad > 1 else f"left out: {error}"
+            )
             self._bad, self._told_ns = 0, now_ns
 
     def _forget_silent(self) -> None:

@@ -92,6 +92,7 @@ class Remote:
             took.append(self._trial(head, views, guard, size))
         self._pending.clear()
         self.delays_ns.clear()
+        self.unanswered = 0
         return max(took[1:])
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:

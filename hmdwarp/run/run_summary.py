@@ -24,7 +24,7 @@ _MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
-OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "report.html", "replay.mp4")
+OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "delays.csv", "report.html", "replay.mp4")
 EYES = ("left", "right")
 
 

@@ -57,7 +57,9 @@ def test_a_frame_comes_back_bit_for_bit():
     back = decode(encode(FRAME))
     assert isinstance(back, FrameMessage)
     assert back.size == (4, 3) and (back.number, back.time_ns) == (7, 5)
-    for ours, theirs in zip((*FRAME.colours, *FRAME.inverse_depths), (*back.colours, *back.inverse_depths), strict=True):
+    for ours, theirs in zip(
+        (*FRAME.colours, *FRAME.inverse_depths), (*back.colours, *back.inverse_depths), strict=True
+    ):
         np.testing.assert_array_equal(ours, theirs)
     assert all(map(same_view, back.views, VIEWS))
 
