@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections import deque
@@ -114,10 +115,9 @@ class Caller:
                     data = orders.recv()
                     if not data:
                         return
-                    try:
+                    # Nobody is there, or it takes nothing.
+                    with contextlib.suppress(self._zmq.Again):
                         socket.send(data, self._zmq.NOBLOCK)
-                    except self._zmq.Again:
-                        pass  # nobody is there, or it takes nothing
         finally:
             socket.close(0)
             orders.close(0)

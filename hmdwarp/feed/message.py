@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
@@ -95,7 +95,7 @@ class FrameMessage:
     @property
     def bytes(self) -> int:
         """Bytes of the pictures."""
-        return sum(one.nbytes for one in (*self.colours, *self.inverse_depths))
+        return sum(one.nbytes for one in self.colours) + sum(one.nbytes for one in self.inverse_depths)
 
 
 @attrs.frozen
@@ -118,8 +118,8 @@ def encode(message: Message) -> bytes:
     """Return the bytes of a message."""
     if isinstance(message, Ask):
         one = message
-        numbers = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
-        body = [_ASK.pack(*numbers, *one.size, len(one.views)), _packed(one.head), *map(_packed_eye, one.views)]
+        stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
+        body = [_ASK.pack(*stated, *one.size, len(one.views)), _packed(one.head), *map(_packed_eye, one.views)]
         return _framed(ASK, body)
     if isinstance(message, FrameMessage):
         it = message
@@ -155,7 +155,7 @@ def decode(data: bytes) -> Message:
         raise Malformed(f"version {version}: this program speaks version {VERSION}")
     if length != len(data) or length > MOST_BYTES:
         raise Malformed(f"{len(data)} bytes, and it says {length}: expected the same, at most {MOST_BYTES}")
-    readers = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal}
+    readers: dict[int, Callable[[bytes], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal}
     if kind not in readers:
         raise Malformed(f"kind {kind}: expected {ASK}, {FRAME} or {REFUSAL}")
     try:
@@ -174,12 +174,13 @@ def _ask(data: bytes) -> Ask:
 
 
 def _frame(data: bytes) -> FrameMessage:
-    *numbers, width, height, eyes, colour, depth = _FRAME.unpack_from(data, _HEAD.size)
+    number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
+    width, height, eyes, colour, depth = form
     _check_format(width, height, eyes)
     if (colour, depth) != (RGBA16F, INVERSE_DEPTH):
         raise Malformed(f"formats {colour} and {depth}: expected {RGBA16F} for colour and {INVERSE_DEPTH} for depth")
-    if numbers[4] < 0:
-        raise Malformed(f"drawn in {numbers[4]} ns: expected 0 or more")
+    if render_ns < 0:
+        raise Malformed(f"drawn in {render_ns} ns: expected 0 or more")
     at, pixels = _HEAD.size + _FRAME.size, width * height
     _check_length(data, at + eyes * (_EYE.size + (_COLOUR_BYTES + _DEPTH_BYTES) * pixels))
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
@@ -189,7 +190,9 @@ def _frame(data: bytes) -> FrameMessage:
         at += _COLOUR_BYTES * pixels
         depths.append(np.frombuffer(data, "<f4", pixels, at).reshape(height, width))
         at += _DEPTH_BYTES * pixels
-    return FrameMessage(*numbers, views, tuple(colours), tuple(depths))
+    return FrameMessage(
+        number, asked_ns, received_ns, sent_ns, render_ns, time_ns, views, tuple(colours), tuple(depths)
+    )
 
 
 def _refusal(data: bytes) -> Refusal:
@@ -206,7 +209,7 @@ def _refusal(data: bytes) -> Refusal:
 def _check_format(width: int, height: int, eyes: int) -> None:
     if not (1 <= width <= MOST_SIDE and 1 <= height <= MOST_SIDE and 1 <= eyes <= MOST_EYES):
         raise Malformed(
-            f"{eyes} eyes of {width}x{height} pixels: expected 1 to {MOST_EYES}, of 1 to {MOST_SIDE} pixels on each side"
+            f"{eyes} eyes of {width}x{height} pixels: expected 1 to {MOST_EYES}, with sides of 1 to {MOST_SIDE}"
         )
 
 

@@ -19,7 +19,10 @@ def zmq_module() -> ModuleType:
 
 
 def address_of(text: str) -> str:
-    """Return the library's address for HOST:PORT, tcp://HOST:PORT or ipc://PATH. Errors: InputError."""
+    """Return the library's address for HOST:PORT, tcp://HOST:PORT or ipc://PATH.
+
+    Errors: InputError.
+    """
     if text.startswith("ipc://") and len(text) > len("ipc://"):
         return text
     found = _TCP.fullmatch(text)

@@ -141,7 +141,10 @@ class Remote:
         return found
 
     def _known(self) -> list[tuple[_Pending, Arrival]]:
-        """Return the arrivals that answer a request; frames come in order, so older ones never will."""
+        """Return the arrivals that answer a request.
+
+        Frames come in order, so requests before one that is answered never will be.
+        """
         found = []
         for arrival in self._caller.take():
             number = arrival.frame.number

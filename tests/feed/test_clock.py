@@ -1,4 +1,4 @@
-"""Clock alignment: the offset is right within half the round trip, a drift is found, a jump is told."""
+"""Clock alignment: the offset is right within half the round trip, a drift and a jump are told."""
 
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,4 +1,4 @@
-"""Messages: what is encoded comes back bit for bit; whatever else comes in is refused, never more."""
+"""Messages: what is encoded comes back bit for bit; whatever else comes in is refused."""
 
 import random
 import struct

@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 from replays import small
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
-
 from hmdwarp.errors import InputError
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import Refusal, decode, encode
@@ -27,6 +25,8 @@ from hmdwarp.run import replay
 from hmdwarp.run.log import ReplayLog
 
 from .test_message import ASK, FRAME
+
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
 
 
 class Serving:
@@ -159,7 +159,7 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
         for number in (1, 2, 3):
             slow.send(encode(attrs.evolve(ASK, number=number, received=0, token=bytes(32))))
         slow_asked = answered(listener)
-        # Requests 1 and 2 may have been taken before 3 was there; the last is the newest in the end.
+        # Requests 1 and 2 may have been taken before 3 was there; the newest comes last.
         while slow_asked.ask.number < 3:
             slow_asked = answered(listener)
         sent = 0
