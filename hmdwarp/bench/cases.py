@@ -143,7 +143,7 @@ def plan_of(
     effect_names: in place of the effects of the options. Errors: as build_plan.
     """
     wanted = effect_names or options.effects
-    selected = effects.selected(wanted, effects.of(scene) if scene is not None else ())
+    selected = effects.selected(wanted, effects.of(scene) if scene is not None else (), scene)
     named = effects.forced(wanted)
     if why := _unsuited(scene, warp):
         raise PlanError(f"warp '{warp}' is not for scene '{scene.name if scene is not None else ''}': {why}")

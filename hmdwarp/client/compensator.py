@@ -144,6 +144,10 @@ class Compensator:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made = self._eyes[inputs.eye]
         inputs = inputs if self.plan.scanout else inputs.at_once()
+        for shown in self._shown:
+            if shown.takes_out:
+                with self._stage("effects"):
+                    inputs = shown.take_out(inputs)
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
         for one in self._rendered:

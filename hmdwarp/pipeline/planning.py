@@ -73,7 +73,7 @@ def _plan_of_all(
 ) -> Plan:
     """Return the plan of who gets the server's frames."""
     called_for = effects.of(scene) if scene is not None else ()
-    selected = effects.selected(options.effects, called_for)
+    selected = effects.selected(options.effects, called_for, scene)
     return build_plan(
         selected,
         options.warp,
