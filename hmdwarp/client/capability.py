@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def scene_drawn(plan: Plan) -> str:
     """Return what of the scene the client draws for the plan, one of clients.SCENES.
 
-    Depth, what deforms, and a model of fewer triangles than the scene's, take a reduced scene. The warps and
-    fills whose setting `share` is 1, and those without one, take all of it.
+    Depth, what deforms, and a model of fewer triangles than the scene's, take a reduced scene. The
+    warps and fills whose setting `share` is 1, and those without one, take all of it.
     """
     passes: list[Choice[Any]] = [plan.choice, *plan.fills]
     drawn = [getattr(one.settings, "share", 1.0) for one in passes if CLIENT_MODEL in one.entry.reads]

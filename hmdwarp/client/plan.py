@@ -202,9 +202,7 @@ def build_plan(
     rendered, shown = (
         [one for one in passes if issubclass(one.made_by, RenderedPass) is before] for before in (True, False)
     )
-    for one in shown:
-        if issubclass(one.made_by, ShownPass) and one.made_by.takes_out:
-            draft.add("effects", f"{one.made_by.name} out", _why(one, forced), (*PICTURE, CLIENT_SOFT_BODIES), PICTURE)
+    _plan_taken_out(shown, forced, draft)
     for one in rendered:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
@@ -323,6 +321,14 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
         if not names
         else f"forced, though the scene has nothing of {' and '.join(names)}: {what}"
     )
+
+
+def _plan_taken_out(shown: Sequence[PlannedEffect], forced: Collection[str], draft: _Draft) -> None:
+    """Add what passes after the fills take out of the rendered pictures first."""
+    for one in shown:
+        if issubclass(one.made_by, ShownPass) and one.made_by.takes_out:
+            own = tuple(name for name in one.reads if name.startswith("client."))
+            draft.add("effects", f"{one.made_by.name} out", _why(one, forced), (*PICTURE, *own), PICTURE)
 
 
 def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:

@@ -10,6 +10,7 @@ import moderngl
 import numpy as np
 
 from ..gpu.scopes import drawing_into
+from ..gpu.textures import release_all
 from ..scenes import unlit
 from ..server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
 
@@ -80,8 +81,7 @@ class ClientSoftBodies:
 
     def close(self) -> None:
         """Free its buffers; the shader library owns the programs."""
-        for owned in (*self._vertices, *self._vertices_late, *self._baked, *self._past):
-            owned.release()
+        release_all(*self._vertices, *self._vertices_late, *self._baked, *self._past)
         for one in self._bodies:
             one.close()
         self._framebuffers.close()

@@ -120,7 +120,7 @@ class RenderedPass(EffectPass):
 class ShownPass(EffectPass):
     """Composites into the shown picture after the fills."""
 
-    writes = ("shown.colour",)
+    writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
     # Whether it takes something out of the rendered pictures before all other passes.
     takes_out: ClassVar[bool] = False
 
