@@ -30,6 +30,7 @@ import models
 import panel
 import passes
 import prediction_tables
+import soft
 import studies
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
@@ -231,6 +232,12 @@ def scene_on_the_client(folder: Path) -> None:
     """Measure what it takes and brings that the client has the scene: some ten minutes."""
     (folder / "models").mkdir()
     replace("models", models.table(folder / "models", program))
+
+
+def soft_bodies(folder: Path) -> None:
+    """Measure what deforms, moved and drawn: some five minutes."""
+    (folder / "soft").mkdir()
+    replace("soft bodies", soft.table(folder / "soft", program))
 
 
 def moving_light(folder: Path) -> None:
@@ -534,6 +541,7 @@ PARTS = {
     "points": points,
     "models": scene_on_the_client,
     "light": moving_light,
+    "soft": soft_bodies,
     "prediction": prediction,
     "effects": effects,
     "reflections": reflections,

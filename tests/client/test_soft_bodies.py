@@ -43,6 +43,10 @@ HERE = View(Pose((0.0, 1.5, 0.0)), FOV)
 # 25 cm and 6 degrees from there.
 THERE = View(Pose((0.2, 1.6, -0.1), (0.0, 0.05, 0.0, 1.0)), FOV)
 
+# Turned by 34 degrees; beyond the cloth and looking back.
+ASIDE = View(Pose((0.0, 1.5, 0.0), (0.0, 0.3, 0.0, 1.0)), FOV)
+BEHIND = View(Pose((0.0, 1.5, -3.8), (0.0, 1.0, 0.0, 0.0)), FOV)
+
 
 def quad(name: str, centre, wide: float, high: float, light, **more) -> Mesh:
     corners = np.array([(-wide, -high, 0), (wide, -high, 0), (wide, high, 0), (-wide, high, 0)]) / 2 + centre
@@ -106,17 +110,19 @@ class Shown:
         self.then_ns, self.now_ns = then_ns, now_ns
 
 
-@pytest.mark.parametrize(("now", "age_ms"), [(HERE, 0), (THERE, 200), (THERE, 800)], ids=["still", "200", "800"])
-@pytest.mark.parametrize("gain", [(1.0, 1.0, 1.0), (0.5, 1.2, 0.8)], ids=["as baked", "other light"])
-def test_the_pass_does_what_rays_do(gpu, now, age_ms, gain):
-    shown = Shown(gpu, now, age_ms, gain=gain)
+@pytest.mark.parametrize(
+    ("now", "age_ms", "late"),
+    [(HERE, 0, HERE), (THERE, 200, HERE), (THERE, 800, HERE), (THERE, 400, ASIDE), (THERE, 400, BEHIND)],
+    ids=["still", "200", "800", "half of it out of view", "from behind"],
+)
+def test_the_pass_does_what_rays_do(gpu, now, age_ms, late):
+    shown = Shown(gpu, now, age_ms, late, gain=(0.5, 1.2, 0.8))
     (mesh,) = [one for one in shown.scene.meshes if one.deformation is not None]
     corner = np.asarray(mesh.triangles, np.int64)
-    pixel = max(FOV.tangents[1] - FOV.tangents[0], FOV.tangents[3] - FOV.tangents[2]) / max(SIZE)
-    wide, high = (1.4 / SIZE[0], 1.1 / SIZE[1])
-    assert pixel <= max(wide, high) * 1.01
+    left, right, down, up = FOV.tangents
+    pixel = max((right - left) / SIZE[0], (up - down) / SIZE[1])
     constants = {
-        "same": SAME, "steepest": STEEPEST * max(wide, high), "nearest": 0.02, "least": 0.01, "black": 1e-4,
+        "same": SAME, "steepest": STEEPEST * pixel, "nearest": 0.02, "least": 0.01, "black": 1e-4,
         "block": BLOCK, "near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT["none"],
         "same_depth": SAME_DEPTH, "same_surface": SAME_SURFACE,
     }  # fmt: skip
@@ -124,13 +130,13 @@ def test_the_pass_does_what_rays_do(gpu, now, age_ms, gain):
         SoftAsked(
             mesh.deformation.positions(shown.then_ns)[corner], mesh.deformation.positions(shown.now_ns)[corner],
             np.float64(mesh.albedo)[corner], np.float64(mesh.light)[corner], shown.before, shown.before_depth, now,
-            shown.late, shown.late_depth, HERE, sample_offsets(SAMPLES, 0.25 * SIZE[0]), constants,
+            shown.late, shown.late_depth, late, sample_offsets(SAMPLES, 0.25 * SIZE[0]), constants,
         )
     )  # fmt: skip
     off = np.abs(shown.out - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
     # Three half floats multiplied and divided, and stored. On the border of triangles and of
-    # tolerances rounding decides: a pixel in fifty.
-    assert (off <= 4 * HALF).mean() > 0.98
+    # tolerances rounding decides: six of 3072 pixels.
+    assert (off <= 4 * HALF).mean() > 0.998
     assert (np.abs(shown.out_depth - depth) <= 1e-5 * (1 + depth)).mean() > 0.99
     assert np.isfinite(shown.out).all()
     assert shown.covered.sum() > 400
