@@ -78,7 +78,7 @@ class DepthCamera:
                 server.pool(eye.size).release(eye.colour)
         return CameraFrame(
             srgb8_from_linear(colour),
-            self._measured(inverse, rng),
+            self.measured(inverse, rng),
             View(world_from_eye_at(time_ns), self.fov),
             time_ns,
             metres_from_inverse_depth(truth),
@@ -90,7 +90,8 @@ class DepthCamera:
         x, y = self.shift[0] * (right - left) / self.size[0], self.shift[1] * (up - down) / self.size[1]
         return Fov.from_tangents((left - x, right - x, down + y, up + y))
 
-    def _measured(self, inverse: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    def measured(self, inverse: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+        """Return the depth in metres that the camera measures of an inverse depth, 0 for none."""
         # Noise of the depth that grows with its square is the same everywhere in inverse depth.
         noisy = inverse + self.noise * rng.standard_normal(inverse.shape)
         with np.errstate(divide="ignore"):

@@ -1,0 +1,179 @@
+"""The search for the reading under which frames agree: one convention first, then two."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import attrs
+import numpy as np
+
+from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise, cost, fit
+from .overlap import Overlap
+from .reading import AXES, BUFFER, METRES, Reading
+from .stated import Array, Stated
+
+PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
+SURE = 3.5  # standard errors by which the better of two readings has to be better
+_STEP = 1.25  # from one factor of the grid to the next
+_PARALLAX_PX = (0.3, 100.0)  # in pictures of COARSE_PX: less says nothing, more would be no picture
+# Inverse depth of the far plane, and of the farthest pixel, over what the median pixel has more.
+_FARTHEST, _FARTHEST_SEEN = (0.0, 0.1, 0.3), (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
+_LATE = (-0.8, -0.4, 0.4, 0.8)  # instants of the picture after the pose's, in frames
+_OFFSETS = (-0.6, -0.3, -0.15, 0.15, 0.3, 0.6)  # of the inverse depth, in its median
+
+
+@attrs.frozen(eq=False)
+class Candidate:
+    """A reading, and how it does on the fine pictures."""
+
+    reading: Reading
+    cost: Array  # of each block
+    changes: int  # conventions that differ from what is stated
+    fitted: Fitted | None = None
+
+
+class Search:
+    """Frames, and what is known of the readings that were tried."""
+
+    def __init__(self, stated: Stated) -> None:
+        self.stated = stated
+        pairs = _pairs(len(stated.frames))
+        points = max(1, PAIRS // len(pairs))
+        self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
+        self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
+        same = stated.coarse.numbers.shape == stated.fine.numbers.shape
+        self.fine = self.middle if same else Overlap(stated, stated.fine, pairs, FINE_POINTS * points, between=True)
+        self._scores: dict[Reading, float] = {}
+
+    def score(self, reading: Reading) -> float:
+        """Return the agreement on the coarse pictures, 0 to 1."""
+        if reading not in self._scores:
+            sums, counts = self.coarse.by_block(self.coarse.score(reading))
+            self._scores[reading] = float(sums.sum() / max(counts.sum(), 1))
+        return self._scores[reading]
+
+    def best(self, readings: Sequence[Reading]) -> Reading:
+        """Return that of the highest agreement, the first of equals."""
+        return max(readings, key=self.score)
+
+    # What may be otherwise, one convention at a time.
+
+    def discrete(self, start: Reading) -> Iterator[Reading]:
+        """Yield the reading with one convention that has no number changed."""
+        yield attrs.evolve(start, order="wxyz" if start.order == "xyzw" else "xyzw")
+        yield attrs.evolve(start, inverse=not start.inverse)
+        yield from (attrs.evolve(start, axes=name) for name in AXES if name != start.axes)
+        if self.stated.other_eye is not None:
+            yield attrs.evolve(start, eyes_swapped=not start.eyes_swapped)
+        yield from self.rows(start)
+        if start.along == 0:
+            yield attrs.evolve(start, along=1.0)
+
+    @staticmethod
+    def rows(start: Reading) -> Iterator[Reading]:
+        """Yield the reading with rows the other way round."""
+        for colour, depth in itertools.product((False, True), repeat=2):
+            if (colour, depth) != (start.colour_rows_up, start.depth_rows_up):
+                yield attrs.evolve(start, colour_rows_up=colour, depth_rows_up=depth)
+
+    def numbers(self, start: Reading) -> list[list[Reading]]:
+        """Return readings of depth by other numbers, one list for each kind of encoding."""
+        base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
+        middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
+        ways = [[attrs.evolve(start, factor=one) for one in self._factors(start, middle)]]
+        if self.stated.may_be_buffer:
+            numbers = self.stated.coarse.numbers[np.isfinite(self.stated.coarse.numbers)]
+            for end, sign in ((1.0, -1.0), (-1.0 if self.stated.signed else 0.0, 1.0)):
+                buffer = attrs.evolve(start, kind=BUFFER, end=end)
+                ways.append(self._encoded(buffer, sign, float(np.median(np.abs(numbers - end))), _FARTHEST))
+        else:  # near 1 a buffer and one over it differ by a plane
+            ways.append(
+                [
+                    attrs.evolve(start, offset=share * middle, factor=one)
+                    for share in _OFFSETS
+                    for one in (0.7, 1.0, 1.4)
+                ]
+            )
+        return [*ways, self._encoded(attrs.evolve(start, end=most), -1.0, most - middle, _FARTHEST_SEEN)]
+
+    def _encoded(self, start: Reading, sign: float, middle: float, farthest: Sequence[float]) -> list[Reading]:
+        """Return readings whose inverse depth rises from that of the far plane or pixel."""
+        return [
+            attrs.evolve(start, factor=sign * one, offset=one * far * middle)
+            for one in (self._factors(start, middle) if middle > 0 else ())
+            for far in farthest
+        ]
+
+    def late(self, start: Reading) -> list[Reading]:
+        """Return the reading with pictures of other instants than their poses."""
+        return [attrs.evolve(start, late_s=share * self.interval_s) for share in _LATE] if self.interval_s else []
+
+    def _factors(self, start: Reading, middle: float) -> list[float]:
+        """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
+        place = start.poses(self.stated)[1]
+        moved = float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
+        if not moved > 0:
+            return []
+        left, right = self.stated.tangents[0, :2]
+        per_tangent = self.stated.coarse.numbers.shape[2] / (right - left)
+        low, high = (pixels / (per_tangent * moved * middle) for pixels in _PARALLAX_PX)
+        return np.geomspace(low, high, math.ceil(math.log(high / low) / math.log(_STEP))).tolist()
+
+    def sharpened(self, reading: Reading) -> Reading:
+        """Return the reading with the factor, and offset, for which coarse pictures agree best."""
+        for step in (1.12, 1.05, 1.02):
+            reading = self.best([reading, *(_scaled(reading, step**power) for power in (-1, 1))])
+        return reading
+
+    # What has a number that the fine pictures tell.
+
+    def steps(self, reading: Reading) -> dict[str, float]:
+        """Return the numbers that may be fitted, each with a small difference."""
+        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
+        middle = abs(float((np.median(base[np.isfinite(base)]) - reading.end) * reading.factor))
+        steps = {FACTOR: 1e-3, OFFSET: 1e-3 * middle, ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
+        if self.interval_s is not None:
+            steps[LATE] = 0.05 * self.interval_s
+        return steps
+
+    @property
+    def interval_s(self) -> float | None:
+        """Seconds between frames; None where the motion between them is not known."""
+        seconds, tracks = self.stated.seconds, self.stated.tracks
+        if seconds is None or min(map(len, tracks)) < 5:
+            return None
+        between = np.concatenate([np.diff(seconds[one]) for one in tracks])
+        return float(np.median(between)) if (between > 0).all() else None
+
+    def fitted(self, start: Reading, names: Sequence[str]) -> Fitted:
+        """Return the reading with these numbers as the pictures have them."""
+        steps = {name: step for name, step in self.steps(start).items() if name in names}
+        found = fit(self.middle, start, steps)
+        return found if self.fine is self.middle else fit(self.fine, found.reading, steps)
+
+    def candidate(self, reading: Reading, noise: Noise, changes: int, fitted: Fitted | None = None) -> Candidate:
+        """Return the reading with its disagreement, block by block."""
+        sums, _ = self.fine.by_block(cost(self.fine.residuals(reading), noise))
+        return Candidate(reading, sums, changes, fitted)
+
+
+def margin(worse: Candidate, better: Candidate) -> float:
+    """Return by how many standard errors one reading disagrees more than the other."""
+    more = worse.cost - better.cost
+    return float(more.sum() / max(math.sqrt(float(more @ more)), 1e-12))
+
+
+def _scaled(reading: Reading, by: float) -> Reading:
+    return attrs.evolve(reading, factor=reading.factor * by, offset=reading.offset * by)
+
+
+def _pairs(count: int) -> np.ndarray:
+    """Return (p, 2) pairs of frames near and far from each other, each way round in turn."""
+    every = sorted(itertools.combinations(range(count), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
+    every = [pair for pair in every if pair[1] - pair[0] <= max(8, count // 2)]
+    chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
+    if len(chosen) == 1:
+        chosen *= 2
+    return np.array([pair[:: 1 if k % 2 else -1] for k, pair in enumerate(chosen)])
