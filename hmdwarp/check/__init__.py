@@ -1,8 +1,8 @@
 """Which conventions make the frames of somebody else agree with each other."""
 
-from .decide import Decision, decide, differences
+from .answer import Answer, Finding, check
+from .decide import differences
 from .reading import Reading
-from .search import Search
 from .stated import LEFT, RIGHT, Stated, StatedFrame
 
-__all__ = ["LEFT", "RIGHT", "Decision", "Reading", "Search", "Stated", "StatedFrame", "decide", "differences"]
+__all__ = ["LEFT", "RIGHT", "Answer", "Finding", "Reading", "Stated", "StatedFrame", "check", "differences"]

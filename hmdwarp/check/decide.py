@@ -16,9 +16,10 @@ CLOSE = 0.05  # share of the depth within which two depths agree
 _ENOUGH = 0.6  # of the depths agree: one convention explains the frames
 _KEPT = 4  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
+_AS_GOOD = 0.8  # of the best agreement: what has less is not as good
 # Below these a number is as stated.
 _SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
-_MOST_OFFSET = 0.8  # a far plane beyond what is seen moves the rest by less
+_MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
 RAY, ENCODING, PLANES, SCALE, PIXEL, TIME = "ray", "encoding", "planes", "scale", "pixel", "time"
 
@@ -71,6 +72,8 @@ def decide(search: Search) -> Decision:
     plain = Reading()
     found = [plain, *search.discrete(plain), *_by_numbers(search, plain)]
     if agreement(search, search.best(found)) < _ENOUGH:
+        found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in found if ENCODING in differences(one)]
+    if agreement(search, search.best(found)) < _ENOUGH:
         found += _two(search, plain)
     close = _close(search, found)
     noise = Noise.of(search.fine.residuals(close[0].reading))
@@ -78,7 +81,7 @@ def decide(search: Search) -> Decision:
         search.candidate(one.reading, noise, len(differences(one.reading)), one)
         for one in (*close, *([] if any(one.reading == plain for one in close) else [_fixed(plain)]))
     ]
-    leader = _simplest(candidates)
+    leader = _simplest(search, candidates)
     for needed in (SURE, 2 * SURE):
         finer = [one for one in _finer(search, leader, noise) if _is_finer(one, leader, needed)]
         if not finer:
@@ -86,7 +89,7 @@ def decide(search: Search) -> Decision:
         candidates += finer
         leader = min(finer, key=lambda one: float(one.cost.sum()))
     if leader.changes > 1:
-        leader = _simplest([one for one in candidates if one.changes])
+        leader = _simplest(search, [one for one in candidates if one.changes])
     return Decision(search, noise, leader, tuple(one for one in candidates if one is not leader))
 
 
@@ -112,14 +115,16 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
 
 
 def _possible(search: Search, reading: Reading) -> bool:
-    """Return whether depth stays in front of the eye."""
-    return PLANES not in differences(reading) or _matters(search, PLANES, reading, reading)
+    """Return whether depth stays in front of the eye, and differs from what is stated."""
+    known = differences(reading)
+    return all(_matters(search, name, Reading(), reading) for name in (PLANES, SCALE) if name in known)
 
 
-def _simplest(candidates: Sequence[Candidate]) -> Candidate:
+def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
     """Return the best one, or one of fewer changes that is not surely worse."""
     best = min(candidates, key=lambda one: float(one.cost.sum()))
-    as_good = [one for one in candidates if one is best or margin(one, best) < SURE]
+    least = _AS_GOOD * agreement(search, best.reading)
+    as_good = [one for one in candidates if margin(one, best) < SURE and agreement(search, one.reading) >= least]
     return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
 
 
@@ -145,14 +150,14 @@ def _is_finer(one: Candidate, leader: Candidate, needed: float) -> bool:
     assert one.fitted is not None
     new = [name not in differences(leader.reading) for name in map(_OF_NUMBER.get, one.fitted.names)]
     known = np.abs(one.fitted.change) > needed * one.fitted.error
-    return bool(known[new].all()) and margin(leader, one) > needed / 2
+    return bool(known[new].all()) and margin(leader, one) > needed / 4
 
 
 def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidate]:
     """Yield readings with one more number that differs enough to be named."""
     start, known = leader.reading, differences(leader.reading)
     groups: dict[str, tuple[str, ...]] = {RAY: (ALONG,), PIXEL: (PIXEL_X, PIXEL_Y), TIME: (LATE,)}
-    if not {ENCODING, PLANES, SCALE} & set(known):
+    if not {ENCODING, PLANES} & set(known):
         groups |= {SCALE: (FACTOR,), PLANES: (FACTOR, OFFSET)}
     for name, numbers in groups.items():
         if name in known or not set(numbers) <= set(search.steps(start)):
@@ -160,7 +165,7 @@ def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidat
         extra = tuple(itertools.chain((FACTOR, OFFSET) if ENCODING in known else (), numbers))
         fitted = search.fitted(start, tuple(dict.fromkeys(extra)))
         if _matters(search, name, start, fitted.reading):
-            yield search.candidate(fitted.reading, noise, leader.changes + 1, fitted)
+            yield search.candidate(fitted.reading, noise, len(differences(fitted.reading)), fitted)
 
 
 def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
@@ -173,7 +178,6 @@ def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
     if name == TIME:
         assert search.interval_s is not None
         return abs(found.late_s) > _LATE * search.interval_s
-    steps = search.steps(start)
     if name == PLANES:
-        return _OFFSET < abs(found.offset) / (1e3 * steps[OFFSET]) < _MOST_OFFSET
+        return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
     return abs(np.log(found.factor / start.factor)) > _SCALE

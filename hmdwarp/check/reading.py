@@ -19,7 +19,7 @@ _MIRROR = np.diag([1.0, 1.0, -1.0])
 
 
 @functools.cache
-def _eye_axes(name: str) -> Array:
+def eye_axes(name: str) -> Array:
     """Return (3, 3): OpenXR's axes of the eye in those of the file, one a row."""
     from ..poses.reading.axes import parse_axes
 
@@ -86,7 +86,7 @@ def _poses(stated: Stated, order: str, inverse: bool, axes: str, eyes_swapped: b
     if inverse:
         turn = turn.transpose(0, 2, 1)
         place = -np.einsum("nij,nj->ni", turn, place)
-    eye = _eye_axes(axes)
+    eye = eye_axes(axes)
     if not np.array_equal(eye, np.eye(3)):
         turn = turn @ eye.T
         if np.linalg.det(eye) < 0:  # which of the world's axes is turned around makes no difference

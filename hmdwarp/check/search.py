@@ -16,6 +16,8 @@ from .stated import Array, Stated
 
 PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
 SURE = 3.5  # standard errors by which the better of two readings has to be better
+_LONG = 8  # frames of a track whose ends are not compared
+_FEWEST = 4  # blocks that say something together
 _STEP = 1.25  # from one factor of the grid to the next
 _PARALLAX_PX = (0.3, 100.0)  # in pictures of COARSE_PX: less says nothing, more would be no picture
 # Inverse depth of the far plane, and of the farthest pixel, over what the median pixel has more.
@@ -39,7 +41,7 @@ class Search:
 
     def __init__(self, stated: Stated) -> None:
         self.stated = stated
-        pairs = _pairs(len(stated.frames))
+        pairs = _pairs(_inner(stated))
         points = max(1, PAIRS // len(pairs))
         self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
@@ -112,8 +114,7 @@ class Search:
 
     def _factors(self, start: Reading, middle: float) -> list[float]:
         """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
-        place = start.poses(self.stated)[1]
-        moved = float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
+        moved = self.moved_m(start)
         if not moved > 0:
             return []
         left, right = self.stated.tangents[0, :2]
@@ -129,11 +130,24 @@ class Search:
 
     # What has a number that the fine pictures tell.
 
+    def moved_m(self, reading: Reading) -> float:
+        """Return how far the eye moves between two compared frames, in the median."""
+        place = reading.poses(self.stated)[1]
+        return float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
+
+    def span(self, reading: Reading) -> float:
+        """Return what the inverse depth of the median pixel is over that of the farthest."""
+        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
+        return abs(float((np.median(base[np.isfinite(base)]) - reading.end) * reading.factor))
+
+    def farthest(self, reading: Reading) -> float:
+        """Return the inverse depth that all but a few pixels exceed, without the offset."""
+        base = self.stated.coarse.inverse
+        return abs(float(np.percentile(base[np.isfinite(base)], 5) * reading.factor))
+
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
-        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
-        middle = abs(float((np.median(base[np.isfinite(base)]) - reading.end) * reading.factor))
-        steps = {FACTOR: 1e-3, OFFSET: 1e-3 * middle, ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
+        steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
         if self.interval_s is not None:
             steps[LATE] = 0.05 * self.interval_s
         return steps
@@ -159,21 +173,37 @@ class Search:
         return Candidate(reading, sums, changes, fitted)
 
 
+def standard_errors(differences: Array) -> float:
+    """Return the sum of what blocks differ by, in its standard errors; blocks are independent."""
+    differs = differences[differences != 0]
+    if len(differs) < _FEWEST:
+        return 0.0
+    spread = math.sqrt(len(differs)) * float(differs.std(ddof=1))
+    return float(differs.sum() / max(spread, 1e-9))
+
+
 def margin(worse: Candidate, better: Candidate) -> float:
     """Return by how many standard errors one reading disagrees more than the other."""
-    more = worse.cost - better.cost
-    return float(more.sum() / max(math.sqrt(float(more @ more)), 1e-12))
+    return standard_errors(worse.cost - better.cost)
 
 
 def _scaled(reading: Reading, by: float) -> Reading:
     return attrs.evolve(reading, factor=reading.factor * by, offset=reading.offset * by)
 
 
-def _pairs(count: int) -> np.ndarray:
+def _inner(stated: Stated) -> list[int]:
+    """Return the frames to compare: without the ends of long tracks."""
+    tracks = stated.tracks
+    ends = {int(one[end]) for one in tracks for end in (0, -1)} if min(map(len, tracks)) >= _LONG else set()
+    return [k for k in range(len(stated.frames)) if k not in ends]
+
+
+def _pairs(frames: Sequence[int]) -> np.ndarray:
     """Return (p, 2) pairs of frames near and far from each other, each way round in turn."""
+    count = len(frames)
     every = sorted(itertools.combinations(range(count), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
     every = [pair for pair in every if pair[1] - pair[0] <= max(8, count // 2)]
     chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
     if len(chosen) == 1:
         chosen *= 2
-    return np.array([pair[:: 1 if k % 2 else -1] for k, pair in enumerate(chosen)])
+    return np.array(frames)[np.array([pair[:: 1 if k % 2 else -1] for k, pair in enumerate(chosen)])]
