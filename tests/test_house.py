@@ -41,6 +41,7 @@ FLOORS = [
     {"report"},
     {"pipeline"},
     {"image"},
+    {"check"},
     {"display"},
     {"doctor"},
     {"run"},

@@ -1,8 +1,8 @@
-"""Which conventions make the frames of somebody else agree with each other."""
+"""Which conventions make the frames of somebody else agree with each other.
 
-from .answer import Answer, Finding, check
-from .decide import differences
-from .reading import Reading
-from .stated import LEFT, RIGHT, Stated, StatedFrame
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = ["LEFT", "RIGHT", "Answer", "Finding", "Reading", "Stated", "StatedFrame", "check", "differences"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -113,6 +114,35 @@ class Answer:
         if not self.agree:
             return "no agreement"
         return "wrong" if differences(self.reading) else "right"
+
+    def headline(self) -> str:
+        """Return the verdict in one sentence."""
+        frames = f"{len(self.decision.search.stated.frames)} frames"
+        share = f"{100 * self.agreement:.0f} %"
+        if self.verdict == "right":
+            return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
+        if self.verdict == "wrong":
+            changed = listed([one.label for one in self.findings if not one.as_stated])
+            return (
+                f"wrong: {changed}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree as "
+                f"stated, {share} as found ({frames})"
+            )
+        return (
+            f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
+            "expected a scene that stands still, seen from places nearby, and the field of view of the camera"
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        return {
+            "verdict": self.verdict,
+            "frames": len(self.decision.search.stated.frames),
+            "agreement_stated": self.agreement_stated,
+            "agreement": self.agreement,
+            "conventions": [attrs.asdict(one) for one in self.findings] if self.agree else [],
+            "as_good": list(self.as_good),
+            "code": list(self.code) if self.agree else [],
+        }
 
 
 def check(stated: Stated) -> Answer:
@@ -277,7 +307,7 @@ def _scale(factor: float) -> str:
 
 
 def _planes(reading: Reading, stated: Stated) -> tuple[float, float, float, bool]:
-    """Return the low end of the buffer, near, far (inf where it is as good), and whether it is reversed."""
+    """Return the low end of a depth buffer, near, far, and whether it is reversed."""
     low = -1.0 if stated.signed else 0.0
     is_reversed = reading.factor > 0
     ends = [reading.offset + reading.factor * (end - reading.end) for end in (low, 1.0)]

@@ -17,6 +17,7 @@ _ENOUGH = 0.6  # of the depths agree: one convention explains the frames
 _KEPT = 4  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
+_SECOND = 4  # times as sure: a second number may stand in for what the first leaves
 # Below these a number is as stated.
 _SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
 _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
@@ -82,7 +83,7 @@ def decide(search: Search) -> Decision:
         for one in (*close, *([] if any(one.reading == plain for one in close) else [_fixed(plain)]))
     ]
     leader = _simplest(search, candidates)
-    for needed in (SURE, 2 * SURE):
+    for needed in (SURE, _SECOND * SURE):
         finer = [one for one in _finer(search, leader, noise) if _is_finer(one, leader, needed)]
         if not finer:
             break

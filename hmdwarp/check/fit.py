@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -59,7 +60,7 @@ def cost(found: Residuals, noise: Noise) -> Array:
 
 def changed(reading: Reading, names: Sequence[str], change: Sequence[float]) -> Reading:
     """Return the reading with other numbers."""
-    values = {
+    values: dict[str, Any] = {
         name: reading.factor * math.exp(one) if name == FACTOR else getattr(reading, name) + one
         for name, one in zip(names, change, strict=True)
     }

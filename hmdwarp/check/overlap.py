@@ -27,28 +27,34 @@ class Residuals:
 class Overlap:
     """Points of frames, each with the frame in which it is looked up.
 
-    pairs: (p, 2) from frame, in frame. points: how many a pair. between: whether depth is
-    interpolated, on surfaces alone, or that of the nearest pixel.
+    pairs: (p, 2) from frame, in frame. points: how many a pair, None for every pixel. between:
+    whether depth is interpolated, on surfaces alone, or that of the nearest pixel.
     """
 
-    def __init__(self, stated: Stated, sheet: Sheet, pairs: Indices, points: int, *, between: bool) -> None:
+    def __init__(self, stated: Stated, sheet: Sheet, pairs: Indices, points: int | None, *, between: bool) -> None:
         self.stated, self.sheet, self._between = stated, sheet, between
         self.pairs = pairs
         self._height, self._width = sheet.numbers.shape[1:]
         self._per_pixel = stated.frames[0].depth.shape[1] // self._width
-        rng = np.random.default_rng(0)
-        wanted = np.isfinite(sheet.inverse) & sheet.smooth if between else ~np.isnan(sheet.numbers)
+        pixels = self._height * self._width
+        chosen = np.tile(np.arange(pixels), (len(pairs), 1)) if points is None else self._drawn(points)
+        self.row, self.column = np.divmod(chosen, self._width)
+        self._from, self._to = pairs[:, :1], pairs[:, 1:]
+        tile = self.row * TILES // self._height * TILES + self.column * TILES // self._width
+        self.block = np.arange(len(pairs))[:, None] * TILES**2 + tile
+        self.blocks = len(pairs) * TILES**2
+
+    def _drawn(self, points: int) -> Indices:
+        """Return random pixels that have depth, the same at each call."""
+        sheet, rng = self.sheet, np.random.default_rng(0)
+        wanted = np.isfinite(sheet.inverse) & sheet.smooth if self._between else ~np.isnan(sheet.numbers)
         chosen = []
-        for frame in pairs[:, 0]:
+        for frame in self.pairs[:, 0]:
             known = np.flatnonzero(wanted[frame])
             if not len(known):
                 known = np.flatnonzero(~np.isnan(sheet.numbers[frame]))
             chosen.append(rng.choice(known, points, replace=len(known) < points))
-        self._row, self._column = np.divmod(np.array(chosen), self._width)
-        self._from, self._to = pairs[:, :1], pairs[:, 1:]
-        tile = self._row * TILES // self._height * TILES + self._column * TILES // self._width
-        self.block = np.arange(len(pairs))[:, None] * TILES**2 + tile
-        self.blocks = len(pairs) * TILES**2
+        return np.array(chosen)
 
     def residuals(self, reading: Reading) -> Residuals:
         """Return how each point disagrees with what the other frame has there."""
@@ -57,9 +63,9 @@ class Overlap:
         back = turn[other].transpose(0, 2, 1)
         across = np.einsum("pij,pj->pi", back, place[one] - place[other])
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
-        row = self._height - 1 - self._row if reading.depth_rows_up else self._row
-        x, y = self._tangent(self._column, row, self._from, reading)
-        inverse = reading.inverse_depth(base[self._from, self._row, self._column], np.sqrt(1 + x * x + y * y))
+        row = self._height - 1 - self.row if reading.depth_rows_up else self.row
+        x, y = self._tangent(self.column, row, self._from, reading)
+        inverse = reading.inverse_depth(base[self._from, self.row, self.column], np.sqrt(1 + x * x + y * y))
         ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
         moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
         w = -moved[..., 2]
@@ -79,7 +85,7 @@ class Overlap:
             depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + np.nanmedian(size)))
         source = self._height - 1 - row if reading.colour_rows_up else row
         there = self._picture_at(column, self._height - 1 - line if reading.colour_rows_up else line)
-        colour = there - self.sheet.picture[self._from, source, self._column]
+        colour = there - self.sheet.picture[self._from, source, self.column]
         return Residuals(
             np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), seen, np.stack([column, line], -1)
         )
@@ -93,8 +99,8 @@ class Overlap:
 
     def _tangent(self, column: Indices, row: Indices, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
-        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
+        x: Array = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
+        y: Array = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
         return x, y
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:

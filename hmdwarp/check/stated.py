@@ -81,8 +81,8 @@ class Stated:
     @cached_property
     def seconds(self) -> Array | None:
         """(n,) from the first frame; None where times lack or do not rise."""
-        times = [one.time_ns for one in self.frames]
-        if None in times:
+        times = [one.time_ns for one in self.frames if one.time_ns is not None]
+        if len(times) < len(self.frames):
             return None
         seconds: Array = (np.array(times, dtype=np.int64) - times[0]) / 1e9
         return seconds if (np.diff(seconds) >= 0).all() and seconds[-1] > 0 else None

@@ -1,0 +1,12 @@
+from .answer import Answer as Answer
+from .answer import Finding as Finding
+from .answer import check as check
+from .decide import differences as differences
+from .given import read_stated as read_stated
+from .options import CheckOptions as CheckOptions
+from .picture import mismatch as mismatch
+from .reading import Reading as Reading
+from .stated import LEFT as LEFT
+from .stated import RIGHT as RIGHT
+from .stated import Stated as Stated
+from .stated import StatedFrame as StatedFrame
