@@ -62,10 +62,10 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..client.plan import PICTURE
-    from ..image import read_frame, read_view
     from ..image.usable import plan_of
     from ..image.warping import warp_image
     from ..report import refuse_existing, refuse_source, write_image_result
+    from ..sequences import read_frame, read_view
 
     options = WarpOptions.of(said)
     for source in (options.frame, options.to):

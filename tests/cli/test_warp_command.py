@@ -16,7 +16,8 @@ from PIL import Image
 from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
-from hmdwarp.image import read_frame, read_view, usable_fills, usable_warps
+from hmdwarp.image import usable_fills, usable_warps
+from hmdwarp.sequences import read_frame, read_view
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
