@@ -55,6 +55,7 @@ _NEEDS = {
     names.PIXEL: "frames that roll or approach",
     names.TIME: "five or more frames with times, close together, while the head changes its speed",
 }
+_SAME_UNIT = 0.06  # difference of the logarithms within which a scale is that of a unit
 # Metres per unit that are common: of depth, and of positions.
 _SCALES = {
     1e-3: "millimetres",
@@ -241,9 +242,9 @@ def _vague(search: Search, best: Reading, name: str) -> str:
     numbers = _NUMBERS[name]
     steps = search.steps(best)
     if not set(numbers) <= set(steps):
-        return "there are too few frames with times of their own"
+        return "there are too few frames, or they are too far apart to know the motion between them"
     fitted = search.fitted(best, numbers)
-    unit = {OFFSET: 1e3 * steps[OFFSET], LATE: search.interval_s or 1.0}
+    unit = {OFFSET: 1e3 * steps[OFFSET], LATE: search.stated.interval_s or 1.0}
     errors = {key: float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True)}
     most = max(errors.values())
     if most <= _VAGUE[name]:
@@ -277,7 +278,7 @@ def value(reading: Reading, stated: Stated, name: str) -> str:
         names.RAY: "the ray" if reading.along else "-z",
         names.ENCODING: "distance",
         names.PLANES: "as stated",
-        names.SCALE: "1 a unit",
+        names.SCALE: "as stated",
         names.PIXEL: "as stated",
         names.TIME: "that of the picture",
     }
@@ -297,13 +298,20 @@ def _axes(name: str) -> str:
 
 def _late(reading: Reading, stated: Stated) -> str:
     when = "before" if reading.late_s > 0 else "after"
-    return f"{abs(reading.late_s) * 1e3:.1f} ms {when} the picture"
+    frames = abs(reading.late_s) / (stated.interval_s or math.inf)
+    return f"{abs(reading.late_s) * 1e3:.1f} ms ({frames:.2f} frames) {when} the picture"
 
 
 def _scale(factor: float) -> str:
-    metres = 1 / factor
-    near = [words for one, words in _SCALES.items() if abs(math.log(metres / one)) < 0.03]
-    return f"{near[0] if near else f'{metres:.4g} m'} a unit"
+    metres, words = _scale_of(factor)
+    return f"{metres} of what is stated{f': {words}' if words else ''}"
+
+
+def _scale_of(factor: float) -> tuple[str, str]:
+    """Return the metres per unit, and which unit has as many; "" for none that is common."""
+    near = [(one, words) for one, words in _SCALES.items() if abs(math.log(one * factor)) < _SAME_UNIT]
+    metres, words = near[0] if near else (1 / factor, "")
+    return f"{metres:.4g}", words
 
 
 def _planes(reading: Reading, stated: Stated) -> tuple[float, float, float, bool]:
@@ -351,7 +359,7 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
         constant = reading.offset - reading.factor * reading.end
         yield f"depth_m = 1 / ({constant:.5g} + {reading.factor:.5g} / depth_m)  # better: the planes of the renderer"
     if names.SCALE in wrong:
-        yield f"depth_scale={1 / reading.factor:.6g}  # or --depth-scale; metres per unit"
+        yield f"depth_m = depth_m * {_scale_of(reading.factor)[0]}  # or --depth-scale, times as much"
     if names.RAY in wrong:
         yield "depth_m /= np.linalg.norm(view.rays((width, height))[::-1], axis=-1)  # it was along the ray"
     if names.PIXEL in wrong:

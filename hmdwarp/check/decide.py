@@ -13,7 +13,8 @@ from .reading import BUFFER, METRES, Reading
 from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree
-_ENOUGH = 0.6  # of the depths agree: one convention explains the frames
+# Of the depths agree: what is left are small numbers; one convention explains the frames.
+_WELL, _ENOUGH = 0.85, 0.6
 _KEPT = 4  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
@@ -71,11 +72,14 @@ def agreement(search: Search, reading: Reading) -> float:
 def decide(search: Search) -> Decision:
     """Return the best reading of the frames."""
     plain = Reading()
-    found = [plain, *search.discrete(plain), *_by_numbers(search, plain)]
-    if agreement(search, search.best(found)) < _ENOUGH:
-        found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in found if ENCODING in differences(one)]
-    if agreement(search, search.best(found)) < _ENOUGH:
-        found += _two(search, plain)
+    found = [plain, *search.discrete(plain), *search.late(plain)]
+    if agreement(search, search.best(found)) < _WELL:
+        numbers = _by_numbers(search, plain)
+        found += numbers
+        if agreement(search, search.best(found)) < _ENOUGH:
+            found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in numbers if ENCODING in differences(one)]
+        if agreement(search, search.best(found)) < _ENOUGH:
+            found += _two(search, plain)
     close = _close(search, found)
     noise = Noise.of(search.fine.residuals(close[0].reading))
     candidates = [
@@ -130,9 +134,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
 
 
 def _by_numbers(search: Search, start: Reading) -> list[Reading]:
-    best = [search.sharpened(search.best(way)) for way in search.numbers(start) if way]
-    late = search.late(start)
-    return [*best, search.best(late)] if late else best
+    return [search.sharpened(search.best(way)) for way in search.numbers(start) if way]
 
 
 def _two(search: Search, plain: Reading) -> list[Reading]:
@@ -177,8 +179,8 @@ def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
         x, y = found.pixel_x, found.pixel_y
         return _PIXEL < abs(x + y) / 2 < 3 * _PIXEL and abs(x - y) < 2 * _PIXEL
     if name == TIME:
-        assert search.interval_s is not None
-        return abs(found.late_s) > _LATE * search.interval_s
+        assert search.stated.interval_s is not None
+        return abs(found.late_s) > _LATE * search.stated.interval_s
     if name == PLANES:
         return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
     return abs(np.log(found.factor / start.factor)) > _SCALE

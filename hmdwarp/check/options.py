@@ -7,7 +7,8 @@ from pathlib import Path
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, force_field, option, out_field
+from ..options import Declared, force_field, group, option, out_field
+from ..sequences.options import SequenceOptions
 
 
 def _paths(texts: list[str]) -> tuple[Path, ...]:
@@ -20,12 +21,13 @@ class CheckOptions(Declared):
 
     frames: tuple[Path, ...] = option(
         attrs.NOTHING,
-        "A folder of frames, two of the left and the right eye, or two or more FRAME.npz.",
+        "A folder of recorded frames, two of the left and the right eye, or two or more files of one frame.",
         kind=list,
         metavar="FRAMES",
         positional=True,
         parse=_paths,
     )
+    reading: SequenceOptions = group(SequenceOptions)
     out: Path | None = out_field(None, "OUT.png: two frames moved onto each other, as stated and as found.")
     force: bool = force_field()
 

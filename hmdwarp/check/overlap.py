@@ -105,8 +105,9 @@ class Overlap:
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        column = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
-        return column, (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
+        column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
+        line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
+        return column, line
 
     def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
         if not self._between:

@@ -110,7 +110,11 @@ class Search:
 
     def late(self, start: Reading) -> list[Reading]:
         """Return the reading with pictures of other instants than their poses."""
-        return [attrs.evolve(start, late_s=share * self.interval_s) for share in _LATE] if self.interval_s else []
+        return (
+            [attrs.evolve(start, late_s=share * self.stated.interval_s) for share in _LATE]
+            if self.stated.interval_s
+            else []
+        )
 
     def _factors(self, start: Reading, middle: float) -> list[float]:
         """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
@@ -148,18 +152,9 @@ class Search:
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
         steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
-        if self.interval_s is not None:
-            steps[LATE] = 0.05 * self.interval_s
+        if self.stated.interval_s is not None:
+            steps[LATE] = 0.05 * self.stated.interval_s
         return steps
-
-    @property
-    def interval_s(self) -> float | None:
-        """Seconds between frames; None where the motion between them is not known."""
-        seconds, tracks = self.stated.seconds, self.stated.tracks
-        if seconds is None or min(map(len, tracks)) < 5:
-            return None
-        between = np.concatenate([np.diff(seconds[one]) for one in tracks])
-        return float(np.median(between)) if (between > 0).all() else None
 
     def fitted(self, start: Reading, names: Sequence[str]) -> Fitted:
         """Return the reading with these numbers as the pictures have them."""

@@ -14,6 +14,7 @@ from ..geometry import View
 
 Array = NDArray[np.float64]
 LEFT, RIGHT = 0, 1
+_TRACK, _UNSTEADY = 5, 0.15  # fewest frames with a curve; how far they may lie off it, in their motion
 COARSE_PX = 96  # width of the pictures on which the conventions are told apart
 _FINE_BLUR, _COARSE_BLUR = (0.7, 6.0), (0.8, 8.0)  # pixels: detail below is noise, shade above is exposure
 _EDGE = 0.1  # neighbours that differ by more than this share lie at an edge
@@ -99,6 +100,34 @@ class Stated:
         """Indices of the frames of each eye, in the order of time."""
         eyes = np.array([one.eye or 0 for one in self.frames])
         return [np.flatnonzero(eyes == eye) for eye in np.unique(eyes)]
+
+    @cached_property
+    def interval_s(self) -> float | None:
+        """Seconds between frames; None where the motion between them is not known."""
+        if self.seconds is None or min(map(len, self.tracks)) < _TRACK:
+            return None
+        between = np.concatenate([np.diff(self.seconds[one]) for one in self.tracks])
+        if not (between > 0).all() or self._unsteady() > _UNSTEADY:
+            return None
+        return float(np.median(between))
+
+    def _unsteady(self) -> float:
+        """Return how far frames lie off a smooth curve through the others, in what they move."""
+        from scipy.interpolate import CubicSpline
+        from scipy.spatial.transform import Rotation
+
+        assert self.seconds is not None
+        off = []
+        depth = np.abs(np.concatenate([one.depth[np.isfinite(one.depth) & (one.depth != 0)] for one in self.frames]))
+        for one in self.tracks:
+            turns = Rotation.from_quat(self.orientation[one])
+            turned = (turns[len(one) // 2].inv() * turns).as_rotvec()
+            curve, times = np.hstack([turned, self.position[one] / np.median(depth)]), self.seconds[one]
+            for k in range(1, len(one) - 1):
+                rest = np.delete(np.arange(len(one)), k)
+                error = np.linalg.norm(CubicSpline(times[rest], curve[rest])(times[k]) - curve[k])
+                off.append(error / max(float(np.linalg.norm(curve[k + 1] - curve[k - 1])), 1e-12))
+        return float(np.median(off))
 
     @cached_property
     def may_be_buffer(self) -> bool:

@@ -26,7 +26,7 @@ def check(said: Said) -> None:
     options = CheckOptions.of(said)
     if options.out is not None:
         refuse_existing(options.out, force=options.force)
-    answer = check(Stated(read_stated(options.frames)))
+    answer = check(Stated(read_stated(options.frames, options.reading)))
     if options.out is not None:
         from ..check import mismatch
 
