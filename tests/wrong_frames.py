@@ -11,10 +11,13 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.check import LEFT, RIGHT, StatedFrame
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_metres
+from hmdwarp.gpu import Gpu
+from hmdwarp.scenes import scenes
 from hmdwarp.server import Server
 
 FRAMES, INTERVAL_NS = 12, 10**8
 EYES_APART_M = 0.064
+NEAREST_FAR_M = 6.0  # the shortest range of the cameras
 # Rows are OpenXR's right, up and back of the eye, in the axes of others.
 OPENCV = np.diag([1.0, -1.0, -1.0])  # x right, y down, z forward
 UNITY = np.diag([1.0, 1.0, -1.0])  # x right, y up, z forward
@@ -56,11 +59,28 @@ class Recording:
             made.eyes[eye].extend(camera.record(server, lambda t, eye=eye: made.eye_at(eye, t), times, rng))
         return made
 
+    @property
+    def shows_things(self) -> bool:
+        """Whether every frame has something else than sky."""
+        return all((one.truth_m < NEAREST_FAR_M).mean() > 0.2 for eye in self.eyes for one in eye)
+
+
+def recordings(gpu: Gpu, names: Sequence[str], count: int, rng: np.random.Generator) -> list[Recording]:
+    """Return `count` recordings in each of the scenes, of a camera moved by hand."""
+    found: list[Recording] = []
+    for place, name in enumerate(names, 1):
+        server = Server(gpu, scenes.get(name).build())
+        while len(found) < place * count:
+            one = Recording.of(server, hand_held(rng), DepthCamera())
+            found += [one] if one.shows_things else []
+        server.close()
+    return found
+
 
 def right_frames(recording: Recording, camera: DepthCamera, rng: np.random.Generator, stereo: bool = False) -> Frames:
     """Return frames of one eye, or both, with the camera's faults, in a world of any axes."""
     world = Pose(rng.normal(scale=3, size=3), Rotation.random(random_state=rng).as_quat())
-    eyes = (LEFT, RIGHT) if stereo else (int(rng.integers(2)),)
+    eyes = (LEFT, RIGHT) if stereo else (LEFT,)
     frames = []
     for k in range(FRAMES):
         for eye in eyes:
@@ -180,7 +200,9 @@ MISREADINGS = {
 
 def wrong_frames(recording: Recording, name: str, rng: np.random.Generator) -> Frames:
     """Return frames with the faults of a camera, of which one convention is misread."""
-    camera = DepthCamera(noise=rng.uniform(0, 0.003), far_m=rng.uniform(6, 12), near_m=0.2, edge_gaps=rng.uniform(0, 1))
+    camera = DepthCamera(
+        noise=rng.uniform(0, 0.003), far_m=rng.uniform(NEAREST_FAR_M, 12), near_m=0.2, edge_gaps=rng.uniform(0, 1)
+    )
     frames = right_frames(recording, camera, rng, stereo=name == "eyes swapped" or rng.random() < 0.2)
     misread = MISREADINGS[name][0]
     return misread(frames, rng) if misread else _late(recording, frames, rng)
@@ -188,7 +210,10 @@ def wrong_frames(recording: Recording, name: str, rng: np.random.Generator) -> F
 
 def _late(recording: Recording, frames: Frames, rng: np.random.Generator) -> Frames:
     late_ns = round(rng.choice([-1, 1]) * rng.uniform(0.25, 0.75) * INTERVAL_NS)
-    return [
-        attrs.evolve(one, view=View(recording.eye_at(one.eye or LEFT, one.time_ns - late_ns), one.view.fov))
-        for one in frames
-    ]
+
+    def pose(one: StatedFrame) -> Pose:
+        assert one.time_ns is not None
+        before, now = (recording.eye_at(one.eye or LEFT, time) for time in (one.time_ns - late_ns, one.time_ns))
+        return one.view.pose @ now.inverse() @ before
+
+    return [attrs.evolve(one, view=View(pose(one), one.view.fov)) for one in frames]

@@ -269,7 +269,9 @@ def value(reading: Reading, stated: Stated, name: str) -> str:
         (True, False): "colour bottom row first",
         (False, True): "depth bottom row first",
     }
-    words = {
+    if name in differences(reading) and name in (names.ENCODING, names.PLANES, names.SCALE, names.PIXEL, names.TIME):
+        return _number(reading, stated, name)
+    return {
         names.ORDER: " ".join(reading.order),
         names.DIRECTION: "eye from world" if reading.inverse else "world from eye",
         names.AXES: _axes(reading.axes),
@@ -281,14 +283,19 @@ def value(reading: Reading, stated: Stated, name: str) -> str:
         names.SCALE: "as stated",
         names.PIXEL: "as stated",
         names.TIME: "that of the picture",
-    }
-    if name in differences(reading):
-        words[names.ENCODING] = _encoding(reading, stated)
-        words[names.PLANES] = f"inverse depth off by {reading.offset:+.3g} /m: another near or far plane"
-        words[names.SCALE] = _scale(reading.factor)
-        words[names.PIXEL] = f"{reading.pixel_x:+.2f}, {reading.pixel_y:+.2f} pixels to the right and down"
-        words[names.TIME] = _late(reading, stated)
-    return words[name]
+    }[name]
+
+
+def _number(reading: Reading, stated: Stated, name: str) -> str:
+    if name == names.ENCODING:
+        return _encoding(reading, stated)
+    if name == names.PLANES:
+        return f"inverse depth off by {reading.offset:+.3g} /m: another near or far plane"
+    if name == names.SCALE:
+        return _scale(reading.factor)
+    if name == names.PIXEL:
+        return f"{reading.pixel_x:+.2f}, {reading.pixel_y:+.2f} pixels to the right and down"
+    return _late(reading, stated)
 
 
 def _axes(name: str) -> str:
@@ -338,7 +345,7 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
     """Yield the lines that read such frames right, in the order in which they are to stand."""
     wrong = differences(reading)
     if names.ORDER in wrong:
-        yield "orientation_xyzw = np.roll(orientation, -1)  # w came first"
+        yield "pose = Pose(pose.position_m, np.roll(pose.orientation_xyzw, -1))  # w came first"
     if names.DIRECTION in wrong:
         yield "pose = pose.inverse()  # it took points of the world to the eye"
     if names.AXES in wrong:
@@ -354,17 +361,19 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
         low, near, far, is_reversed = _planes(reading, stated)
         text = ", ".join("np.inf" if math.isinf(one) else f"{one:.4g}" for one in (near, far))
         ndc = ', ndc="minus_one_to_one"' if low < 0 else ""
-        yield f"depth_m = 1 / inverse_depth_from_clip(depth, {text}{ndc}{', reversed_z=True' if is_reversed else ''})"
+        yield f"depth_m = 1 / inverse_depth_from_clip(depth_m, {text}{ndc}{', reversed_z=True' if is_reversed else ''})"
     elif names.ENCODING in wrong or names.PLANES in wrong:
         constant = reading.offset - reading.factor * reading.end
         yield f"depth_m = 1 / ({constant:.5g} + {reading.factor:.5g} / depth_m)  # better: the planes of the renderer"
     if names.SCALE in wrong:
         yield f"depth_m = depth_m * {_scale_of(reading.factor)[0]}  # or --depth-scale, times as much"
     if names.RAY in wrong:
-        yield "depth_m /= np.linalg.norm(view.rays((width, height))[::-1], axis=-1)  # it was along the ray"
+        yield "rays = View(pose, fov).rays((width, height))[::-1]"
+        yield "depth_m = depth_m / np.linalg.norm(rays, axis=-1)  # it was along them"
     if names.PIXEL in wrong:
-        right = 0.5 if reading.pixel_x > 0 else 0.0
-        yield f"fov = Fov.from_intrinsics(fx, fy, cx, cy, width, height, centre={right:g})  # not {0.5 - right:g}"
+        was, now = (0, 0.5) if reading.pixel_x > 0 else (0.5, 0)
+        yield f"fx, fy, cx, cy = fov.intrinsics((width, height), centre={was})  # half a pixel"
+        yield f"fov = Fov.from_intrinsics(fx, fy, cx, cy, width, height, centre={now})"
 
 
 def _turned(axes: str) -> Iterator[str]:
@@ -377,8 +386,8 @@ def _turned(axes: str) -> Iterator[str]:
         return
     yield f"eye = np.array({[[int(one) for one in row] for row in eye]})  # right, up and back in the axes of {axes}"
     yield "world = np.diag([1, 1, -1])  # the other hand"
-    yield "orientation = Rotation.from_matrix(world @ Rotation.from_quat(orientation).as_matrix() @ eye.T).as_quat()"
-    yield "position_m = world @ position_m"
+    yield "turn = Rotation.from_matrix(world @ pose.rotation_matrix @ eye.T)  # of SciPy"
+    yield "pose = Pose(world @ pose.position_m, turn.as_quat())"
 
 
 def _numbers(values: Array | Sequence[float]) -> str:

@@ -19,6 +19,7 @@ _KEPT = 4  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
 _SECOND = 4  # times as sure: a second number may stand in for what the first leaves
+_NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted number itself
 # Below these a number is as stated.
 _SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
 _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
@@ -72,7 +73,7 @@ def agreement(search: Search, reading: Reading) -> float:
 def decide(search: Search) -> Decision:
     """Return the best reading of the frames."""
     plain = Reading()
-    found = [plain, *search.discrete(plain), *search.late(plain)]
+    found = [plain, *search.discrete(plain)]
     if agreement(search, search.best(found)) < _WELL:
         numbers = _by_numbers(search, plain)
         found += numbers
@@ -80,7 +81,7 @@ def decide(search: Search) -> Decision:
             found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in numbers if ENCODING in differences(one)]
         if agreement(search, search.best(found)) < _ENOUGH:
             found += _two(search, plain)
-    close = _close(search, found)
+    close = _close(search, [*found, *search.late(plain)])
     noise = Noise.of(search.fine.residuals(close[0].reading))
     candidates = [
         search.candidate(one.reading, noise, len(differences(one.reading)), one)
@@ -144,7 +145,7 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
     both: list[Reading] = []
     for one in [*singles, *found]:
         both += [two for two in search.discrete(one) if len(differences(two)) == 2]
-        both += _by_numbers(search, one)
+        both += [search.sharpened(search.best(way)) for way in search.usual_numbers(one) if way]
     return both
 
 
@@ -153,7 +154,8 @@ def _is_finer(one: Candidate, leader: Candidate, needed: float) -> bool:
     assert one.fitted is not None
     new = [name not in differences(leader.reading) for name in map(_OF_NUMBER.get, one.fitted.names)]
     known = np.abs(one.fitted.change) > needed * one.fitted.error
-    return bool(known[new].all()) and margin(leader, one) > needed / 4
+    least = -_NO_WORSE if not leader.changes else needed / 4
+    return bool(known[new].all()) and margin(leader, one) > least
 
 
 def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidate]:

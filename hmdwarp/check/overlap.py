@@ -99,8 +99,8 @@ class Overlap:
 
     def _tangent(self, column: Indices, row: Indices, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        x: Array = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
-        y: Array = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
+        x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
+        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
         return x, y
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
@@ -132,5 +132,5 @@ class Overlap:
     def by_block(self, values: Array) -> tuple[Array, Array]:
         """Return the sum of values in each block, and how many there are; NaN does not count."""
         known = ~np.isnan(values)
-        sums = np.bincount(self.block[known], values[known], self.blocks)
-        return sums, np.bincount(self.block[known], minlength=self.blocks).astype(float)
+        sums = np.bincount(self.block[known], values[known], self.blocks).astype(np.float64)
+        return sums, np.bincount(self.block[known], minlength=self.blocks).astype(np.float64)

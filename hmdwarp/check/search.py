@@ -80,17 +80,23 @@ class Search:
             if (colour, depth) != (start.colour_rows_up, start.depth_rows_up):
                 yield attrs.evolve(start, colour_rows_up=colour, depth_rows_up=depth)
 
-    def numbers(self, start: Reading) -> list[list[Reading]]:
-        """Return readings of depth by other numbers, one list for each kind of encoding."""
+    def usual_numbers(self, start: Reading) -> list[list[Reading]]:
+        """Return readings of depth in other units, and of depth buffers; a list for each kind."""
         base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
-        middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
-        ways = [[attrs.evolve(start, factor=one) for one in self._factors(start, middle)]]
+        ways = [[attrs.evolve(start, factor=one) for one in self._factors(start, float(np.median(base)))]]
         if self.stated.may_be_buffer:
             numbers = self.stated.coarse.numbers[np.isfinite(self.stated.coarse.numbers)]
             for end, sign in ((1.0, -1.0), (-1.0 if self.stated.signed else 0.0, 1.0)):
                 buffer = attrs.evolve(start, kind=BUFFER, end=end)
                 ways.append(self._encoded(buffer, sign, float(np.median(np.abs(numbers - end))), _FARTHEST))
-        else:  # near 1 a buffer and one over it differ by a plane
+        return ways
+
+    def numbers(self, start: Reading) -> list[list[Reading]]:
+        """Return the same, and of distances that were made of a buffer with other planes."""
+        base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
+        middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
+        ways = self.usual_numbers(start)
+        if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
             ways.append(
                 [
                     attrs.evolve(start, offset=share * middle, factor=one)
