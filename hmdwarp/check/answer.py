@@ -11,13 +11,13 @@ import numpy as np
 
 from ..errors import listed
 from . import decide as names
-from .decide import Decision, decide, differences
+from .decide import Decision, agreement, decide, differences, likeness
 from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y
 from .reading import AXES, BUFFER, METRES, Reading, eye_axes
 from .search import SURE, Search, standard_errors
 from .stated import Array, Stated
 
-_AGREE = 0.3  # of the depths: below it, frames do not agree
+_AGREE = 0.5  # share of the depths: below it, frames do not agree
 _STILL_PX = 0.5  # median shift between two readings: below it they show the same
 # Standard errors beyond which a number cannot be told: of the factor's logarithm; of the offset,
 # in the median; of the way along the ray; in pixels; in frames.
@@ -95,6 +95,8 @@ class Answer:
     # Share of the depths in view of two frames that agree within 5 %.
     agreement_stated: float
     agreement: float
+    # Correlation of their brightness where depths agree.
+    likeness: float
     # Other readings under which the frames agree as well.
     as_good: tuple[str, ...]
     code: tuple[str, ...]
@@ -107,7 +109,7 @@ class Answer:
     @property
     def agree(self) -> bool:
         """Whether the frames agree under it."""
-        return self.agreement >= _AGREE
+        return self.agreement >= _AGREE and self.likeness >= names.ALIKE
 
     @property
     def verdict(self) -> str:
@@ -140,6 +142,7 @@ class Answer:
             "frames": len(self.decision.search.stated.frames),
             "agreement_stated": self.agreement_stated,
             "agreement": self.agreement,
+            "likeness": self.likeness,
             "conventions": [attrs.asdict(one) for one in self.findings] if self.agree else [],
             "as_good": list(self.as_good),
             "code": list(self.code) if self.agree else [],
@@ -161,8 +164,9 @@ def check(stated: Stated) -> Answer:
     return Answer(
         decision,
         findings,
-        decision.agreement(Reading()),
-        decision.agreement(best),
+        agreement(search, Reading()),
+        agreement(search, best),
+        likeness(search, best),
         tuple(as_good),
         tuple(code(best, stated)),
     )
@@ -190,7 +194,7 @@ def _finding(decision: Decision, name: str) -> Finding:
     other = value(others[least], search.stated, name)
     why = (
         f"{other} would move pixels by only {shift:.2g}"
-        if shift < _STILL_PX
+        if shift < _STILL_PX and name != names.ROWS
         else f"{other} fits as well, with other numbers"
         if margins[least] > -SURE
         else f"{other} fits better, and another change better still"

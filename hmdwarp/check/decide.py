@@ -15,6 +15,7 @@ from .search import SURE, Candidate, Search, margin
 CLOSE = 0.05  # share of the depth within which two depths agree
 # Of the depths agree: what is left are small numbers; one convention explains the frames.
 _WELL, _ENOUGH = 0.85, 0.6
+ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
 _KEPT = 4  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
@@ -59,27 +60,39 @@ class Decision:
     best: Candidate
     others: tuple[Candidate, ...]
 
-    def agreement(self, reading: Reading) -> float:
-        """Return the share of the points seen in both frames whose depths agree."""
-        return agreement(self.search, reading)
+
+def likeness(search: Search, reading: Reading) -> float:
+    """Return the correlation of the brightness where depths agree, 0 if there is none."""
+    found = search.middle.residuals(reading)
+    with np.errstate(invalid="ignore"):
+        known = found.seen & (np.abs(found.depth) < CLOSE)
+    here, there = found.brightness[known], (found.brightness + found.colour)[known]
+    return float(np.corrcoef(here, there)[0, 1]) if min(here.std(), there.std(), len(here)) > 0 else 0.0
 
 
 def agreement(search: Search, reading: Reading) -> float:
+    """Return the share of the points seen in both frames whose depths agree."""
     found = search.coarse.residuals(reading)
     known = found.seen & ~np.isnan(found.depth)
     return float((np.abs(found.depth[known]) < CLOSE).mean()) if known.any() else 0.0
 
 
+def explains(search: Search, reading: Reading) -> bool:
+    """Return whether a reading leaves small numbers alone to be found."""
+    return agreement(search, reading) >= _ENOUGH and likeness(search, reading) >= ALIKE
+
+
 def decide(search: Search) -> Decision:
     """Return the best reading of the frames."""
     plain = Reading()
-    found = [plain, *search.discrete(plain)]
+    units = search.usual_numbers(plain)[:1]
+    found = [plain, *search.discrete(plain), *_best_of(search, units)]
     if agreement(search, search.best(found)) < _WELL:
-        numbers = _by_numbers(search, plain)
+        numbers = _best_of(search, search.numbers(plain))
         found += numbers
-        if agreement(search, search.best(found)) < _ENOUGH:
+        if not explains(search, search.best(found)):
             found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in numbers if ENCODING in differences(one)]
-        if agreement(search, search.best(found)) < _ENOUGH:
+        if not explains(search, search.best(found)):
             found += _two(search, plain)
     close = _close(search, [*found, *search.late(plain)])
     noise = Noise.of(search.fine.residuals(close[0].reading))
@@ -134,8 +147,8 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
     return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
 
 
-def _by_numbers(search: Search, start: Reading) -> list[Reading]:
-    return [search.sharpened(search.best(way)) for way in search.numbers(start) if way]
+def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]:
+    return [search.sharpened(search.best(way)) for way in ways if way]
 
 
 def _two(search: Search, plain: Reading) -> list[Reading]:
@@ -145,7 +158,7 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
     both: list[Reading] = []
     for one in [*singles, *found]:
         both += [two for two in search.discrete(one) if len(differences(two)) == 2]
-        both += [search.sharpened(search.best(way)) for way in search.usual_numbers(one) if way]
+        both += _best_of(search, search.usual_numbers(one))
     return both
 
 

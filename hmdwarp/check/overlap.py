@@ -20,8 +20,14 @@ class Residuals:
 
     depth: Array  # relative difference of the inverse depths
     colour: Array  # difference of the brightness
+    brightness: Array  # of the one frame; the other has `colour` more
     seen: NDArray[np.bool_]  # whether the point lies in the other picture
     pixel: Array  # (pairs, points, 2) where, in pixels
+
+
+def _median(values: Array) -> float:
+    known = values[~np.isnan(values)]
+    return float(np.median(known)) if len(known) else 1.0
 
 
 class Overlap:
@@ -82,12 +88,13 @@ class Overlap:
         size = np.abs(sampled - reading.end)
         # In its own size and, so that what is far counts less, that of the median.
         with np.errstate(invalid="ignore", divide="ignore"):
-            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + np.nanmedian(size)))
+            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size)))
         source = self._height - 1 - row if reading.colour_rows_up else row
         there = self._picture_at(column, self._height - 1 - line if reading.colour_rows_up else line)
-        colour = there - self.sheet.picture[self._from, source, self.column]
+        here = self.sheet.picture[self._from, source, self.column]
+        colour = there - here
         return Residuals(
-            np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), seen, np.stack([column, line], -1)
+            np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, np.stack([column, line], -1)
         )
 
     def score(self, reading: Reading) -> Array:

@@ -106,7 +106,6 @@ def untold(frames: list[StatedFrame]) -> dict[str, str]:
 
 
 def test_a_head_that_only_turns_tells_no_scale_and_says_why(gpu):
-    """Nothing that depends on depth can be told."""
     server = Server(gpu, scenes.get("room").build())
 
     def turning(time_ns: int) -> Pose:
@@ -117,7 +116,7 @@ def test_a_head_that_only_turns_tells_no_scale_and_says_why(gpu):
     server.close()
     frames = [StatedFrame(str(k), one.colour, one.depth_m, one.view, one.time_ns) for k, one in enumerate(taken)]
     found = untold(frames)
-    assert {"scale", "planes"} <= set(found) and "order" not in found
+    assert "scale" in found and "order" not in found
     assert "the eye moves by only 0 % of the distance" in found["scale"]
     assert "places farther apart" in found["scale"]
     assert named(frames) == []
