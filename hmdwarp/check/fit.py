@@ -16,6 +16,7 @@ from .stated import Array
 FACTOR, OFFSET, ALONG, PIXEL_X, PIXEL_Y, LATE = "factor", "offset", "along", "pixel_x", "pixel_y", "late_s"
 _ROUNDS = 5
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
+_CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
 _SMALL = 1e-9
 
 
@@ -55,7 +56,7 @@ def cost(found: Residuals, noise: Noise) -> Array:
             for one, deviation in ((np.abs(found.depth), noise.depth), (np.abs(found.colour), noise.colour))
         ]
     worst = math.log1p(_CUT**2)
-    return np.where(found.seen, np.where(np.isnan(each[0]), worst, each[0]) + each[1], 2 * worst)
+    return np.where(found.seen, np.where(np.isnan(each[0]), worst, each[0]) + each[1], 2 * _CHANCE * worst)
 
 
 def changed(reading: Reading, names: Sequence[str], change: Sequence[float]) -> Reading:
