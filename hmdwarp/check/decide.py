@@ -79,7 +79,8 @@ def agreement(search: Search, reading: Reading) -> float:
 
 def explains(search: Search, reading: Reading) -> bool:
     """Return whether a reading leaves small numbers alone to be found."""
-    return agreement(search, reading) >= _ENOUGH and likeness(search, reading) >= ALIKE
+    share = agreement(search, reading)
+    return share >= _WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
 
 
 def decide(search: Search) -> Decision:
