@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
-from .reading import BUFFER, METRES, Reading
+from .frame_reading import BUFFER, METRES, Reading
 from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree

@@ -9,9 +9,9 @@ from typing import Any
 import attrs
 import numpy as np
 
+from .frame_reading import Reading
 from .overlap import Overlap, Residuals
-from .reading import Reading
-from .stated import Array
+from .stated_frames import Array
 
 FACTOR, OFFSET, ALONG, PIXEL_X, PIXEL_Y, LATE = "factor", "offset", "along", "pixel_x", "pixel_y", "late_s"
 _ROUNDS = 5

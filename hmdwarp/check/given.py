@@ -12,7 +12,7 @@ from .. import sequences
 from ..colour import srgb8_from_linear
 from ..errors import InputError
 from ..sequences import RecordedFrame, SequenceOptions
-from .stated import LEFT, RIGHT, StatedFrame
+from .stated_frames import LEFT, RIGHT, StatedFrame
 
 MOST = 24  # frames that are compared
 _APART_NS = 10**8  # between two of them, where there are more

@@ -6,8 +6,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .reading import METRES, Reading
-from .stated import Array, Sheet, Stated
+from .frame_reading import METRES, Reading
+from .stated_frames import Array, Sheet, Stated
 
 Indices = NDArray[np.int64]
 TILES = 3  # a side: parts of a picture that err together

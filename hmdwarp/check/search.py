@@ -10,9 +10,9 @@ import attrs
 import numpy as np
 
 from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise, cost, fit
+from .frame_reading import AXES, BUFFER, METRES, Reading
 from .overlap import Overlap
-from .reading import AXES, BUFFER, METRES, Reading
-from .stated import Array, Stated
+from .stated_frames import Array, Stated
 
 PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
 SURE = 3.5  # standard errors by which the better of two readings has to be better

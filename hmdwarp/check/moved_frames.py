@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..gpu.textures import flip_rows
 from ..report import labelled_strip, magma
-from .answer import Answer
+from .frame_reading import Reading
 from .overlap import Overlap
-from .reading import Reading
 from .search import Search
-from .stated import Array, Stated
+from .stated_frames import Array, Stated
+from .verdict import Answer
 
 Picture = NDArray[np.uint8]
 _WORST = 0.2  # difference of the depths, in their size, that is drawn brightest
@@ -60,8 +61,8 @@ def _moved(stated: Stated, reading: Reading, one: int, other: int) -> tuple[Pict
     known = found.seen[0].reshape(size) & ~np.isnan(stated.fine.numbers[one])
     depth = np.nan_to_num(np.abs(found.depth[0]).reshape(size) / _WORST) * known
     moved = np.where(known[..., None], moved, 0).astype(np.uint8)
-    return (moved[::-1], depth[::-1]) if reading.depth_rows_up else (moved, depth)
+    return (flip_rows(moved), flip_rows(depth)) if reading.depth_rows_up else (moved, depth)
 
 
 def _upright(picture: Picture, reading: Reading) -> Picture:
-    return picture[::-1] if reading.colour_rows_up else picture
+    return flip_rows(picture) if reading.colour_rows_up else picture

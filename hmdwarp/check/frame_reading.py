@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .stated import Stated
+from .stated_frames import Stated
 
 Array = NDArray[np.float64]
 METRES, BUFFER = "metres", "buffer"

@@ -13,9 +13,9 @@ from ..errors import listed
 from . import decide as names
 from .decide import Decision, agreement, decide, differences, likeness
 from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y
-from .reading import AXES, BUFFER, METRES, Reading, eye_axes
+from .frame_reading import AXES, BUFFER, METRES, Reading, eye_axes
 from .search import SURE, Search, standard_errors
-from .stated import Array, Stated
+from .stated_frames import Array, Stated
 
 _AGREE = 0.5  # share of the depths: below it, frames do not agree
 _STILL_PX = 0.5  # median shift between two readings: below it they show the same
