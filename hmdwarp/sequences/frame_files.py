@@ -43,6 +43,11 @@ class FrameFile:
     # Of float colour; None for linear light.
     encoding: str | None = None
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) of the colour; (1, 1) for what is no picture."""
+        return (self.colour.shape[1], self.colour.shape[0]) if self.colour.ndim == 3 else (1, 1)
+
 
 @attrs.frozen(eq=False)
 class FoundFrame:
@@ -117,17 +122,23 @@ def find_frame(
     own = {} if where is None else _object(where)
     facts, where = {**given, **{name: value for name, value in own.items() if value is not None}}, where or path
     refuse_distortion(where, facts)
-    depth = depth or _depth_beside(path, facts)
+    if depth is None and "depth" in facts:
+        depth = path.parent / str(facts["depth"])
     return FoundFrame(path, where, facts, size, lambda: _pictures(path, depth))
 
 
 def _pictures(path: Path, depth: Path | None) -> Arrays:
-    if depth is None:
+    """Return colour and depth, which is an EXR file's own Z if no other is named and it has one."""
+    if path.suffix.lower() == EXR:
         from .exr import read_exr
 
         both = read_exr(path)
-        return both.need_colour(path), both.need_depth(path)
-    colour = read_colour(path)
+        colour, own = both.need_colour(path), both.depth
+    else:
+        colour, own = read_colour(path), None
+    if own is not None and depth is None:
+        return colour, own
+    depth = depth or _depth_beside(path)
     return colour, fitted_depth(read_depth(depth), colour, depth)
 
 
@@ -147,15 +158,14 @@ def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -
     )
 
 
-def _depth_beside(path: Path, facts: Mapping[str, Any]) -> Path | None:
-    """Return the depth of a picture; None for an EXR file, which has its own."""
-    if "depth" in facts:
-        return path.parent / str(facts["depth"])
+def _depth_beside(path: Path) -> Path:
+    """Return the file of a picture's depth. Errors: InputError without one."""
     names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
     found = next((path.parent / name for name in names if (path.parent / name).is_file()), None)
-    if found is None and path.suffix.lower() != EXR:
+    if found is None:
+        own = ", and no Z in it" if path.suffix.lower() == EXR else ""
         raise InputError(
-            f"{path}: no depth beside it: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
+            f"{path}: no depth beside it{own}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
         )
     return found
 
@@ -206,18 +216,16 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
         raise InputError(f"{path}: cannot be read ({why}); {wanted}, with arrays of numbers") from error
 
 
-def read_view(path: Path) -> View:
-    """Return the view of a POSE.json.
+def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
+    """Return the view of a POSE.json: position_m (3), orientation_xyzw (4), fov (4) or intrinsics.
 
-    position_m (3), orientation_xyzw (4), and fov (4) or intrinsics with width and height. Errors:
+    size: (w, h) of the picture that the intrinsics are for, unless width and height say it. Errors:
     InputError.
     """
     data = _object(path)
     _check_keys(path, data, tuple(_VIEW))
-    size = tuple(int(data[key]) for key in ("width", "height") if isinstance(data.get(key), int))
-    if INTRINSICS in data and "fov" not in data and len(size) != 2:
-        raise InputError(f"{path}: intrinsics without width and height: expected the picture's size in pixels too")
-    return _view(path, data, size if len(size) == 2 else (1, 1))
+    camera = None if "fov" in data else camera_of(path, data)
+    return _view(path, data, size if camera is None or camera.size is None else camera.size)
 
 
 def _object(path: Path) -> dict[str, Any]:

@@ -26,7 +26,7 @@ class RecordedFrame:
 
     # Of its file, for messages.
     name: str
-    # On the clock of the sequence's track.
+    # Since the first frame of its sequence.
     time_ns: int
     # World_from_eye in the axes of OpenXR.
     pose: Pose
@@ -64,7 +64,8 @@ class Sequence:
     # Name of the reader.
     layout: str
     frames: tuple[RecordedFrame, ...]
-    # The recorded motion of the camera, world_from_head; may be denser than the frames.
+    # The recorded motion of the camera, world_from_head, from the first frame to the last: their
+    # poses, and those between that the files have.
     track: PoseTrack
     # What a user must know, one sentence each.
     notes: tuple[str, ...] = ()

@@ -14,6 +14,7 @@ from recorded_folders import (
     LAYOUTS,
     MILLIMETRES,
     SIZE,
+    STATED,
     fov_of,
     taken,
     write_nerfstudio,
@@ -26,6 +27,7 @@ from recorded_folders import (
 
 from hmdwarp import WarpMap, sequences
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.poses import Origin
 from hmdwarp.sequences import RecordedFrame, Sequence, SequenceOptions, parse_intrinsics, readers
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "rgbd"
@@ -57,8 +59,9 @@ def test_every_layout_gives_the_frames_that_were_taken(layout, tmp_path):
     for found, one in zip(sequence.frames, frames, strict=True):
         assert found.pose.isclose(one.pose, 1e-9)
         assert attrs.astuple(found.fov)[:4] == pytest.approx(attrs.astuple(expected)[:4], abs=1e-9)
-        assert found.time_ns - sequence.frames[0].time_ns == one.time_ns
-        assert sequence.track.at(found.time_ns).pose.isclose(one.pose, 1e-9)
+        assert found.time_ns == one.time_ns
+        at = sequence.track.at(found.time_ns)
+        assert at.origin is Origin.MEASURED and at.pose.isclose(found.pose, 0)
         assert found.size == SIZE
         colour, depth_m = found.read()
         assert colour.dtype == np.uint8 and np.array_equal(colour, one.colour)
@@ -135,6 +138,14 @@ def test_what_files_do_not_say_is_asked_for(tmp_path):
     refused(tmp_path, "--depth-scale", options=attrs.evolve(MILLIMETRES, depth_scale=None))
     (tmp_path / "camera.json").write_text(json.dumps({"intrinsics": [40, 42, 17.3, 11.1], "depth_scale": 0.001}))
     assert len(sequences.open(tmp_path).frames) == 2
+
+
+def test_a_denser_trajectory_is_the_motion_between_the_frames(tmp_path):
+    """Poses at 90 Hz between frames at 30; the file's own clock is told."""
+    track = opened(tmp_path, write_tum, STATED, count=3).track
+    assert (len(track), track.start_ns, track.end_ns) == (7, 0, taken(3)[-1].time_ns)
+    assert track.epoch_ns == 1305031102_175304000
+    assert track.pose(1).isclose(taken(3)[0].pose.towards(taken(3)[1].pose, 1 / 3), 1e-9)
 
 
 def test_files_that_do_not_fit_are_named(tmp_path):

@@ -128,8 +128,9 @@ def made(
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
 ) -> Sequence:
-    """Return the sequence of these frames; without a track it is that of their poses.
+    """Return the sequence of these frames, whose clock begins with the first.
 
+    track: a denser motion, on the frames' clock as given.
     Errors: InputError for no frames, for two of one instant, and for several sizes.
     """
     if not frames:
@@ -144,14 +145,27 @@ def made(
             sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
             raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
     name = (path if path.is_dir() else path.parent).resolve().name
-    if track is None:
-        track = PoseTrack(
-            time_ns=np.array([frame.time_ns for frame in frames]),
-            position_m=np.array([frame.pose.position_m for frame in frames]),
-            orientation_xyzw=np.array([frame.pose.orientation_xyzw for frame in frames]),
-        )
-    track = track.evolve(name=name, origin=f"recorded frames ({reader.name})")
-    return Sequence(name, path, reader.name, tuple(frames), track, tuple(notes))
+    begins_ns = frames[0].time_ns
+    frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
+    origin, epoch_ns = f"recorded frames ({reader.name})", begins_ns + (0 if track is None else track.epoch_ns)
+    own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
+    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes))
+
+
+def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
+    """Return the motion from the first frame to the last, with the frames' own poses in it."""
+    times = np.array([frame.time_ns for frame in frames])
+    positions = np.array([frame.pose.position_m for frame in frames])
+    turns = np.array([frame.pose.orientation_xyzw for frame in frames])
+    if denser is None:
+        return PoseTrack(times, positions, turns)
+    between = denser.time_ns - begins_ns
+    kept = (between > times[0]) & (between < times[-1]) & ~np.isin(between, times)
+    every = np.concatenate([times, between[kept]])
+    order = np.argsort(every)
+    positions = np.concatenate([positions, denser.position_m[kept]])
+    turns = np.concatenate([turns, denser.orientation_xyzw[kept]])
+    return PoseTrack(every[order], positions[order], turns[order], axes=denser.axes, max_gap_ns=denser.max_gap_ns)
 
 
 def reading(colour: Path, depth: Path, scale: float, size: tuple[int, int]) -> Callable[[], Pictures]:
