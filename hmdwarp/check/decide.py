@@ -86,9 +86,10 @@ def explains(search: Search, reading: Reading) -> bool:
 def decide(search: Search) -> Decision:
     """Return the best reading of the frames."""
     plain = Reading()
-    units = search.usual_numbers(plain)[:1]
-    found = [plain, *search.discrete(plain), *_best_of(search, units)]
-    if agreement(search, search.best(found)) < _WELL:
+    found = [plain, *search.discrete(plain)]
+    well = agreement(search, search.best(found)) >= _WELL
+    found += _best_of(search, search.usual_numbers(plain)[:1])
+    if not well:
         numbers = _best_of(search, search.numbers(plain))
         found += numbers
         if not explains(search, search.best(found)):
