@@ -41,6 +41,7 @@ FLOORS = [
     {"report"},
     {"pipeline"},
     {"image"},
+    {"check"},
     {"display"},
     {"doctor"},
     {"run"},
@@ -201,6 +202,7 @@ SAME_NAME = {
 }
 # Names that differ by an s.
 APART_BY_S = {
+    "check": "the command and its package, of frames; checks are those of the machine, by doctor",
     "client": "what runs at the head; clients are what such machines can do, as data",
     "codec": "the package of coding, with the registry of codecs in it",
     "frame": "the class, in its package",
