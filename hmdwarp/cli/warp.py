@@ -46,6 +46,7 @@ class WarpOptions(Declared):
     fill: str = same_as(
         _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
+    repair: str = option("none", f"Mend the frame's depth first: {names_in('repairs')}, or several with +.")
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth_scale: float | None = option(
         None, "Metres per unit of depth: 0.001 for millimetres, 1 for metres; by default the frame's.", kind=float
@@ -65,6 +66,7 @@ def warp(said: Said) -> None:
     from ..image import read_frame, read_view
     from ..image.usable import plan_of
     from ..image.warping import warp_image
+    from ..repairs import parse_repairs
     from ..report import refuse_existing, refuse_source, write_image_result
 
     options = WarpOptions.of(said)
@@ -72,6 +74,7 @@ def warp(said: Said) -> None:
         refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
     plan_of(options.warp, options.fill, given=PICTURE)
+    parse_repairs(options.repair)
     frame = read_frame(options.frame)
     result = warp_image(
         frame.colour,
@@ -81,6 +84,7 @@ def warp(said: Said) -> None:
         options.warp,
         options.fill,
         options.size,
+        repair=options.repair,
         depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
         encoding=options.encoding or frame.encoding,
         result="linear",

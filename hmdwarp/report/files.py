@@ -236,7 +236,7 @@ def write_image_result(path: Path, colour: NDArray, coverage: NDArray, time_ms: 
     elif path.suffix == ".png":
         from ..colour import srgb8_from_linear
 
-        alpha = np.rint(np.clip(coverage, 0, 1) * 255).astype(np.uint8)
+        alpha = np.where(coverage > 0, np.uint8(255), np.uint8(0))
         write_png(path, np.concatenate([srgb8_from_linear(colour), alpha[..., None]], axis=2))
     else:
         raise InputError(f"{path}: expected a name that ends in .npz or .png")
