@@ -13,6 +13,7 @@ from ..errors import MachineError
 _FRAMEBUFFER, _DRAW_BINDING, _READ_BINDING = 0x8D40, 0x8CA6, 0x8CAA
 _DRAW_FRAMEBUFFER, _READ_FRAMEBUFFER = 0x8CA9, 0x8CA8
 _DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D00, 0x0DE1, 0x8CD5
+_COPY_WRITE_BUFFER, _R32UI, _RED_INTEGER, _UNSIGNED_INT = 0x8F37, 0x8236, 0x8D94, 0x1405
 _LOADERS = (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress"))
 
 
@@ -49,6 +50,17 @@ def reset_status_of(gl: moderngl.Context) -> Callable[[], int]:
         if known:
             return gl_function(name, ctypes.c_uint32)
     return lambda: 0
+
+
+def clear_buffer(buffer: moderngl.Buffer, word: int) -> None:
+    """Set every 32-bit word of a buffer on the GPU, in order with what it runs.
+
+    moderngl's own clear() maps the buffer, and waits for the GPU.
+    """
+    uint, address = ctypes.c_uint32, ctypes.c_void_p
+    gl_function("glBindBuffer", None, uint, uint)(_COPY_WRITE_BUFFER, buffer.glo)
+    clear = gl_function("glClearBufferData", None, uint, uint, uint, uint, address)
+    clear(_COPY_WRITE_BUFFER, _R32UI, _RED_INTEGER, _UNSIGNED_INT, ctypes.byref(uint(word)))
 
 
 def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int]) -> moderngl.Framebuffer:

@@ -33,10 +33,15 @@ class ClientPoints:
     def __init__(self, gpu: Gpu, scene: Scene, cloud: Cloud) -> None:
         pages = cloud.room // PAGE
         self._scene, self._cloud = scene, cloud
-        self.points, self.pages, self.cells = (
-            gpu.gl.buffer(reserve=size) for size in (4 * _WORDS * PAGE * pages, 4 * pages, _CELL_BYTES * pages)
+        self.points, self.cells = (
+            gpu.gl.buffer(reserve=size) for size in (4 * _WORDS * PAGE * pages, _CELL_BYTES * pages)
         )
-        self.pages.clear(chunk=b"\xff" * 4)
+        # The slot of each page's cell, and the pages from the first to behind the last that the
+        # buffer does not hold yet. They are written at once: NVIDIA's driver (580.159) loses all
+        # but the first of many writes of 4 bytes before a shader reads them.
+        self._slots = np.full(pages, NO_CELL, np.uint32)
+        self._changed = (pages, 0)
+        self.pages = gpu.gl.buffer(self._slots)
         self._room = PointRoom(cloud.room, self._write, self._clear)
         self.bytes = 0
         self.first_picture_bytes: int | None = None
@@ -57,6 +62,10 @@ class ClientPoints:
         self.bytes += len(content)
         for block in blocks:
             self._room.take(block)
+        first, end = self._changed
+        if first < end:
+            self.pages.write(self._slots[first:end], offset=4 * first)
+            self._changed = (len(self._slots), 0)
         if complete and self.first_picture_bytes is None:
             self.first_picture_bytes = self.bytes
         if self.first_picture_bytes is not None:
@@ -69,15 +78,19 @@ class ClientPoints:
         rows[:, 2] = block.colours.astype(np.uint32) @ np.array([1, 1 << 8, 1 << 16], np.uint32)
         for number, page in enumerate(pages):
             self.points.write(rows[PAGE * number : PAGE * (number + 1)].tobytes(), offset=4 * _WORDS * PAGE * page)
-            self.pages.write(np.uint32(slot).tobytes(), offset=4 * page)
+        self._put(pages, slot)
         # Points between two powers of 2 are spread no better than those up to the lower.
         radius = RADIUS * np.sqrt(block.area / (1 << (points.bit_length() - 1)))
         cell = np.array([*block.low, block.edge, radius, block.body, block.double_sided, 0], np.float32)
         self.cells.write(cell.tobytes(), offset=_CELL_BYTES * slot)
 
     def _clear(self, pages: list[int]) -> None:
-        for page in pages:
-            self.pages.write(np.uint32(NO_CELL).tobytes(), offset=4 * page)
+        self._put(pages, NO_CELL)
+
+    def _put(self, pages: list[int], slot: int) -> None:
+        self._slots[pages] = slot
+        first, end = self._changed
+        self._changed = min([first, *pages]), max([end, *(page + 1 for page in pages)])
 
     def bodies(self, time_ns: int) -> Array:
         """Return (n, 4, 4) float64: world from what stands still, then from each body."""

@@ -17,6 +17,7 @@ layout(r32f) writeonly uniform image2D filled_depth;
 layout(rgba16f) writeonly uniform image2D filled_too;
 #endif
 uniform uint stamp; // unique to each run
+const uint PIECES_OF_GROUP = uint(GROUP_X / PIECE_WIDE);
 #if COARSE
 // The same for the picture at half the resolution: the pieces with texels that have a hole below
 // them or below those beside them.
@@ -34,7 +35,7 @@ void list_coarse(ivec2 first, ivec2 last) {
         if (atomicExchange(coarse_stamp_of[piece], stamp) == stamp) continue;
         uint slot = atomicAdd(coarse_count, 1u);
         coarse_pieces[slot] = uint(piece);
-        atomicMax(coarse_groups[0], slot * uint(PIECE_WIDE) / uint(GROUP_X) + 1u);
+        if (slot % PIECES_OF_GROUP == 0u) atomicAdd(coarse_groups[0], 1u);
     }
 }
 #endif
@@ -43,7 +44,7 @@ void list_piece(int piece) {
     if (atomicExchange(stamp_of[piece].x, stamp) == stamp) return;
     uint slot = atomicAdd(piece_count, 1u);
     pieces[slot] = uint(piece);
-    atomicMax(piece_groups[0], slot * uint(PIECE_WIDE) / uint(GROUP_X) + 1u);
+    if (slot % PIECES_OF_GROUP == 0u) atomicAdd(piece_groups[0], 1u);
 }
 
 void main() {

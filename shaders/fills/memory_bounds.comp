@@ -15,25 +15,43 @@ uniform ivec2 rendered_size;
 
 const float UNKNOWN = 1e30;
 
+// Of four pixels of a row: nearest and farthest inverse depth, lowest and highest colour.
+struct Bounds {
+    vec2 range;
+    vec4 low, high;
+};
+
+Bounds row_from(ivec2 from) {
+    Bounds row = Bounds(vec2(-1.0, UNKNOWN), vec4(UNKNOWN), vec4(-UNKNOWN));
+    for (int x = 0; x < 4; ++x) {
+        ivec2 p = clamp(from + ivec2(x, 0), ivec2(0), rendered_size - 1);
+        float depth = imageLoad(rendered_depth, p).r;
+        vec4 colour = imageLoad(rendered_colour, p);
+        row.range.x = max(row.range.x, depth >= 0.0 ? depth : UNKNOWN); // NaN counts as unknown
+        row.range.y = min(row.range.y, depth);
+        row.low = min(row.low, colour);
+        row.high = max(row.high, colour);
+    }
+    return row;
+}
+
+Bounds both(Bounds a, Bounds b) {
+    return Bounds(vec2(max(a.range.x, b.range.x), min(a.range.y, b.range.y)), min(a.low, b.low), max(a.high, b.high));
+}
+
 void main() {
     ivec2 cell = first_pixel(), size = rendered_size;
     if (2 * cell.x >= size.x) return;
+    // The upper half of one cell is the lower half of the next one in the column, so it is read
+    // once.
+    Bounds lower = both(row_from(2 * cell - 1), row_from(2 * cell + ivec2(-1, 0)));
     for (int row = 0; row < ROWS; ++row, ++cell.y) {
         if (2 * cell.y >= size.y) break;
-        vec2 range = vec2(-1.0, UNKNOWN);
-        vec4 low = vec4(UNKNOWN), high = vec4(-UNKNOWN);
-        for (int y = -1; y <= 2; ++y)
-            for (int x = -1; x <= 2; ++x) {
-                ivec2 p = clamp(2 * cell + ivec2(x, y), ivec2(0), size - 1);
-                float depth = imageLoad(rendered_depth, p).r;
-                vec4 colour = imageLoad(rendered_colour, p);
-                range.x = max(range.x, depth >= 0.0 ? depth : UNKNOWN); // NaN counts as unknown
-                range.y = min(range.y, depth);
-                low = min(low, colour);
-                high = max(high, colour);
-            }
-        imageStore(depths, cell, vec4(range, 0.0, 0.0));
-        imageStore(lowest, cell, low);
-        imageStore(highest, cell, high);
+        Bounds upper = both(row_from(2 * cell + ivec2(-1, 1)), row_from(2 * cell + ivec2(-1, 2)));
+        Bounds all = both(lower, upper);
+        imageStore(depths, cell, vec4(all.range, 0.0, 0.0));
+        imageStore(lowest, cell, all.low);
+        imageStore(highest, cell, all.high);
+        lower = upper;
     }
 }

@@ -17,7 +17,7 @@ void list_piece(ivec2 first) {
     if (atomicExchange(pieces[piece].y, stamp) == stamp) return;
     uint slot = atomicAdd(piece_count, 1u);
     pieces[slot].x = piece;
-    atomicMax(piece_groups[0], slot * uint(PIECE) / uint(GROUP_X) + 1u);
+    if (slot % uint(GROUP_X / PIECE) == 0u) atomicAdd(piece_groups[0], 1u);
 }
 
 void main() {

@@ -1,7 +1,16 @@
 // One level of the pyramid that `pyramid` fills holes from, and the combination of its texels: only
 // the background counts. Four texels of a row are one vector each of what they hold: arrays of
 // structures take llvmpipe twice as long.
+// Who includes it has least_border: a farthest surface must make up this share of all hole borders
+// there: little on levels that see a hole and not much else; above them a glimpse of the sky is no
+// background for everything around.
 #include "lib/behind.glsl"
+
+// One texel: colour and weight; inverse depth (-1: none), share of empty pixels, border.
+struct Texel {
+    vec4 colour;
+    vec3 depth;
+};
 
 // colour: the mean of the hole borders below a texel. weight: 0..1, 0 for nothing. depth: its
 // inverse depth, UNKNOWN if it has none.
@@ -26,10 +35,6 @@ void add(inout Sum sum, Texels texels, vec4 shares, float farthest) {
     sum.weight += dot(counts, vec4(1.0));
     sum.border += dot(beside, texels.border);
 }
-
-// A farthest surface must make up this share of all hole borders there: little on levels that see a
-// hole and not much else; above them a glimpse of the sky is no background for everything around.
-uniform float least_border;
 
 bool is_enough(float border, float of_all) {
     return border > 0.0 && border >= least_border * of_all;

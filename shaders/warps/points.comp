@@ -1,5 +1,5 @@
 // Projects points as discs; the nearest disc of each pixel wins.
-// In: points. Out: the nearest key of each pixel (PASS 0), then the lowest point that has it (PASS
+// In: points. Out: the nearest key of each pixel (turn 0), then the lowest point that has it (turn
 // 1).
 // Source: Zwicker et al. 2001, Surface Splatting; keys as lib/depth_key.glsl; Hoff et al. 1999 (a
 // depth that rises from the middle gives each pixel to the nearest middle).
@@ -7,6 +7,8 @@ layout(local_size_x = 64) in;
 #include "lib/point_discs.glsl"
 #include "lib/depth_key.glsl"
 uniform int count;
+// One program for both turns: two programs may round a key differently, and its point is not found.
+uniform int turn;
 uniform float largest;
 // How much farther a disc's edge counts than its middle, in radii.
 const float RISE = 0.5;
@@ -14,11 +16,8 @@ const float RISE = 0.5;
 void offer(ivec2 at, uint index, float inverse_depth) {
     uint slot = uint(at.y) * uint(shown_size.x) + uint(at.x);
     uint key = depth_key(inverse_depth, ivec2(index, index >> 2), index);
-#if PASS == 0
-    atomicMax(key_of[slot], key);
-#else
-    if (key_of[slot] == key) atomicMin(winner_of[slot], index);
-#endif
+    if (turn == 0) atomicMax(key_of[slot], key);
+    else if (key_of[slot] == key) atomicMin(winner_of[slot], index);
 }
 
 void main() {

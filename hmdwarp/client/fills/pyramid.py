@@ -24,6 +24,7 @@ DEPTH_AND_HOLES = (4, "f4")  # rgba32f
 # longer replaces nearer surfaces. Borders of cracks weigh CRACK_BORDER.
 LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER, CRACK_BORDER = 6, 2.0**-10, 0.23, 2.0**-20
 NEVER = 1e6  # a threshold that no share of holes reaches
+TOP = 64  # texels a side of the level whose followers one work group computes
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
 _FILLED, _FILLED_DEPTH = 0, 5
 
@@ -100,8 +101,14 @@ class Pyramid(Fill):
         size = self.shown_size
         self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
+            # The last one that is a pass of its own; what follows it is not, but for the next.
+            is_start = len(self._levels) > 1 and max(size) <= TOP
             size = tiles(size, 2)
             self._levels.append(_Level.allocated(self.gpu, size))
+            if is_start:
+                break
+        # None for a picture that is too small for it.
+        self._top = shaders.compute("fills/pyramid_top.comp") if is_start else None
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
@@ -133,10 +140,34 @@ class Pyramid(Fill):
         self._pieces.run_coarse(self._first_pull)
         for below, level in zip(self._levels, self._levels[1:], strict=False):
             below.bind(_FIRST)
-            self._write_level(self._pull, below.size, level)
-            self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
-            self._pull.run(*level.size)
+            if self._top is not None and level is self._levels[-1]:
+                self._run_top(self._top, below, level)
+            else:
+                self._write_level(self._pull, below.size, level)
+                self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
+                self._pull.run(*level.size)
             self.gpu.barrier()
+
+    def _run_top(self, program: Compute, start: _Level, level: _Level) -> None:
+        """Compute the last level that is a texture, and complete it from those that are not."""
+        level.bind(_SECOND, read=False, write=True)
+        units = {
+            "start_colour": _FIRST[0],
+            "start_depth": _FIRST[1],
+            "level_colour": _SECOND[0],
+            "level_depth": _SECOND[1],
+        }
+        program.uniforms.set(
+            start_size=start.size,
+            levels=1 + (max(level.size) - 1).bit_length(),
+            local_levels=max(LOCAL_LEVELS - self._levels.index(level), 0),
+            least_borders=(LEAST_LOCAL, LEAST_BORDER),
+            least_shares=(self.settings.holes, NEVER),
+            depth_tolerance=self.settings.tolerance,
+            depth_floor=self.settings.floor,
+            **units,
+        )
+        program.program.run()
 
     def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
         level.bind(_SECOND, read=False, write=True)

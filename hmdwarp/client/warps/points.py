@@ -12,6 +12,7 @@ from ...errors import InputError, PlanError
 from ...frames import Needs
 from ...frames.layers.points import Cloud
 from ...frames.point_blocks import LEAST_BUDGET
+from ...gpu.raw_gl import clear_buffer
 from ..warp_kinds import check_room
 from . import KEY_BYTES, warps
 from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
@@ -22,9 +23,8 @@ if TYPE_CHECKING:
     from ..inputs import PassInputs
 
 _COLOUR, _DEPTH = 0, 1  # image units
-_GROUP = 64
 _DEFAULT = Cloud()
-_WINNER_BYTES = 4
+_WINNER_BYTES, _NOBODY = 4, 0xFFFFFFFF
 # Of the index of a point in a key, see shaders/lib/scatter_depth.glsl.
 MOST_POINTS = 1 << 26
 
@@ -94,7 +94,7 @@ class Points(Warp):
             )
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES + _WINNER_BYTES)
         shaders, depth = self.gpu.shaders, {"WRITES_DEPTH": 1} if self.output.depth else {}
-        self._passes = [shaders.compute("warps/points.comp", PASS=number) for number in range(2)]
+        self._offer = shaders.compute("warps/points.comp")
         self._resolve = shaders.compute("warps/points_resolve.comp", **depth)
         pixels = self.shown_size[0] * self.shown_size[1]
         self._keys, self._winners = (self.gpu.gl.buffer(reserve=4 * pixels) for _ in range(2))
@@ -102,8 +102,8 @@ class Points(Warp):
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         cloud, view = self._cloud, inputs.middle
-        self._keys.clear()
-        self._winners.clear(chunk=b"\xff" * 4)
+        clear_buffer(self._keys, 0)
+        clear_buffer(self._winners, _NOBODY)
         into.bind_for_writing(_COLOUR)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
@@ -115,10 +115,10 @@ class Points(Warp):
         ):
             buffer.bind_to_storage_buffer(binding)
         uniforms = self._uniforms(view)
-        for program in self._passes:
-            program.uniforms.set_declared(**uniforms)
+        for turn in range(2):
+            self._offer.uniforms.set_declared(turn=turn, **uniforms)
             if cloud.count:
-                program.run(min(cloud.count, 1 << 14), -(-cloud.count >> 14))
+                self._offer.run(min(cloud.count, 1 << 14), -(-cloud.count >> 14))
             self.gpu.barrier()
         self._resolve.uniforms.set_declared(**uniforms)
         self._resolve.run(*self.shown_size)
