@@ -31,7 +31,7 @@ def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
     kind: strategies, warps, fills, repairs, effects, lenses, scenes, headsets, clients, axes,
-    formats, layers, recordings, scales, studies, options.
+    formats, layouts, layers, recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
 
@@ -221,6 +221,12 @@ def _formats() -> list[dict[str, str]]:
     return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in formats]
 
 
+def _layouts() -> list[dict[str, str]]:
+    from ..sequences import readers
+
+    return [{"name": reader.name, "summary": reader.summary} for reader in readers]
+
+
 def _recordings() -> list[dict[str, str]]:
     from ..poses import load_trace
     from ..resources import recording_names
@@ -349,6 +355,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "axes": _axes,
     "formats": _formats,
     "layers": _layers,
+    "layouts": _layouts,
     "recordings": _recordings,
     "scales": _scales,
     "studies": _studies,

@@ -21,6 +21,7 @@ KINDS = {
     "clients": "Devices that warp, with what each can do.",
     "axes": "Axes of head traces, by the software that writes them.",
     "formats": "Formats of head traces.",
+    "layouts": "Layouts of recorded frames.",
     "layers": "What a frame holds beside its picture.",
     "recordings": "Head traces that are part of the package.",
     "scales": "What a study asks.",

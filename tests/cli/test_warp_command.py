@@ -16,7 +16,8 @@ from PIL import Image
 from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
-from hmdwarp.image import read_frame, read_view, usable_fills, usable_warps
+from hmdwarp.image import usable_fills, usable_warps
+from hmdwarp.sequences import read_frame, read_view
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
@@ -66,7 +67,7 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
     done = warp().done()
     assert "out.npz" in done.out and "0.00 % holes" in done.out
     with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
-        assert set(data) == {"colour", "coverage", "time_ms"}
+        assert set(data) == {"colour", "coverage", "depth_m", "time_ms", *POSE}
         from hmdwarp.colour import srgb8_from_linear
 
         assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
@@ -138,7 +139,7 @@ def test_a_result_is_not_overwritten(warp, tmp_path):
     warp().refused("out.npz exists already", "--force")
     assert (tmp_path / "out.npz").read_bytes() == b"precious"
     warp(None, None, "--force").done()
-    assert len(np.load(tmp_path / "out.npz")) == 3
+    assert len(np.load(tmp_path / "out.npz")) == 7
 
 
 def test_size_and_names_are_taken(warp, tmp_path):
@@ -183,7 +184,7 @@ def test_what_does_not_fit_is_refused(frame, pose, options, told, warp, tmp_path
     assert not (tmp_path / "out.npz").exists()
 
 
-@pytest.mark.parametrize("out", ["out.jpg", "out", "missing/out.npz"])
+@pytest.mark.parametrize("out", ["out.gif", "out", "missing/out.npz"])
 def test_where_it_cannot_be_written(out, warp, tmp_path):
     warp(out=out).refused(out)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["frame.npz", "pose.json"]
