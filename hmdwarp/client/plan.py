@@ -22,6 +22,7 @@ from .warps import Warp
 
 # Layers of every frame, layers that the client makes itself, and pictures that passes hand on.
 PICTURE = ("rendered.colour", "rendered.inverse_depth")
+OTHERS = "rendered.others"
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
 PANEL = "panel.colour"
