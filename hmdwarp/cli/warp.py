@@ -9,6 +9,7 @@ import typer
 
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
+from ..sequences.options import repair_field
 from ._options import Said, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
@@ -50,7 +51,7 @@ class WarpOptions(Declared):
     fill: str = same_as(
         _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
-    repair: str = option("none", f"Mend the frame's depth first: {names_in('repairs')}, or several with +.")
+    repair: str = repair_field()
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth: Path | None = option(
         None, "Depth of a picture: 16-bit PNG, EXR, PGM or NPY; by default NAME.depth.png beside it.", kind=Path
