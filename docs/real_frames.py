@@ -1,7 +1,7 @@
 """Measure warps, repairs and fills on ten real frames with depth.
 
     python docs/real_frames.py fetch [FOLDER]   fetch the frames, by default into the cache folder
-    python docs/real_frames.py [FOLDER]         print the tables
+    python docs/real_frames.py [FOLDER]         print the figures, as JSON for `make docs`
 
 The frames are those of a public repository under the MIT licence. They are never part of this one.
 Without FOLDER they are looked for in HMDWARP_RGBD, then in the cache folder.
@@ -201,8 +201,9 @@ def fills_of_one_picture() -> list[str]:
     return ["none", *(name for name in names if name != "none")]
 
 
-def table(rows: list[dict[str, Any]]) -> str:
-    """Return every warp x repair x fill of one set; the best figures are bold."""
+def table(rows: list[dict[str, Any]], chosen: tuple[str, ...] = ()) -> str:
+    """Return every warp x repair x fill of one set; the best figures are bold. chosen: fills."""
+    rows = [row | {"by_fill": {name: row["by_fill"][name] for name in chosen or row["by_fill"]}} for row in rows]
     fills_of_rows = list(rows[0]["by_fill"])
     heads = [
         "warp",
@@ -301,9 +302,7 @@ def main() -> None:
     folder = folder_of(fetching or None)
     if folder is None:
         raise InputError(why_absent())
-    print(repairs_table(folder))
-    for rows in measured(folder).values():
-        print(table(rows))
+    print(json.dumps(measured(folder)))
 
 
 if __name__ == "__main__":
