@@ -51,7 +51,12 @@ def small(out: Path | str = "nowhere", **options: object) -> RunOptions:
 
 
 def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object) -> ReplayResult:
-    """Run a small replay into `out`.
+    """Run a small replay into `out`; page, gpu: as replayed."""
+    return replayed(small(out, **options), page, gpu)
+
+
+def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) -> ReplayResult:
+    """Run a replay.
 
     page: whether report.html is drawn; its plots take longer than such a replay, and without them
     it says nothing. gpu: a context that many runs share, instead of one of its own.
@@ -62,7 +67,7 @@ def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object
             stack.enter_context(patch("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
             stack.enter_context(patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)))
-        return replay(small(out, **options))
+        return replay(options)
 
 
 def _load(trace: str, options: TraceOptions) -> LoadedTrace:

@@ -16,7 +16,6 @@ from ..options import (
     Declared,
     Guard,
     Number,
-    Option,
     check_one_guard,
     force_field,
     group,
@@ -31,6 +30,7 @@ from ..options import (
 )
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
+from ..run.recordings import recordings_field, with_recordings
 from ..scenes.options import SceneOptions
 
 if TYPE_CHECKING:
@@ -41,7 +41,6 @@ Size = tuple[int, int]
 _RUN, _LINK = attrs.fields(RunOptions), attrs.fields(LinkOptions)
 # The last two are complete: they leave nothing empty. cases.py says with which warps they run.
 FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
-_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
 def _size(value: Any) -> Size:
@@ -58,15 +57,7 @@ class BenchOptions(Declared):
     Errors: InputError for a number that makes no sense, and for an empty list.
     """
 
-    recordings: tuple[str, ...] = several(
-        _RUN.trace,
-        ("look-around", "walk"),
-        name="traces",
-        metavar="TRACE",
-        positional=True,
-        parse=None,
-        beside=(_TRACE,),
-    )
+    recordings: tuple[str, ...] = recordings_field()
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     scene_options: SceneOptions = group(SceneOptions)
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
@@ -125,8 +116,7 @@ class BenchOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about. Errors: InputError."""
         check_one_guard(said)
-        recordings = [*(said.get("traces") or ()), *(said.get("trace") or ())]
-        return super().values_of({**said, "traces": recordings or None})
+        return super().values_of(with_recordings(said))
 
     @property
     def guard_band(self) -> GuardBand:

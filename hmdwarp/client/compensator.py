@@ -106,6 +106,7 @@ class Compensator:
         self._lens = None if plan.fused else lens
         output = Output(lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice)
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
+        self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
         pictures = pictures_read(plan.warp_needs)
         carry = self._carry = Carry(self._warp)
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
@@ -148,7 +149,7 @@ class Compensator:
         for one in self._rendered:
             with self._stage("effects"):
                 inputs = one.run(inputs)
-        others = self.plan.warp_needs.others.of(self.plan.needs.others, inputs.others)
+        others = self._warp_others.of(self._plan_others, inputs.others)
         inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
         if self._client_depth is not None:
             assert self._geometry is not None, "a plan that draws the client's depth is for a client with geometry"

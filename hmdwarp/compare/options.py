@@ -10,14 +10,14 @@ import attrs
 
 from ..link import LinkOptions
 from ..link.codec import Coding
-from ..options import Declared, Option, force_field, group, names_in, out_field, same_as, several, split_names
+from ..options import Declared, force_field, group, names_in, out_field, same_as, several, split_names
 from ..poses.options import TraceOptions
 from ..run.options import RunOptions
+from ..run.recordings import recordings_field, with_recordings
 from ..scenes.options import SceneOptions
 
 _RUN = attrs.fields(RunOptions)
 SIZE = (640, 400)
-_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
 
 @attrs.frozen
@@ -32,15 +32,7 @@ class CompareOptions(Declared):
     Errors: InputError for a value out of range, and for an empty list.
     """
 
-    recordings: tuple[str, ...] = several(
-        _RUN.trace,
-        ("look-around", "walk"),
-        name="traces",
-        metavar="TRACE",
-        positional=True,
-        parse=None,
-        beside=(_TRACE,),
-    )
+    recordings: tuple[str, ...] = recordings_field()
     # With settings where they matter; empty for all.
     strategies: tuple[str, ...] = several(
         _RUN.strategy, (), f"Strategy: {names_in('strategies')}; by default all.", split=split_names
@@ -75,5 +67,4 @@ class CompareOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about. Errors: InputError."""
-        recordings = [*(said.get("traces") or ()), *(said.get("trace") or ())]
-        return super().values_of({**said, "traces": recordings or None})
+        return super().values_of(with_recordings(said))

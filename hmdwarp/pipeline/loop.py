@@ -176,12 +176,13 @@ class Loop:
         Frames may carry more layers, for plans that run on the same refresh.
         """
         beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
-        chosen = frame.eyes[eye].only(needs).get("views", ())
+        rendered = frame.eyes[eye].only(needs)
+        chosen = rendered.get("views", ())
         # Passes are made for pictures of one size.
         size = frame.eyes[eye].size
         past = (one for older in self.history.frames[: needs.others.past] if (one := older.eyes[eye]).size == size)
         others = tuple(image.only(needs) for image in (*beside, *chosen, *past))
-        return {"rendered": frame.eyes[eye].only(needs), "others": others}
+        return {"rendered": rendered, "others": others}
 
 
 def _total(stages: Stages) -> float:

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from .log import ReplayLog
 
 CAMERA = "camera"
+ONE_EYE = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
 _SAME_FOV = 1e-6  # rad, far below a pixel
+_NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
 _ANOTHER = 1.0  # pixel that the truth may be off before a reader is told
 
 
@@ -143,6 +145,8 @@ def about_truth(offsets: dict[str, Any], pixels_per_degree: float, *, is_own: bo
         f"{offsets[name]['median']:.{digits}f} {unit} (at most {offsets[name]['most']:.{digits}f})"
         for name, unit, digits in (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
     )
+    if not any(offset["most"] > _NOTHING for offset in offsets.values()):
+        return "The truth is the recorded frame of the shown instant itself."
     told = f"The truth is the recorded frame nearest to the shown instant, off by {said} in the median."
     if offsets["turn_deg"]["median"] * pixels_per_degree <= _ANOTHER and is_own:
         return told

@@ -28,7 +28,7 @@ from ..scenes import Scene, load_scene
 from .host import refuse_one_eye
 from .options import RunOptions
 from .pose_request import check_names, pose_request
-from .recorded_frames import about, beside, display_of, own_trace, schedule_at_frames
+from .recorded_frames import ONE_EYE, about, beside, display_of, own_trace, schedule_at_frames
 from .schedule import Schedule, schedule_of
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ def set_up_replay(
     scene = load_scene(*options.scene_key) if sequence is None else empty_scene(sequence)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
-    refuse_one_eye(needs, len(headset.views(Pose())))
+    refuse_one_eye(needs, len(headset.views(Pose())), ONE_EYE)
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     name = track.name or trace.path.stem
     say(f"making ready: {_seen(scene, sequence)}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")

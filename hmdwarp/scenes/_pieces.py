@@ -31,8 +31,7 @@ def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, fold
     """Return what a client has of a scene: the scene itself where nothing is reduced.
 
     Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still.
-    Parameters, errors: as of
-    `reduced`; lit: with baked light, else as `unlit`.
+    Parameters, errors: as of `reduced`; lit: with baked light, else as `unlit`.
     """
     scene = with_lamps_stopped(scene)
     if (share, texture) != (1, 1):

@@ -83,9 +83,9 @@ class SceneBuffers:
         # Of all chunks: the mesh of each, its indices, and which are drawn.
         self._owner: NDArray[np.int64]
         self._all: Chunks
+        self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._order = indices = self._cut(meshes, textures)
         self._drawn = np.ones(len(self._owner), bool)
-        self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
 
@@ -134,14 +134,13 @@ class SceneBuffers:
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
         """Fill batches and chunks; return the chunks' indices."""
-        starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         groups: dict[tuple[bool, int], list[int]] = {}
         for number, mesh in enumerate(meshes):
             groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
         indices, batch_of, boxes, owner = [], [], [], []
         for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
             for number in members:
-                mesh, start = meshes[number], int(starts[number])
+                mesh, start = meshes[number], int(self._starts[number])
                 for chunk in chunks_of(mesh):
                     boxes.append(_extremes(mesh, chunk))
                     indices.append(chunk.ravel() + np.uint32(start))

@@ -17,9 +17,8 @@ bool is_depth(float inverse_depth) {
     return inverse_depth >= 0.0 && inverse_depth < 1e30; // false for NaN
 }
 
-// As in client/warp_kinds/tolerance.py.
 bool of_one_surface(float a, float b) {
-    return is_depth(a) && is_depth(b) && abs(a - b) <= 0.03 * (min(a, b) + 0.02);
+    return is_depth(a) && is_depth(b) && abs(a - b) <= SURFACE_TOLERANCE * (min(a, b) + SURFACE_FLOOR);
 }
 
 float depth_at(ivec2 texel) {

@@ -11,6 +11,7 @@ import numpy as np
 from ...geometry import View, WarpMap
 from ...gpu.textures import COLOUR, SCALAR, allocate, release_all, tiles
 from ..effects import RenderedPass
+from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 
 if TYPE_CHECKING:
     from ...frames import EyeImage
@@ -50,17 +51,17 @@ class MirroredPass(RenderedPass):
     writes = ("rendered.colour",)
 
     def prepare(self) -> None:
-        gl, size, shader = self.gpu.gl, self.rendered_size, self.gpu.shaders.compute
+        gl, size = self.gpu.gl, self.rendered_size
         self._half, self._blocks = tiles(size, 2), tiles(size, BLOCK)
         names = ("align", "edges", "spread", "places", "light", "join")
         self._align, self._edges, self._spread, self._places, self._light, self._join = (
-            shader(f"effects/mirrored_{name}.comp") for name in names
+            self._shader(name) for name in names
         )
-        self._own = shader("effects/mirrored_align.comp", OWN=1)
-        self._start = shader("effects/mirrored_light.comp", START=1)
-        self._sweep = shader("effects/mirrored_sweep.comp", PLANES=PLANES)
-        self._rows, self._choose = (shader("effects/mirrored_choose.comp", PASS=k, PLANES=PLANES) for k in range(2))
-        self._explain, self._compare = (shader("effects/mirrored_trust.comp", PASS=k) for k in range(2))
+        self._own = self._shader("align", OWN=1)
+        self._start = self._shader("light", START=1)
+        self._sweep = self._shader("sweep", PLANES=PLANES)
+        self._rows, self._choose = (self._shader("choose", PASS=k, PLANES=PLANES) for k in range(2))
+        self._explain, self._compare = (self._shader("trust", PASS=k) for k in range(2))
         self.aligned, self.edges = self._array(size, PICTURES, 4), self._array(self._half, PICTURES, 4)
         self.costs, self._row_sums = (self._array(self._blocks, PLANES + 1, components) for components in (2, 4))
         self.chosen, self._unexplained = (allocate(gl, self._blocks, PAIR) for _ in range(2))
@@ -69,6 +70,10 @@ class MirroredPass(RenderedPass):
         self.places = gl.texture_array((*size, PICTURES), 2, dtype="f4")
         self.trust = allocate(gl, self._blocks, SCALAR, linear=True)
         self._joined = allocate(gl, size, COLOUR, linear=True)
+
+    def _shader(self, name: str, **defines: object) -> Compute:
+        one_surface = {"SURFACE_TOLERANCE": DEPTH_TOLERANCE, "SURFACE_FLOOR": DEPTH_FLOOR}
+        return self.gpu.shaders.compute(f"effects/mirrored_{name}.comp", **one_surface, **defines)
 
     def _array(self, size: tuple[int, int], layers: int, components: int) -> moderngl.TextureArray:
         array = self.gpu.gl.texture_array((*size, layers), components, dtype="f2")
