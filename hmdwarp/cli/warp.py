@@ -80,14 +80,14 @@ def warp(said: Said) -> None:
     from ..image.usable import plan_of
     from ..image.warping import warp_image
     from ..repairs import parse_repairs
-    from ..report import ImageResult, refuse_existing, refuse_source, takes_depth, write_image_result
+    from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
     from ..sequences import read_frame, read_view
 
     options = WarpOptions.of(said)
     for source in filter(None, (options.frame, options.depth, options.camera, options.to)):
         refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
-    depth = takes_depth(options.out)
+    depth = has_depth(options.out)
     plan_of(options.warp, options.fill, given=PICTURE, depth=depth)
     parse_repairs(options.repair)
     frame = read_frame(options.frame, options.depth, options.camera)

@@ -13,7 +13,7 @@ from .files import write_stream as write_stream
 from .files import write_text as write_text
 from .frame_ways import timeline_svg as timeline_svg
 from .image_result import ImageResult as ImageResult
-from .image_result import takes_depth as takes_depth
+from .image_result import has_depth as has_depth
 from .image_result import write_image_result as write_image_result
 from .label_places import boxes_touch as boxes_touch
 from .label_places import groups_of as groups_of

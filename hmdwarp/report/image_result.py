@@ -76,7 +76,7 @@ _WRITERS: dict[str, Callable[[Path, ImageResult], None]] = {
 _TAKE_DEPTH = (".npz", ".exr")
 
 
-def takes_depth(path: Path) -> bool:
+def has_depth(path: Path) -> bool:
     """Return whether a file of that name holds depth.
 
     Errors: InputError for an ending that is not written; MachineError for EXR without its package.
@@ -94,7 +94,7 @@ def write_image_result(path: Path, image: ImageResult) -> None:
 
     .npz: linear light, coverage, depth_m and the view, as a frame has them, and time_ms as JSON
     text. .png: sRGB, holes transparent. .jpg: sRGB, holes black. .exr: linear light, coverage in A,
-    depth in Z. Errors: as takes_depth; else as write_bytes.
+    depth in Z. Errors: as has_depth; else as write_bytes.
     """
-    takes_depth(path)
+    has_depth(path)
     _WRITERS[path.suffix.lower()](path, image)
