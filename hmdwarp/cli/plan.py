@@ -10,7 +10,7 @@ import attrs
 import typer
 
 from ..errors import InputError
-from ..options import Option
+from ..options import DEFAULT_GUARD, Option
 from ..pipeline.options import PipelineOptions
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from ..scenes import Scene
 
 REPLAY = "replay"
+# 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
+# mostly border.
+MOST_GUARD_PIXELS = 9
 _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
 
 
@@ -47,7 +50,8 @@ def plan(said: Said) -> None:
     if said["json"]:
         names = ("scene", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
-        typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": list(scene.notes)}))
+        notes = [*about.notes, *scene.notes]
+        typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": notes}))
         return
     about.show()
     in_columns([*_assumed(source, options.headset), *(("Slow", line) for line in slow)])
@@ -61,6 +65,7 @@ class _About:
 
     data: dict[str, Any]
     show: Callable[[], None]
+    notes: list[str] = attrs.field(factory=list)
 
 
 def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
@@ -69,6 +74,7 @@ def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict
     built = build_plan_for(options, headset, scene, **told)
     proxy = proxy_plan_for(options, scene) if options.proxy.on else None
     frame = _frame(options, headset, [built])
+    notes = _guard_notes(options, frame)
 
     def show() -> None:
         if proxy is not None:
@@ -79,11 +85,13 @@ def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict
         typer.echo("Left out; nothing is compiled or allocated for them:")
         in_columns(built.left_out, indent=2)
         in_columns(_weights(frame))
+        for note in notes:
+            paragraph(f"note: {note}")
 
     passes = [attrs.asdict(step) for step in built.steps]
     left_out = [{"name": name, "reason": reason} for name, reason in built.left_out]
     of_proxy = {} if proxy is None else {"proxy": {"passes": [attrs.asdict(step) for step in proxy.steps]}}
-    return _About({"passes": passes, "left_out": left_out, "frame": frame, **of_proxy}, show)
+    return _About({"passes": passes, "left_out": left_out, "frame": frame, **of_proxy}, show, notes)
 
 
 def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
@@ -184,6 +192,16 @@ def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dic
         "latency_ms": options.latency_ms,
         "rate_hz": rate_hz,
     }
+
+
+def _guard_notes(options: PipelineOptions, frame: dict[str, Any]) -> list[str]:
+    """Return a note on a guard band that is larger than head motion ever calls for."""
+    if frame["pixels"] <= MOST_GUARD_PIXELS:
+        return []
+    band = f"{options.guard_band} draws {frame['pixels']:.0f} times the pixels"
+    return [
+        f"{band}: --guard is a factor of the field of view in tangents, not degrees; the default is {DEFAULT_GUARD:g}"
+    ]
 
 
 def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:

@@ -35,6 +35,14 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
     assert found["quality"]["psnr_db"]["mean"] > without["quality"]["psnr_db"]["mean"] + 3
 
 
+def test_plan_says_that_a_guard_is_no_angle(command):
+    usual = ("plan", "--scene", "planes", "--headset", "flat-90")
+    assert "note:" not in command(*usual, "--guard", "2.5").done().out
+    told = " ".join(command(*usual, "--guard", "20").done().out.split())
+    assert "note: guard 20 draws 400 times the pixels: --guard is a factor" in told
+    assert "not degrees" in json.loads(command(*usual, "--guard", "20", "--json").done().out)["notes"][0]
+
+
 def test_plan_tells_of_the_wide_view_and_its_bytes(command):
     told = " ".join(command("plan", "--scene", "planes", "--size", "96x80", "--wide").done().out.split())
     assert "fill wide" in told

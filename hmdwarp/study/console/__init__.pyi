@@ -12,9 +12,11 @@ from .line_console import LineConsole as LineConsole
 from .line_console import news as news
 from .message_socket import MessageSocket as MessageSocket
 from .screen_text import HELP as HELP
+from .screen_text import HINTS as HINTS
 from .screen_text import Scene as Scene
 from .screen_text import end_of as end_of
 from .screen_text import gauge as gauge
+from .screen_text import keys_now as keys_now
 from .screen_text import plain as plain
 from .screen_text import scale_line as scale_line
 from .terminal_console import TerminalConsole as TerminalConsole

@@ -16,8 +16,8 @@ from rich.text import Text
 
 from ..scales import number_text
 from ._base import ConsoleState, Question
-from .console_commands import answers_text, clock
-from .key_entry import LINES, KeyEntry
+from .console_commands import answers_text, clock, refusal
+from .key_entry import KEYS, LINES, KeyEntry
 
 STALE_S = 3.0  # without a new state
 HINTS = {
@@ -29,7 +29,7 @@ HINTS = {
     "paused": "Everything waits. c continues.",
     "over": "The session is over.",
 }
-KEYS = "p:pause  c:continue  b:break  r:repeat  a:answer  k:skip  m:remark  g:agree  d:decline  s:stop  ?:help"
+LABELS = {"again": "repeat"}  # of keys; the others have the command's name
 LINE_KEYS = "Enter:sends  Esc:leaves the line  Ctrl-U:empties it"
 HELP = (
     ("p c", "pause, and continue; what was on is shown or asked again"),
@@ -152,10 +152,16 @@ class Scene:
             prompt = f"{entry.prompt(self.state.question)} "
             line = _styled(prompt + end_of(entry.text, max(1, self.width - cell_len(prompt) - 3)), "bold")
             line.append(" ", "reverse")
-        keys = Text(LINE_KEYS if entry.mode in LINES else KEYS)
+        keys = Text(LINE_KEYS if entry.mode in LINES else keys_now(self.state))
         keys.highlight_regex(r"\S+(?=:)", "bold")
         note = _styled(plain(entry.note), self.styles["refused"] if entry.loud else "bold")
         return {"note": note, "line": line, "keys": keys}
+
+
+def keys_now(state: ConsoleState) -> str:
+    """Return the keys that do something now; all of them would not fit into 80 columns."""
+    useful = {key: name for key, name in KEYS.items() if name == "help" or not refusal(name, state)}
+    return "  ".join(f"{key}:{LABELS.get(name, name)}" for key, name in useful.items())
 
 
 def help_text() -> Text:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import attrs
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
 from hmdwarp.study.console import (
+    HINTS,
     ConsoleState,
     KeyEntry,
     Question,
     Scene,
     end_of,
     gauge,
+    keys_now,
     plain,
     scale_line,
 )
@@ -74,6 +77,17 @@ def test_whatever_is_in_it_no_part_moves_the_cursor(state, width, mode, typed, n
     entry = KeyEntry(mode, "".join(c for c in typed if c.isprintable()), note)
     for part in Scene(state, entry, 0.0, width).parts().values():
         assert part.plain.isprintable()
+
+
+@pytest.mark.parametrize("phase", [*HINTS, ""])
+def test_the_keys_that_do_something_now_fit_into_80_columns(phase):
+    asks = phase == "asking"
+    shown = keys_now(ConsoleState(phase=phase, question=GRADE if asks else None))
+    assert len(shown) <= 80
+    assert shown.endswith("?:help")
+    assert ("s:stop" in shown) == (phase != "over")
+    assert ("g:agree" in shown) == (phase == "reading")
+    assert ("a:answer" in shown) == asks
 
 
 @given(TEXTS, st.integers(1, 130))
