@@ -285,12 +285,12 @@ def repairs_table(folder: Path) -> str:
 
 
 def _ms(run, *arguments) -> float:
-    """Return the least of many times: what the machine takes when nothing else runs on it."""
+    """Return the least processor time of many: what else the machine does counts little."""
     times = []
     for _ in range(ROUNDS):
-        started = time.perf_counter()
+        started = time.process_time()
         run(*arguments)
-        times.append(time.perf_counter() - started)
+        times.append(time.process_time() - started)
     return 1e3 * min(times)
 
 
