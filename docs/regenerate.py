@@ -30,6 +30,7 @@ import models
 import panel
 import passes
 import prediction_tables
+import real_frames
 import studies
 import users as user_tables
 from pages import DOCS, ROOT, replace
@@ -232,6 +233,23 @@ def strategies_compared(folder: Path, *ready: str) -> None:
     replace("strategies chosen", chosen_markdown(data, LINKS_MBIT_S))
     replace("strategies measured", compare_markdown(data["rows"]))
     replace("strategies assigned", assigned_markdown(data))
+
+
+def frames_of_cameras(_: Path, *ready: str) -> None:
+    """Measure warps, repairs and fills on ten real frames, where they are: half an hour.
+
+    ready: the figures of an earlier run, to use instead.
+    """
+    folder = real_frames.folder_of()
+    if folder is None:
+        print(f"rgbd is left out: {real_frames.why_absent()}")
+        return
+    found = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else real_frames.measured(folder)
+    replace("rgbd repairs", real_frames.repairs_table(folder))
+    for name, rows in found.items():
+        replace(f"rgbd {name}", real_frames.table(rows))
+    chosen = [row for row in found["camera"] if row["warp"] == USUAL.warp]
+    replace("rgbd gains", real_frames.table(chosen, ("none", "interpolate", "pyramid")))
 
 
 def scene_on_the_client(folder: Path) -> None:
@@ -523,6 +541,7 @@ def trace_layouts(_: Path) -> None:
 
 
 PARTS = {
+    "rgbd": frames_of_cameras,
     "layouts": trace_layouts,
     "study": study,
     "study-simulated": study_simulated,

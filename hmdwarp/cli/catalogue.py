@@ -30,8 +30,8 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: strategies, warps, fills, effects, lenses, scenes, headsets, clients, axes, formats,
-    layouts, layers, recordings, scales, studies, options.
+    kind: strategies, warps, fills, repairs, effects, lenses, scenes, headsets, clients, axes,
+    formats, layouts, layers, recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
 
@@ -124,6 +124,21 @@ def _fill_row(fill: type[Fill]) -> dict[str, str]:
         "leaves_no_hole": "yes" if fill.complete else "no",
         "source": fill.source,
     }
+
+
+def _repairs() -> list[dict[str, str]]:
+    from ..repairs import repairs
+
+    return [
+        {
+            "name": repair.name,
+            "summary": repair.summary,
+            "needs": repair.needs,
+            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(repair.Settings)) or "none",
+            "source": repair.source,
+        }
+        for repair in repairs
+    ]
 
 
 def _effects() -> list[dict[str, str]]:
@@ -331,6 +346,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "strategies": _strategies,
     "warps": _warps,
     "fills": _fills,
+    "repairs": _repairs,
     "effects": _effects,
     "lenses": _lenses,
     "scenes": _scenes,

@@ -13,6 +13,7 @@ KINDS = {
     "strategies": "What crosses the link, and what the client does with it.",
     "warps": "Move a late picture to the newest head pose.",
     "fills": "Close the holes that a warp leaves.",
+    "repairs": "Mend depth as cameras give it, before the warp.",
     "effects": "What a scene may call for beside plain surfaces: mirrors, moving bodies, glass, overlays.",
     "lenses": "Correct the lens of a headset.",
     "scenes": "What is rendered, beside files of your own.",

@@ -9,6 +9,7 @@ import typer
 
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
+from ..sequences.options import repair_field
 from ._options import Said, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
@@ -51,6 +52,7 @@ class WarpOptions(Declared):
     fill: str = same_as(
         _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
+    repair: str = repair_field()
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth: Path | None = option(
         None, "Depth of a picture: 16-bit PNG, EXR, PGM or NPY; by default NAME.depth.png beside it.", kind=Path
@@ -78,6 +80,7 @@ def warp(said: Said) -> None:
     from ..client.plan import PICTURE
     from ..image.usable import plan_of
     from ..image.warping import warp_image
+    from ..repairs import parse_repairs
     from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
     from ..sequences import read_frame, read_view
 
@@ -87,6 +90,7 @@ def warp(said: Said) -> None:
     refuse_existing(options.out, force=options.force)
     depth = has_depth(options.out)
     plan_of(options.warp, options.fill, given=PICTURE, depth=depth)
+    parse_repairs(options.repair)
     frame = read_frame(options.frame, options.depth, options.camera)
     shown = read_view(options.to, options.size or frame.size)
     result = warp_image(
@@ -97,6 +101,7 @@ def warp(said: Said) -> None:
         options.warp,
         options.fill,
         options.size,
+        repair=options.repair,
         depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
         encoding=options.encoding or frame.encoding,
         result="linear",

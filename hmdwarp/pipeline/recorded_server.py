@@ -15,6 +15,7 @@ from ..geometry import Guard, View, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
+from ..repairs import RepairChain
 from ..scenes import Scene
 from ..sequences import RecordedFrame, Sequence
 from ..server import Server, Target
@@ -22,6 +23,7 @@ from ..server import Server, Target
 Size = tuple[int, int]
 _KEPT = 32  # decoded frames: those under way, and the truth beside them
 _NONE = -1.0
+AS_RECORDED = RepairChain()
 
 
 def empty_scene(sequence: Sequence) -> Scene:
@@ -35,7 +37,8 @@ class RecordedServer(Server):
     """A Server whose pictures are recorded frames, with the exact pose and field of view of each.
 
     What it is asked to look at is ignored, and so is a guard band: a recording is as wide as it is.
-    Pixels without depth keep their colour. One eye. Another size than the recording's is made by
+    Pixels without depth keep their colour. The sequence's repair mends late frames, the truth stays
+    as it was recorded. One eye. Another size than the recording's is made by
     averaging light and taking the nearest depth.
     """
 
@@ -72,23 +75,27 @@ class RecordedServer(Server):
         """Return the last frame that was taken by now."""
         taken = self.taken_before(drawn_ns)
         head = PoseSample(taken.time_ns, taken.pose, Origin.MEASURED)
-        return Frame((self._image(taken, size),), taken.time_ns, head)
+        return Frame((self._image(taken, size, repair=self._sequence.repair),), taken.time_ns, head)
 
-    def _image(self, taken: RecordedFrame, size: Size, into: Target | None = None) -> EyeImage:
+    def _image(
+        self, taken: RecordedFrame, size: Size, into: Target | None = None, repair: RepairChain = AS_RECORDED
+    ) -> EyeImage:
         target = into if into is not None else self.acquire(size)
-        colour, inverse_depth = self._pixels(taken, size)
+        colour, inverse_depth = self._pixels(taken, size, repair)
         upload(target.colour, colour)
         upload(target.inverse_depth, inverse_depth)
         return EyeImage(taken.view, target.colour, target.inverse_depth, drawn_ns=taken.time_ns)
 
 
-def _pixels(taken: RecordedFrame, size: Size) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
+def _pixels(taken: RecordedFrame, size: Size, repair: RepairChain) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
     """Return linear light (h, w, 4) and inverse depth (h, w) of a frame in (w, h) pixels."""
     colour, depth_m = taken.read()
     light = linear_from_srgb(colour).astype(np.float32)
+    inverse: NDArray[np.floating] = inverse_depth_from_metres(depth_m)
+    if repair.steps:
+        inverse = repair.run(colour * np.float32(1 / 255), inverse).inverse_depth
     if size != taken.size:
-        light, depth_m = _averaged(light, size), _nearest(depth_m, size)
-    inverse = inverse_depth_from_metres(depth_m)
+        light, inverse = _averaged(light, size), _nearest(inverse, size)
     covered = np.ones((*light.shape[:2], 1), np.float32)
     rgba = np.concatenate([light, covered], axis=2).astype(np.float16)
     return rgba, np.where(np.isnan(inverse), _NONE, inverse).astype(np.float32)
@@ -101,7 +108,7 @@ def _averaged(light: NDArray[np.float32], size: Size) -> NDArray[np.float32]:
     return np.stack([np.asarray(channel) for channel in channels], axis=2)
 
 
-def _nearest(depth_m: NDArray[np.float32], size: Size) -> NDArray[np.float32]:
-    (rows, columns), (wide, high) = depth_m.shape, size
+def _nearest(inverse: NDArray[np.floating], size: Size) -> NDArray[np.floating]:
+    (rows, columns), (wide, high) = inverse.shape, size
     row, column = ((np.arange(n) + 0.5) * m / n for n, m in ((high, rows), (wide, columns)))
-    return depth_m[row.astype(int)[:, None], column.astype(int)]
+    return inverse[row.astype(int)[:, None], column.astype(int)]

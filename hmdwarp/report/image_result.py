@@ -50,7 +50,7 @@ def _npz(path: Path, image: ImageResult) -> None:
 
 
 def _png(path: Path, image: ImageResult) -> None:
-    alpha = np.rint(np.clip(image.coverage, 0, 1) * 255).astype(np.uint8)
+    alpha = np.where(image.coverage > 0, np.uint8(255), np.uint8(0))  # what a repair guessed is opaque too
     write_bytes(path, png_bytes(np.concatenate([srgb8_from_linear(image.colour), alpha[..., None]], axis=2)))
 
 

@@ -27,7 +27,7 @@ from ..options import (
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
-from ..sequences.options import SequenceOptions
+from ..sequences.options import SequenceOptions, repair_field
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -75,6 +75,8 @@ class RunOptions(PipelineOptions):
         convert=attrs.converters.optional(Path),
     )
     sequence_options: SequenceOptions = group(SequenceOptions)
+    # Of late frames; the truth is what was recorded.
+    repair: str = repair_field()
     start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())
     seconds: float | None = option(
         None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
@@ -118,6 +120,8 @@ class RunOptions(PipelineOptions):
         super().__attrs_post_init__()
         if self.is_recorded:
             self._check_recorded()
+        elif self.repair != "none":
+            raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
         elif not self.trace:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
         if len(self.compared) > MOST_COMPARED:

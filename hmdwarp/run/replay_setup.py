@@ -23,6 +23,7 @@ from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.recorded_server import empty_scene
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
+from ..repairs import parse_repairs
 from ..scenes import Scene, load_scene
 from .host import refuse_one_eye
 from .options import RunOptions
@@ -157,7 +158,7 @@ def sequence_of(options: RunOptions) -> Sequence | None:
         return None
     from .. import sequences
 
-    return sequences.open(options.frames, options.sequence_options)
+    return sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
 
 
 def _trace(options: RunOptions, sequence: Sequence | None) -> LoadedTrace:

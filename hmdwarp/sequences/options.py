@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
@@ -19,6 +19,13 @@ def _camera(text: str) -> Camera:
     from .camera import parse_intrinsics
 
     return parse_intrinsics(text)
+
+
+def repair_field() -> Any:
+    """Return the field for what mends depth; parse_repairs reads its text."""
+    return option(
+        "none", f"Mend missing and wrong depth before the warp: {names_in('repairs')}, or several with +.", study=_STUDY
+    )
 
 
 @attrs.frozen

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..colour import srgb8_from_linear
 from ..geometry import Fov, Pose, View
 from ..poses import PoseTrack
+from ..repairs import RepairChain
 
 Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
@@ -69,6 +70,18 @@ class Sequence:
     track: PoseTrack
     # What a user must know, one sentence each.
     notes: tuple[str, ...] = ()
+    # What mends the depth of a frame before it is warped.
+    repair: RepairChain = RepairChain()
+
+    def repaired(self, repair: RepairChain) -> Sequence:
+        """Return the sequence with its depth to be mended before a warp.
+
+        Its frames are read as before.
+        """
+        if not repair.steps:
+            return self
+        note = f"The depth of late frames is mended by {repair.text}; the truth is what was recorded."
+        return attrs.evolve(self, repair=repair, notes=(*self.notes, note))
 
     @property
     def rate_hz(self) -> float:

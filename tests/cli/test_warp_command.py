@@ -298,3 +298,19 @@ def test_any_json_is_a_view_or_refused(value, tmp_path):
         assert str(path) in str(error) and "\n" not in str(error)
     else:
         assert np.isfinite(view.pose.orientation_xyzw).all()
+
+
+def test_depth_is_repaired_where_asked_for(warp, tmp_path):
+    """A gap is a hole; repaired it is seen, opaque in a picture, and its confidence in an array."""
+    depth = np.full((8, 10), 2.0)
+    depth[2:5, 3:6] = 0
+    assert "11.25 % holes" in warp({"depth_m": depth}, None, "--fill", "none").done().out
+    options = ("--fill", "none", "--repair", "edges+complete:colour=0.1", "--force")
+    done = warp({"depth_m": depth}, None, *options).done()
+    assert "0.00 % holes" in done.out and "repair" in done.out
+    with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
+        assert np.array_equal(data["coverage"] < 1, depth == 0) and (data["coverage"] > 0).all()
+    warp({"depth_m": depth}, None, *options, out="out.png").done()
+    assert (np.asarray(Image.open(tmp_path / "out.png"))[..., 3] == 255).all()
+    warp(None, None, "--force", "--repair", "compleet").refused("unknown repair 'compleet'", "did you mean 'complete'")
+    warp(None, None, "--force", "--repair", "complete:least=7").refused("least is 7: expected 0 to 1")
