@@ -42,6 +42,7 @@ from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
 from hmdwarp.run.outside import OUTSIDE
+from hmdwarp.strategies import strategies as every_strategy
 
 FIGURES = (*QUALITY, "mismatch")
 # What a table varies comes after it, and wins.
@@ -206,6 +207,15 @@ def prediction(folder: Path) -> None:
 LINKS_MBIT_S = (2, 5)
 
 
+def strategies_listed(folder: Path) -> None:
+    """Write what each strategy is."""
+    heads = ("strategy", "crosses the link", "the client", "late")
+    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    for one in sorted(every_strategy, key=lambda each: each.name):
+        lines.append("| " + " | ".join((f"`{one.name}`", one.crosses, one.client, one.late)) + " |")
+    replace("strategies", "\n".join(lines))
+
+
 def strategies_compared(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, the figures, and who can run it.
 
@@ -217,11 +227,7 @@ def strategies_compared(folder: Path, *ready: str) -> None:
         program("compare", *clients, *shorter, "--quiet", "--out", str(folder / "compare"))
         ready = (str(folder / "compare" / "compare.json"),)
     data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
-    heads = ("strategy", "crosses the link", "the client", "late")
-    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
-    for one in data["strategies"]:
-        lines.append("| " + " | ".join((f"`{one['name']}`", one["crosses"], one["client"], one["late"])) + " |")
-    replace("strategies", "\n".join(lines))
+    strategies_listed(folder)
     replace("strategies chosen", chosen_markdown(data, LINKS_MBIT_S))
     replace("strategies measured", compare_markdown(data["rows"]))
     replace("strategies assigned", assigned_markdown(data))
@@ -538,6 +544,7 @@ PARTS = {
     "single-warps": single_warps,
     "defaults": defaults,
     "strategies": strategies_compared,
+    "strategies-list": strategies_listed,
     "difference": difference,
     "points": points,
     "models": scene_on_the_client,

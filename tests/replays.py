@@ -13,13 +13,16 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
+from hmdwarp.pipeline.options import DEFAULT_WARP
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
 from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
 from hmdwarp.scenes import load_scene
+from hmdwarp.strategies import options_of_strategy
 
 SMALL = {
     "trace": "look-around",
@@ -43,6 +46,12 @@ SMALL = {
 def suited(scene: str = "planes") -> list[str]:
     """Return the names of the warps that are for the scene."""
     return [warp.name for warp in warps if not warp.unsuited(load_scene(scene))]
+
+
+def scene_for(strategy: str) -> str:
+    """Return a small scene that the strategy's warp is for."""
+    warp = options_of_strategy(strategy).get("warp", DEFAULT_WARP)
+    return "lantern" if parse_warp(warp).entry.unsuited(load_scene("planes")) else "planes"
 
 
 def small(out: Path | str = "nowhere", **options: object) -> RunOptions:

@@ -21,6 +21,7 @@ NEEDS_A_SERVER = (
     "layered",
     "model",
     "multi",
+    "photons",
     "points",
     "relight",
     "wide",

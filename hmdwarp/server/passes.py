@@ -11,7 +11,7 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.scopes import drawing_into
 from ..scenes import Scene
-from .lighting import Lighting
+from .lighting import Indirect, Lighting
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
 from .upload import Batch, SceneBuffers
@@ -28,7 +28,7 @@ class ScenePasses:
 
     colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
     behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
-    late_light: with lamps, indirect light is what `lighting.indirect` is set to.
+    indirect: with lamps, where indirect light comes from; see `lighting`.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"
@@ -42,14 +42,17 @@ class ScenePasses:
         colour: bool,
         peel: bool = False,
         moving: Sequence[Moving] = (),
-        late_light: bool = False,
+        indirect: Indirect = Indirect.OWN,
     ) -> None:
         self._gl, self._scene, self.buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
         # Where the light of the scene's lamps comes from; baked light needs none.
-        self.lighting = Lighting(gpu, scene, late=late_light) if colour and scene.lamps else None
+        self.lighting = Lighting(gpu, scene, indirect) if colour and scene.lamps else None
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
-        lit = {"LAMPS": 1} if self.lighting is not None else {}
-        self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **defines, **lit)
+        lit = self.lighting.defines if self.lighting is not None else {}
+        # What colours are made of; receivers have none.
+        self._coloured = colour and not (self.lighting is not None and indirect is Indirect.RECEIVERS)
+        shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
+        self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **shown, **lit)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = self._vertex_array(gpu, buffers)
         self._of_moving = [self._vertex_array(gpu, one.buffers) for one in self.moving]
@@ -57,7 +60,7 @@ class ScenePasses:
 
     def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
         more = [self.lighting.more(buffers.meshes)] if self.lighting is not None else []
-        return buffers.vertex_array(gpu.gl, self._surface.program, *more, colour=self._colour)
+        return buffers.vertex_array(gpu.gl, self._surface.program, *more, colour=self._coloured)
 
     @property
     def revision(self) -> int:
@@ -116,7 +119,7 @@ class ScenePasses:
         else:
             draws = visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
         for batch in draw_chunks(self._gl, vertices, buffers, draws):
-            if self._colour:
+            if self._coloured:
                 batch.texture.use(0)
 
     def _set_background(self, view: View) -> None:
