@@ -440,8 +440,10 @@ def server_rates(folder: Path) -> None:
     replace("server rates", passes.server_rates_table(rows))
 
 
-def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **environment: str) -> str:
-    """Run a script of tests/ and return its output as a block.
+def printed(
+    script: str, *options: str, statuses: tuple[int, ...] = (0,), markdown: bool = False, **environment: str
+) -> str:
+    """Run a script of tests/ and return its output as a block, or as it is if that is Markdown.
 
     Raises: SystemExit for a status that is not among `statuses`.
     """
@@ -449,7 +451,7 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
     done = subprocess.run(command, check=False, capture_output=True, text=True, env={**os.environ, **environment})
     if done.returncode not in statuses:
         raise SystemExit(done.stderr)
-    return f"```text\n{done.stdout.rstrip()}\n```"
+    return done.stdout.rstrip() if markdown else f"```text\n{done.stdout.rstrip()}\n```"
 
 
 def on_a_gpu(_: Path, *ready: str) -> None:
@@ -463,6 +465,11 @@ def on_a_gpu(_: Path, *ready: str) -> None:
 def speed(_: Path) -> None:
     """Measure the passes against OpenCV; needs an otherwise idle machine."""
     replace("speed", printed("bench_quick.py"))
+
+
+def speed_aims(_: Path) -> None:
+    """Measure how near the warps' aims of speed are, in processor time."""
+    replace("speed aims", printed("bench_aims.py", markdown=True))
 
 
 def hard_cases(_: Path) -> None:
@@ -553,6 +560,7 @@ PARTS = {
     "picture": opening_picture,
     "effects-picture": effects_picture,
     "speed": speed,
+    "speed-aims": speed_aims,
     "gpu": on_a_gpu,
     "bench": bench,
     "bench-large": bench_large,
