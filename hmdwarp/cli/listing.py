@@ -99,6 +99,8 @@ def _print_summaries(kind: str | None, rows: list[dict[str, str]]) -> None:
     if kind is None:
         return
     rest = ", ".join(key.replace("_", " ") for key in list(rows[0])[2:])
+    if not rest:
+        return
     typer.echo()
     paragraph(f"'hmdwarp list {kind} NAME' tells the rest of one: {rest}.")
 
