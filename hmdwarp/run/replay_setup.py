@@ -115,17 +115,13 @@ def set_up_replay(
     software.
     """
     check_names(options)
-    sequence = _sequence(options)
+    sequence = sequence_of(options)
     headset = load_headset(options.headset) if sequence is None else display_of(sequence)
     plans_for(options, headset, None, levels)
     against = _needs_of_against(options)
     trace = _trace(options, sequence)
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = (
-        schedule_at_frames(sequence, options)
-        if sequence is not None and not options.trace and options.rate_hz is None
-        else schedule_of(trace.track, options, rate_hz)
-    )
+    schedule = schedule_for(options, sequence, trace, rate_hz)
     size = options.size or headset.eye_size_px
     guarded_size(options.guard_band, headset, size)
     scene = load_scene(*options.scene_key) if sequence is None else empty_scene(sequence)
@@ -149,7 +145,14 @@ def set_up_replay(
         return ReplaySetup(options, trace, track, scene, headset, size, schedule, gpu, pipeline, notes, stack.pop_all())
 
 
-def _sequence(options: RunOptions) -> Sequence | None:
+def schedule_for(options: RunOptions, sequence: Sequence | None, trace: LoadedTrace, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run: evenly spaced, or at the instants of recorded frames."""
+    if sequence is not None and not options.trace and options.rate_hz is None:
+        return schedule_at_frames(sequence, options)
+    return schedule_of(trace.track, options, rate_hz)
+
+
+def sequence_of(options: RunOptions) -> Sequence | None:
     """Return the recorded frames of the options, None for a scene."""
     if options.frames is None:
         return None

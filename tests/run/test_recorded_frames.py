@@ -101,7 +101,7 @@ def test_every_warp_of_one_picture_runs(warp, run):
     assert run(warp=warp, seconds=0.1).summary["frames"] == 3
 
 
-@pytest.mark.parametrize("fill", [*usable_fills(), "memory+pyramid"])
+@pytest.mark.parametrize("fill", usable_fills())
 def test_every_fill_of_one_picture_runs(fill, run):
     run(warp="forward", fill=fill, seconds=0.05)
 
