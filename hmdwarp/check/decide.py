@@ -103,7 +103,8 @@ def decide(search: Search) -> Decision:
         for one in (*close, *([] if any(one.reading == plain for one in close) else [_fixed(plain)]))
     ]
     leader = _simplest(search, candidates)
-    for needed in (SURE, _SECOND * SURE):
+    for _ in range(2):
+        needed = _SECOND * SURE if leader.changes else SURE
         finer = [one for one in _finer(search, leader, noise) if _is_finer(one, leader, needed)]
         if not finer:
             break
