@@ -11,14 +11,18 @@ LATENCIES = ("200", "400", "800")
 WAYS = {
     "`none`": ("--warp", "none", "--fill", "none"),
     "`iterative` + `memory+pyramid`": ("--warp", "iterative", "--fill", "memory+pyramid"),
+    "`voxels`": ("--strategy", "voxels"),
+    "`voxels:cones=16`": ("--strategy", "voxels:cones=16"),
     "`model`, light baked": ("--strategy", "model"),
     "`irradiance`": ("--strategy", "irradiance"),
+    "`photons`": ("--strategy", "photons"),
 }
 OPTIONS = (
     *("--codec", "h264", "--size", "120x150", "--start", "2", "--seconds", "2", "--rate", "20"),
     *("--metrics-every", "5", "--images", "0", "--against", "", "--quiet"),
 )
-HEAD = "| scene | latency ms | | PSNR dB | FLIP | Mbit/s | MB at the start |\n| --- | ---: | --- |" + " ---: |" * 4
+HEAD = "| scene | latency ms | | PSNR dB | FLIP | flicker | Mbit/s | MB at the start |\n"
+HEAD += "| --- | ---: | --- |" + " ---: |" * 5
 
 
 def table(folder: Path, program: Callable[..., None]) -> str:
@@ -42,6 +46,7 @@ def figures(out: Path) -> list[str]:
     return [
         f"{quality['psnr_db']['mean']:.1f}",
         f"{quality['flip']['mean']:.3f}",
+        f"{quality['flicker']['mean']:.4f}",
         f"{summary['link']['mbit_s']:.2f}",
         f"{start * 1e-6:.1f}",
     ]

@@ -30,8 +30,10 @@ import models
 import panel
 import passes
 import prediction_tables
+import real_frames
 import soft
 import studies
+import users as user_tables
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
@@ -43,6 +45,7 @@ from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
 from hmdwarp.run.outside import OUTSIDE
+from hmdwarp.strategies import strategies as every_strategy
 
 FIGURES = (*QUALITY, "mismatch")
 # What a table varies comes after it, and wins.
@@ -207,6 +210,15 @@ def prediction(folder: Path) -> None:
 LINKS_MBIT_S = (2, 5)
 
 
+def strategies_listed(folder: Path) -> None:
+    """Write what each strategy is."""
+    heads = ("strategy", "crosses the link", "the client", "late")
+    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    for one in sorted(every_strategy, key=lambda each: each.name):
+        lines.append("| " + " | ".join((f"`{one.name}`", one.crosses, one.client, one.late)) + " |")
+    replace("strategies", "\n".join(lines))
+
+
 def strategies_compared(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, the figures, and who can run it.
 
@@ -218,14 +230,27 @@ def strategies_compared(folder: Path, *ready: str) -> None:
         program("compare", *clients, *shorter, "--quiet", "--out", str(folder / "compare"))
         ready = (str(folder / "compare" / "compare.json"),)
     data = json.loads(Path(ready[0]).read_text(encoding="utf-8"))
-    heads = ("strategy", "crosses the link", "the client", "late")
-    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
-    for one in data["strategies"]:
-        lines.append("| " + " | ".join((f"`{one['name']}`", one["crosses"], one["client"], one["late"])) + " |")
-    replace("strategies", "\n".join(lines))
+    strategies_listed(folder)
     replace("strategies chosen", chosen_markdown(data, LINKS_MBIT_S))
     replace("strategies measured", compare_markdown(data["rows"]))
     replace("strategies assigned", assigned_markdown(data))
+
+
+def frames_of_cameras(_: Path, *ready: str) -> None:
+    """Measure warps, repairs and fills on ten real frames, where they are: half an hour.
+
+    ready: the figures of an earlier run, to use instead.
+    """
+    folder = real_frames.folder_of()
+    if folder is None:
+        print(f"rgbd is left out: {real_frames.why_absent()}")
+        return
+    found = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else real_frames.measured(folder)
+    replace("rgbd repairs", real_frames.repairs_table(folder))
+    for name, rows in found.items():
+        replace(f"rgbd {name}", real_frames.table(rows))
+    chosen = [row for row in found["camera"] if row["warp"] == USUAL.warp]
+    replace("rgbd gains", real_frames.table(chosen, ("none", "interpolate", "pyramid")))
 
 
 def scene_on_the_client(folder: Path) -> None:
@@ -244,6 +269,11 @@ def moving_light(folder: Path) -> None:
     """Measure late light in scenes whose light moves: some five minutes."""
     (folder / "light").mkdir()
     replace("light", light.table(folder / "light", program))
+
+
+def users(_: Path) -> None:
+    """Measure a server's time for several users in a scene whose light moves: two minutes."""
+    replace("users", user_tables.table())
 
 
 def difference(folder: Path) -> None:
@@ -417,8 +447,10 @@ def server_rates(folder: Path) -> None:
     replace("server rates", passes.server_rates_table(rows))
 
 
-def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **environment: str) -> str:
-    """Run a script of tests/ and return its output as a block.
+def printed(
+    script: str, *options: str, statuses: tuple[int, ...] = (0,), markdown: bool = False, **environment: str
+) -> str:
+    """Run a script of tests/ and return its output as a block, or as it is if that is Markdown.
 
     Raises: SystemExit for a status that is not among `statuses`.
     """
@@ -426,7 +458,7 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
     done = subprocess.run(command, check=False, capture_output=True, text=True, env={**os.environ, **environment})
     if done.returncode not in statuses:
         raise SystemExit(done.stderr)
-    return f"```text\n{done.stdout.rstrip()}\n```"
+    return done.stdout.rstrip() if markdown else f"```text\n{done.stdout.rstrip()}\n```"
 
 
 def on_a_gpu(_: Path, *ready: str) -> None:
@@ -440,6 +472,11 @@ def on_a_gpu(_: Path, *ready: str) -> None:
 def speed(_: Path) -> None:
     """Measure the passes against OpenCV; needs an otherwise idle machine."""
     replace("speed", printed("bench_quick.py"))
+
+
+def speed_aims(_: Path) -> None:
+    """Measure how near the warps' aims of speed are, in processor time."""
+    replace("speed aims", printed("bench_aims.py", markdown=True))
 
 
 def hard_cases(_: Path) -> None:
@@ -518,6 +555,7 @@ def trace_layouts(_: Path) -> None:
 
 
 PARTS = {
+    "rgbd": frames_of_cameras,
     "layouts": trace_layouts,
     "study": study,
     "study-simulated": study_simulated,
@@ -529,6 +567,7 @@ PARTS = {
     "picture": opening_picture,
     "effects-picture": effects_picture,
     "speed": speed,
+    "speed-aims": speed_aims,
     "gpu": on_a_gpu,
     "bench": bench,
     "bench-large": bench_large,
@@ -537,11 +576,13 @@ PARTS = {
     "single-warps": single_warps,
     "defaults": defaults,
     "strategies": strategies_compared,
+    "strategies-list": strategies_listed,
     "difference": difference,
     "points": points,
     "models": scene_on_the_client,
     "light": moving_light,
     "soft": soft_bodies,
+    "users": users,
     "prediction": prediction,
     "effects": effects,
     "reflections": reflections,

@@ -13,13 +13,16 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from hmdwarp.client import parse_indirect, parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
+from hmdwarp.pipeline.options import DEFAULT_WARP
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
 from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
 from hmdwarp.scenes import load_scene
+from hmdwarp.strategies import options_of_strategy
 
 SMALL = {
     "trace": "look-around",
@@ -45,13 +48,26 @@ def suited(scene: str = "planes") -> list[str]:
     return [warp.name for warp in warps if not warp.unsuited(load_scene(scene))]
 
 
+def scene_for(strategy: str) -> str:
+    """Return a small scene that the strategy's warp and light are for."""
+    sets, planes = options_of_strategy(strategy), load_scene("planes")
+    light = parse_indirect(sets.get("indirect", "converged"))
+    warp = parse_warp(sets.get("warp", DEFAULT_WARP)).entry
+    return "lantern" if warp.unsuited(planes) or (light is not None and light.unsuited(planes)) else "planes"
+
+
 def small(out: Path | str = "nowhere", **options: object) -> RunOptions:
     """Options of a run that takes well under a second."""
     return RunOptions(**{**SMALL, "out": Path(out), **options})  # type: ignore[arg-type]
 
 
 def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object) -> ReplayResult:
-    """Run a small replay into `out`.
+    """Run a small replay into `out`; page, gpu: as replayed."""
+    return replayed(small(out, **options), page, gpu)
+
+
+def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) -> ReplayResult:
+    """Run a replay.
 
     page: whether report.html is drawn; its plots take longer than such a replay, and without them
     it says nothing. gpu: a context that many runs share, instead of one of its own.
@@ -62,7 +78,7 @@ def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object
             stack.enter_context(patch("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
             stack.enter_context(patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)))
-        return replay(small(out, **options))
+        return replay(options)
 
 
 def _load(trace: str, options: TraceOptions) -> LoadedTrace:

@@ -175,3 +175,11 @@ def test_the_counters_count():
     assert all(costs.made.get(kind) for kind in ("texture", "buffer", "framebuffer", "vertex_array"))
     assert costs.work["ComputeShader.run"] >= 2 * 3 and costs.work["VertexArray.render"] >= 2 * 2
     assert costs != attrs.evolve(costs, sent=0)
+
+
+def test_a_grid_of_voxels_is_paid_by_those_who_ask_for_it():
+    """Frames weigh the same: the light is in the picture."""
+    without, grid = (costs_of(scene="lantern", indirect=light) for light in ("converged", "voxels:size=16"))
+    assert not {path for path in without.shaders if "voxel" in path}
+    assert {"server/voxel_direct.comp", "server/voxel_fill.comp", "server/voxel_look.comp"} <= grid.shaders
+    assert grid.layers == without.layers and grid.sent == without.sent

@@ -48,13 +48,14 @@ def plan(said: Said) -> None:
     slow = list(slow_in(scene))
     about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
     if said["json"]:
-        names = ("scene", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
+        names = ("scene", "indirect", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
         notes = [*about.notes, *scene.notes]
         typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": notes}))
         return
     about.show()
-    in_columns([*_assumed(source, options.headset), *(("Slow", line) for line in slow)])
+    light = [("Light", options.light_note)] if options.light_note else []
+    in_columns([*_assumed(source, options.headset), *light, *(("Slow", line) for line in slow)])
     for note in scene.notes:
         paragraph(f"note: {note}")
 

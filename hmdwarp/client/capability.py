@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import PlanError, listed
 from ..frames.layers import layers
+from ..options import Choice
 from .plan import CLIENT_DEPTH, CLIENT_MODEL, CLIENT_SOFT_BODIES, Plan
-from .variants import Choice
 
 if TYPE_CHECKING:
     from ..clients import Client

@@ -11,9 +11,12 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ..frames.layers.photons import PhotonMap
     from ..frames.layers.points import Cloud
     from ..frames.layers.scene_update import Delivery
+    from ..frames.photon_bundles import Cube
     from ..geometry import View
+    from ..gpu.shaders import Inputs
     from .shown_picture import ShownPicture
 
 
@@ -94,6 +97,33 @@ class SoftBodies(Protocol):
         """
 
 
+class SplattedScene(Protocol):
+    """A scene under its own lamps, on which photons are splatted.
+
+    It draws rgba16f and r32f inverse depth.
+    """
+
+    def draw_receivers(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw what lamps light: the normal, and the factor for photons; 0 for what they do not."""
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Inputs) -> None:
+        """Draw the whole picture."""
+
+
+class ReceivedPhotons(Protocol):
+    """The newest photons of each bundle that a client has got, see warps/photons.vert."""
+
+    photons: moderngl.Buffer
+    count: int
+    cube: Cube
+    # The scene's origin.
+    origin_m: NDArray[np.float64]
+
+    @property
+    def scene(self) -> SplattedScene:
+        """Return the whole scene, that they light."""
+
+
 class ClientGeometry(Protocol):
     """Draws for any view and instant; programs and buffers are made on first use."""
 
@@ -129,3 +159,6 @@ class ClientGeometry(Protocol):
 
     def points(self, cloud: Cloud) -> PointCloud:
         """Return the points that have arrived."""
+
+    def photons(self, wanted: PhotonMap) -> ReceivedPhotons:
+        """Return the photons that have arrived."""

@@ -17,11 +17,12 @@ from ..frames.layers import layers, readable_names
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
-from .variants import Choice, fill_text, parse_fills, parse_warp
+from .variants import CONVERGED, Choice, fill_text, parse_fills, parse_indirect, parse_warp
 from .warps import Warp
 
 # Layers of every frame, layers that the client makes itself, and pictures that passes hand on.
 PICTURE = ("rendered.colour", "rendered.inverse_depth")
+OTHERS = "rendered.others"
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 CLIENT_SOFT_BODIES = "client.soft_bodies"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
@@ -83,6 +84,8 @@ class Plan:
     left_out: tuple[tuple[str, str], ...]
     # Whether the display reads the depth of what is shown.
     hands_depth_on: bool = False
+    # The layers that say how the server lights the pictures.
+    lit: Needs = Needs()
 
     @property
     def warp(self) -> type[Warp]:
@@ -103,7 +106,8 @@ class Plan:
     def needs(self) -> Needs:
         """Layers that frames must carry for this plan besides colour and inverse depth."""
         of_fills = (fill.entry.needs(fill.settings) for fill in self.fills)
-        return reduce(or_, (*of_fills, *(effect.needs for effect in self.effect_passes)), self.warp_needs)
+        of_effects = (effect.needs for effect in self.effect_passes)
+        return reduce(or_, (*of_fills, *of_effects, self.lit), self.warp_needs)
 
     @property
     def draws_client_depth(self) -> bool:
@@ -172,6 +176,7 @@ def build_plan(
     forbidden: Collection[str] = (),
     distorts: str = "",
     takes_depth: str = "",
+    indirect: str = CONVERGED,
 ) -> Plan:
     """Return the plan for the named passes.
 
@@ -184,7 +189,8 @@ def build_plan(
     name, which an imposter compensates too. forced, forbidden: names of effects that are declared
     though the scene lacks them, and not declared though it has them; used only in the stated
     reasons. distorts, takes_depth: names of the display parts that correct the lens after this
-    plan, and that read the shown picture's depth; "" for none.
+    plan, and that read the shown picture's depth; "" for none. indirect: as parse_indirect
+    takes it.
 
     Errors: UnknownNameError for an unregistered name; PlanError for a pass that reads a layer which
     no pass before it writes, and for passes that cannot be fused; InputError for a setting that the
@@ -242,6 +248,7 @@ def build_plan(
         tuple(draft.steps),
         tuple(draft.left_out),
         bool(takes_depth),
+        Needs(voxels=parse_indirect(indirect)),
     )
 
 

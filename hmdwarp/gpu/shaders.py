@@ -219,6 +219,13 @@ def _bytes_of(value: np.ndarray, dtype: type, matrix: bool) -> bytes:
     return np.ascontiguousarray(array, dtype=dtype).tobytes()
 
 
+class Inputs(Protocol):
+    """Textures and uniforms that belong together."""
+
+    def use(self, uniforms: Uniforms, unit: int) -> None:
+        """Bind the textures from that unit on, and set the uniforms."""
+
+
 class Compute:
     """A compute shader with strict uniforms.
 

@@ -24,15 +24,19 @@ from ..server import (
     stands_still,
 )
 from .arriving_scene import ArrivingScene
+from .client_photons import ClientPhotons
 from .client_points import ClientPoints
 from .client_soft_bodies import ClientSoftBodies
+from .scene_under_light import SceneUnderLight, SceneUnderPhotons
 
 if TYPE_CHECKING:
     from ..client import ShownPicture
     from ..frames import Frame
     from ..frames.deliveries import Update
+    from ..frames.layers.photons import PhotonMap
     from ..frames.layers.points import Cloud
     from ..frames.layers.scene_update import Delivery
+    from ..frames.photon_bundles import PhotonUpdate
     from ..frames.point_blocks import PointUpdate
     from ..geometry import View
     from ..gpu.context import Gpu
@@ -56,6 +60,7 @@ class ClientScene:
         self._scenes: dict[_Key, SceneOnClient] = {}
         self._arriving: dict[Delivery, ArrivingScene] = {}
         self._points: dict[Cloud, ClientPoints] = {}
+        self._photons: dict[PhotonMap, ClientPhotons] = {}
         self._lit: SceneUnderLight | None = None
         self._soft: ClientSoftBodies | None = None
 
@@ -104,6 +109,13 @@ class ClientScene:
             self._points[cloud] = ClientPoints(self._server.gpu, self._server.scene, cloud)
         return self._points[cloud]
 
+    def photons(self, wanted: PhotonMap) -> ClientPhotons:
+        """Return the photons that have arrived, see ClientGeometry.photons."""
+        if wanted not in self._photons:
+            lit = SceneUnderPhotons(self._server.gpu, self._server.scene, wanted.radius)
+            self._photons[wanted] = ClientPhotons(self._server.gpu, lit, wanted)
+        return self._photons[wanted]
+
     def receive(self, frame: Frame) -> None:
         """Take what a frame brings of the scene; call it with each frame that arrives."""
         updates: Mapping[Delivery, Update] = frame.eyes[0].get("scene_update", {})
@@ -112,6 +124,9 @@ class ClientScene:
         clouds: Mapping[Cloud, PointUpdate] = frame.eyes[0].get("points", {})
         for cloud, points in clouds.items():
             self.points(cloud).receive(points.content)
+        maps: Mapping[PhotonMap, PhotonUpdate] = frame.eyes[0].get("photons", {})
+        for wanted, photons in maps.items():
+            self.photons(wanted).receive(photons.content)
 
     def weights(self) -> list[dict[str, Any]]:
         """Return what the client must hold of each model that was made: triangles and bytes.
@@ -130,9 +145,9 @@ class ClientScene:
                 {"share": share, "texture": texture, **weight_of(whole.scene), "start_up_bytes": packed}
                 | {"first_picture_bytes": packed, "arrived_bytes": packed}
             )
-        if self._lit is not None:
-            packed = Pieces(attrs.evolve(self._lit.scene, lamps=())).whole_bytes
-            named = {"share": 1.0, "texture": 1.0, **weight_of(self._lit.scene), "start_up_bytes": packed}
+        for scene in [one.scene for one in (self._lit, *(photons.scene for photons in self._photons.values())) if one]:
+            packed = Pieces(attrs.evolve(scene, lamps=())).whole_bytes
+            named = {"share": 1.0, "texture": 1.0, **weight_of(scene), "start_up_bytes": packed}
             weights.append({**named, "first_picture_bytes": packed, "arrived_bytes": packed})
         if self._soft is not None:
             packed = Pieces(self._soft.scene).whole_bytes
@@ -142,11 +157,12 @@ class ClientScene:
             named = {"share": delivery.share, "texture": delivery.texture, "budget": delivery.budget}
             weights.append({**named, **weight_of(arriving.scene), **arriving.weight()})
         weights += [cloud.weight() for cloud in self._points.values()]
+        weights += [photons.weight() for photons in self._photons.values()]
         return weights
 
     def close(self) -> None:
         """Free the models; the caller closes the server."""
-        for made in (self._models, self._scenes, self._arriving, self._points):
+        for made in (self._models, self._scenes, self._arriving, self._points, self._photons):
             for model in made.values():
                 model.close()
             made.clear()
@@ -173,34 +189,6 @@ class SceneOnClient:
         """Free its renderer."""
         if self._is_own:
             self._renderer.close()
-
-
-class SceneUnderLight:
-    """A client.LitScene: surfaces only, by the server's own passes."""
-
-    def __init__(self, gpu: Gpu, scene: Scene) -> None:
-        self.scene = scene
-        surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
-        self._textures = SceneTextures(gpu, scene)
-        self._buffers = SceneBuffers(gpu, list(filter(stands_still, surfaces)), self._textures)
-        self._moving = moving_parts(gpu, scene, self._textures)
-        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, late_light=True)
-        self._framebuffers = Framebuffers(gpu.gl)
-
-    def draw(self, view: View, into: ShownPicture, time_ns: int, indirect: moderngl.Texture) -> None:
-        """Draw the whole picture, see LitScene.draw."""
-        if self._passes.lighting is not None:
-            self._passes.lighting.indirect = indirect
-        self._passes.draw(view, self._framebuffers.over(into.colour.texture, into.depth), time_ns)
-
-    def close(self) -> None:
-        """Free its buffers; the shader library owns the programs."""
-        self._passes.close()
-        self._framebuffers.close()
-        for one in self._moving:
-            one.close()
-        self._buffers.close()
-        self._textures.close()
 
 
 class DrawnModel:

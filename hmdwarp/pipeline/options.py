@@ -127,6 +127,12 @@ class PipelineOptions(Declared):
     mirrors: str = option(
         "geometry", "Draw plane mirrors by geometry, or from what is on the screen (misses stay empty).", study=PICTURE
     )
+    # In the syntax of client.parse_indirect; only where the scene's lamps move.
+    indirect: str = option(
+        "converged",
+        "Light between surfaces under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10], "
+        "a grid that all views share.",
+    )
     lens: str = option(
         "radial",
         f"Lens correction: {names_in('client/lens')}; by default the headset's own.",
@@ -223,6 +229,11 @@ class PipelineOptions(Declared):
         return self.scene, self.scene_options
 
     @property
+    def is_recorded(self) -> bool:
+        """Whether recorded frames take the place of a scene."""
+        return False
+
+    @property
     def chooses_warp(self) -> bool:
         """Whether the run chooses warp and fill itself, to stay within its budget."""
         return self.warp == AUTO
@@ -260,12 +271,21 @@ class PipelineOptions(Declared):
             found.append(
                 f"{told} that from the proxy to the client: {self.total_latency_ms:g} ms from the server. {self.proxy}."
             )
+        if self.light_note:
+            found.append(self.light_note)
         if self.network.response is not None:
             found.append(
                 f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "
                 "(response sum)."
             )
         return tuple(found)
+
+    @property
+    def light_note(self) -> str:
+        """Say how pictures are lit, if other than the truth; "" if alike."""
+        if self.indirect == attrs.fields(type(self)).indirect.default:
+            return ""
+        return f"Pictures have indirect light by {self.indirect}, the truth has converged light."
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
@@ -274,6 +294,7 @@ class PipelineOptions(Declared):
     def _check_strategy(self) -> None:
         sets = options_of_strategy(self.strategy) if self.strategy else {}
         values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
+        values["indirect"] = self.indirect
         for name in sorted(sets.keys() & values.keys()):
             found = values[name]
             if found != sets[name]:

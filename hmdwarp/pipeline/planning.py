@@ -9,7 +9,8 @@ import attrs
 from ..auto.levels import QualityLevel
 from ..client.capability import check_client
 from ..client.effects import effects
-from ..client.plan import PICTURE, Plan, build_plan
+from ..client.plan import OTHERS, PICTURE, Plan, build_plan
+from ..client.variants import CONVERGED, parse_indirect
 from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..headsets import Headset
@@ -63,6 +64,9 @@ def build_plan_for(
     )
     if scene is not None and (why := plan.warp.unsuited(scene)):
         raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
+    voxels = parse_indirect(options.indirect)
+    if voxels is not None and scene is not None and (why := voxels.unsuited(scene)):
+        raise PlanError(f"indirect light '{options.indirect}' is not for scene '{scene.name}': {why}")
     if options.client_name:
         check_client(plan, load_client(options.client_name))
     return plan
@@ -74,20 +78,27 @@ def _plan_of_all(
     """Return the plan of who gets the server's frames."""
     called_for = effects.of(scene) if scene is not None else ()
     selected = effects.selected(options.effects, called_for, scene)
-    return build_plan(
-        selected,
-        options.warp,
-        options.fill,
-        options.lens,
-        client_geometry=True,
-        fused=options.fused,
-        scanout=options.scanout_ms > 0 and options.follow_scanout,
-        named=selected if shares_frames else effects.forced(options.effects),
-        forced={*selected} - {*called_for},
-        forbidden={*called_for} - {*selected},
-        distorts=distorts,
-        takes_depth=takes_depth,
-    )
+    try:
+        return build_plan(
+            selected,
+            options.warp,
+            options.fill,
+            options.lens,
+            client_geometry=not options.is_recorded,
+            brings=brought(options),
+            fused=options.fused,
+            scanout=options.scanout_ms > 0 and options.follow_scanout,
+            named=selected if shares_frames else effects.forced(options.effects),
+            forced={*selected} - {*called_for},
+            forbidden={*called_for} - {*selected},
+            distorts=distorts,
+            takes_depth=takes_depth,
+            indirect=options.indirect,
+        )
+    except PlanError as error:
+        if not options.is_recorded:
+            raise
+        raise PlanError(f"{error}; recorded frames hold colour and depth of one eye, and no scene") from error
 
 
 def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
@@ -135,6 +146,8 @@ def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: 
 
 def brought(options: PipelineOptions) -> tuple[str, ...] | None:
     """Return the layers of the frames that the client gets; None for any."""
+    if options.is_recorded:
+        return (*PICTURE, OTHERS)
     return PICTURE[:1] if options.proxy.on else None
 
 
@@ -143,4 +156,6 @@ def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:
 
     Errors: as build_plan.
     """
-    return build_plan((), warp, fill, "none", client_geometry=True, brings=brought(options))
+    light = CONVERGED if options.proxy.on else options.indirect
+    geometry = not options.is_recorded
+    return build_plan((), warp, fill, "none", client_geometry=geometry, brings=brought(options), indirect=light)

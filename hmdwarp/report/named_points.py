@@ -105,8 +105,11 @@ def _size_pt(figure: Any, text: str, weight: str) -> tuple[float, float]:
 def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, palette: Palette, *, higher: bool) -> np.ndarray:
     """Draw the staircase that bounds these points; return it as (m, 2) in data coordinates.
 
+    Without points there is none.
     higher: whether a higher error measure is better.
     """
+    if not len(cost):
+        return np.zeros((0, 2))
     order = np.argsort(cost, kind="stable")
     cost, error = cost[order], error[order]
     worst = axes.get_ylim()[0 if higher else 1]

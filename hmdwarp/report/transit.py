@@ -62,8 +62,9 @@ def model_rows(summary: Summary) -> Pairs:
     """
     rows = []
     for one in summary.get("client_models") or ():
-        if "points" in one:
-            rows.append(("client's points", f"{one['points']}, room of {one['geometry_bytes'] / 1e6:.1f} MB"))
+        kept = next((name for name in ("points", "photons") if name in one), None)
+        if kept is not None:
+            rows.append((f"client's {kept}", f"{one[kept]}, room of {one['geometry_bytes'] / 1e6:.1f} MB"))
         else:
             named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
             weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "

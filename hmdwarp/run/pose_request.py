@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..client.variants import parse_indirect
 from ..frames import Needs
 from ..link.codec import check_codec
 from ..pipeline.options import PipelineOptions
@@ -21,7 +22,7 @@ KEPT_NS = 1_000_000_000
 
 
 def check_names(options: PipelineOptions) -> None:
-    """Check predictor, codec, mirrors and network.
+    """Check predictor, codec, mirrors, indirect light and network.
 
     Errors: UnknownNameError; InputError for an impossible network; MachineError for a codec that
     cannot run here.
@@ -30,6 +31,7 @@ def check_names(options: PipelineOptions) -> None:
     check_codec(options.coding.codec)
     if options.mirrors not in MIRRORS:
         raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
+    parse_indirect(options.indirect)
     check_codec(options.proxy.codec)
     options.client_link.check(round(options.latency_ms * 1e6))
 

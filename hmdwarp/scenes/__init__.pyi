@@ -11,6 +11,12 @@ from ._load import load_scene as load_scene
 from ._mesh import Mesh as Mesh
 from ._mesh import Texture as Texture
 from ._mirrors import SceneMirror as SceneMirror
+from ._photons import Light as Light
+from ._photons import Photons as Photons
+from ._photons import PhotonTracer as PhotonTracer
+from ._photons import kernel_factors as kernel_factors
+from ._photons import light_keys as light_keys
+from ._photons import of_atlas as of_atlas
 from ._pieces import COARSE as COARSE
 from ._pieces import COARSEST as COARSEST
 from ._pieces import FULL as FULL
@@ -20,6 +26,7 @@ from ._pieces import partial_scene as partial_scene
 from ._pieces import pieces_of as pieces_of
 from ._points import PointCells as PointCells
 from ._points import SurfacePoints as SurfacePoints
+from ._points import octahedral as octahedral
 from ._reduce import only_light as only_light
 from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit
@@ -30,6 +37,9 @@ from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
 from ._slow import slow_in as slow_in
 from ._targets import with_targets as with_targets
+from ._voxels import VoxelGrid as VoxelGrid
+from ._voxels import VoxelSurfaces as VoxelSurfaces
+from ._voxels import voxel_surfaces as voxel_surfaces
 from .deformations import Joint as Joint
 from .deformations import Skinned as Skinned
 from .deformations import Waving as Waving

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 VERSION = 1  # of stored form factors; counted up with every change of them
 RAYS = 512  # of a patch
+# Places on a patch where light of lamps is looked up, (x, y) in texels from its middle: a Fibonacci
+# lattice, which no straight edge of a shadow runs along.
+# Source: Niederreiter 1992, Random Number Generation and Quasi-Monte Carlo Methods, chapter 5.
+LOOKED_AT = np.stack([(np.arange(21) + 0.5) / 21, (np.arange(21) * 13 + 0.5) / 21 % 1], axis=1) - 0.5
 # A ray starts this far in front of its surface, and a triangle reaches this share beyond its edges,
 # so that no ray slips between two.
 OFF_M, EDGE = 1e-4, 1e-6
@@ -114,7 +118,7 @@ class Patches:
         return self.centres + self.steps[..., 0] * across + self.steps[..., 1] * up + OFF_M * self.normals
 
 
-def _lit(meshes: Sequence[Mesh]) -> list[Mesh]:
+def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
     """Return the meshes that lamps light: they have places in the light atlas."""
     return [mesh for mesh in meshes if mesh.light_uv is not None]
 
@@ -125,8 +129,8 @@ def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
     Errors: SceneError where two triangles cover the same texel.
     """
     kinds: list[list[Array]] = [[] for _ in range(5)]
-    for mesh in _lit(meshes):
-        texture = _mean_colour(textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
+    for mesh in lit_meshes(meshes):
+        texture = mean_colour(textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
         albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.positions, 0.5)
         assert mesh.light_uv is not None
         for triangle in mesh.triangles:
@@ -165,31 +169,88 @@ def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
     return Patches(texels, *rest)
 
 
-def _mean_colour(texture: Texture) -> Array:
+def mean_colour(texture: Texture) -> Array:
+    """Return the mean light of a texture, linear RGB."""
     image = texture.image[..., :3]
     linear = linear_from_srgb(image) if texture.srgb else image / 255
     return np.asarray(linear, np.float64).mean(axis=(0, 1))
+
+
+@attrs.frozen(eq=False)
+class Met:
+    """What rays meet."""
+
+    # (n,) of a patch; BLACK where light ends: behind a surface, or beside all patches.
+    patch: NDArray[np.int64]
+    places: Array  # (n, 3) metres
+    texels: Array  # (n, 2) in the light atlas
+
+
+SKY, BLACK = -1, -2
+
+
+@attrs.define(eq=False, slots=False)
+class Receivers:
+    """The surfaces of a scene that get light, and stop it."""
+
+    patches: Patches
+    blockers: Blockers
+    atlas: Array  # (triangles, 3, 2) places of the blockers' corners in the light atlas
+
+    @cached_property
+    def _number(self) -> NDArray[np.int64]:
+        """(h, w) the patch of each texel, BLACK where there is none."""
+        number = np.full(ATLAS[::-1], BLACK)
+        number[self.patches.texels[:, 1], self.patches.texels[:, 0]] = np.arange(len(self.patches))
+        return number
+
+    @cached_property
+    def _facing(self) -> Array:
+        corners = self.blockers.corners
+        return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+    def meet(self, origins: Array, ways: Array) -> Met:
+        """Return what each ray meets first; SKY as its patch where it meets nothing."""
+        which, u, v = self.blockers.first(origins, ways)
+        hit = np.flatnonzero(which >= 0)
+        which, u, v = which[hit], u[hit, None], v[hit, None]
+        patch, places, texels = np.full(len(origins), SKY), np.zeros((len(origins), 3)), np.zeros((len(origins), 2))
+        for corners, out in ((self.blockers.corners, places), (self.atlas, texels)):
+            a, b, c = corners[which].transpose(1, 0, 2)
+            out[hit] = a + u * (b - a) + v * (c - a)
+        column, row = np.clip(np.floor(texels[hit]).astype(int), 0, np.array(ATLAS) - 1).T
+        front = (ways[hit] * self._facing[which]).sum(axis=1) < 0
+        patch[hit] = np.where(front, self._number[row, column], BLACK)
+        return Met(patch, places, texels)
 
 
 @attrs.define(eq=False, slots=False)
 class Transport:
     """How light goes from patch to patch of one scene."""
 
-    patches: Patches
-    blockers: Blockers
+    receivers: Receivers
     form_factors: Array  # (n, n): the share of what leaves patch i that patch j gets
     sky: Array  # (n, 3) what each patch gets from the sky itself
 
+    @property
+    def patches(self) -> Patches:
+        """Those that get light."""
+        return self.receivers.patches
+
+    @property
+    def blockers(self) -> Blockers:
+        """The triangles of their surfaces."""
+        return self.receivers.blockers
+
     def direct(self, lamps: Sequence[tuple[Array, tuple[float, float, float]]]) -> Array:
-        """Return (n, 3) what lamps give each patch, with shadows, as the mean over 2x2 points.
+        """Return (n, 3) what lamps give each patch, with shadows, as the mean over LOOKED_AT.
 
         lamps: (place, colour) of each, relative to the scene's origin, as of Lamp.
         """
         total = np.zeros((len(self.patches), 3))
-        for across in (-0.25, 0.25):
-            for up in (-0.25, 0.25):
-                total += direct_light(self.blockers, self.patches.at(across, up), self.patches.normals, lamps) / 4
-        return total
+        for across, up in LOOKED_AT:
+            total += direct_light(self.blockers, self.patches.at(across, up), self.patches.normals, lamps)
+        return total / len(LOOKED_AT)
 
     @cached_property
     def gathered(self) -> NDArray[np.float32]:
@@ -208,18 +269,25 @@ class Transport:
     @cached_property
     def _nearest(self) -> NDArray[np.int64]:
         """(h, w) the patch whose light each texel of the atlas has: its own, or the nearest."""
-        from scipy.ndimage import distance_transform_edt
-
-        number = np.full(ATLAS[::-1], -1)
+        number = np.full(ATLAS[::-1], np.nan)
         number[self.patches.texels[:, 1], self.patches.texels[:, 0]] = np.arange(len(self.patches))
-        rows, columns = distance_transform_edt(number < 0, return_distances=False, return_indices=True)
-        return number[rows, columns]
+        return nearest_known(number).astype(np.int64)
 
     def atlas(self, values: Array) -> NDArray[np.float16]:
         """Return (h, w, 4) of (n, 3) values, bottom row first; borders repeat, coverage is 1."""
         picture = np.ones((*ATLAS[::-1], 4), np.float16)
         picture[..., :3] = values[self._nearest] if len(self.patches) else 0
         return picture
+
+
+def nearest_known(values: Array) -> Array:
+    """Return an atlas (h, w) with the nearest known value in place of nan; 0 without any."""
+    from scipy.ndimage import distance_transform_edt
+
+    if np.isnan(values).all():
+        return np.zeros_like(values)
+    rows, columns = distance_transform_edt(np.isnan(values), return_distances=False, return_indices=True)
+    return np.asarray(values[rows, columns])
 
 
 def direct_light(
@@ -267,21 +335,21 @@ def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS) -> 
 def _transport(
     every: tuple[Mesh, ...], textures: tuple[Texture, ...], background: Background, folder: Path | None, rays: int
 ) -> Transport:
-    meshes, patches = _lit(every), patches_of(every, textures)
+    meshes, patches = lit_meshes(every), patches_of(every, textures)
     corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
-    blockers = Blockers(corners)
+    places = np.concatenate(
+        [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
+    )
+    receivers = Receivers(patches, Blockers(corners), places)
     path = (folder or cache_folder()) / f"light-{_key(background, patches, corners, rays)}.npz"
     count = len(patches)
     stored = read_arrays(path, ("form_factors", "sky"))
     if stored is not None and [one.shape for one in stored] == [(count, count), (count, 3)]:
-        return Transport(patches, blockers, *stored)
-    places = np.concatenate(
-        [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
-    )
-    factors, sky = _cast(patches, blockers, places, background, rays)
+        return Transport(receivers, *stored)
+    factors, sky = _cast(receivers, background, rays)
     with suppress(OSError):
         write_arrays(path, {"form_factors": factors, "sky": sky})
-    return Transport(patches, blockers, factors, sky)
+    return Transport(receivers, factors, sky)
 
 
 def _key(background: Background, patches: Patches, corners: Array, rays: int) -> str:
@@ -291,37 +359,31 @@ def _key(background: Background, patches: Patches, corners: Array, rays: int) ->
     return digest.hexdigest()[:40]
 
 
-def _cast(
-    patches: Patches, blockers: Blockers, places: Array, background: Background, rays: int
-) -> tuple[Array, Array]:
+def _cast(receivers: Receivers, background: Background, rays: int) -> tuple[Array, Array]:
     """Return the form factors and the sky's light by rays spread evenly over cosine and patch.
 
-    places: (triangles, 3, 2) the corners in the light atlas. All patches use the same rays in their
-    own axes: the error is as smooth as the light.
+    All patches use the same rays in their own axes: the error is as smooth as the light.
     """
+    patches = receivers.patches
     count = len(patches)
-    number = np.full((ATLAS[1], ATLAS[0]), -1)
-    number[patches.texels[:, 1], patches.texels[:, 0]] = np.arange(count)
-    facing = np.cross(blockers.corners[:, 1] - blockers.corners[:, 0], blockers.corners[:, 2] - blockers.corners[:, 0])
     samples = _spread(rays)
-    radius, angle = np.sqrt(samples[:, 0]), 2 * np.pi * samples[:, 1]
-    local = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - samples[:, 0])], axis=1)
+    local = cosine_ways(samples)
     factors, sky = np.zeros((count, count)), np.zeros((count, 3))
     for i in range(count):
         right = patches.steps[i, :, 0] / np.linalg.norm(patches.steps[i, :, 0])
         axes = np.stack([right, np.cross(patches.normals[i], right), patches.normals[i]])
         ways = local @ axes
         starts = patches.centres[i] + (samples[:, 2:] - 0.5) @ patches.steps[i].T + OFF_M * patches.normals[i]
-        which, u, v = blockers.first(starts, ways)
-        hit = which >= 0
-        sky[i] = _sky_light(background, ways[~hit]).sum(axis=0) / rays
-        hit[hit] &= (ways[hit] * facing[which[hit]]).sum(axis=1) < 0  # from behind a surface is black
-        corner = places[which[hit]]
-        at = corner[:, 0] + u[hit, None] * (corner[:, 1] - corner[:, 0]) + v[hit, None] * (corner[:, 2] - corner[:, 0])
-        texel = np.clip(np.floor(at).astype(int), 0, np.array(ATLAS) - 1)
-        found = number[texel[:, 1], texel[:, 0]]
+        found = receivers.meet(starts, ways).patch
+        sky[i] = sky_light(background, ways[found == SKY]).sum(axis=0) / rays
         factors[i] = np.bincount(found[found >= 0], minlength=count) / rays
     return factors, sky
+
+
+def cosine_ways(samples: Array) -> Array:
+    """Return (n, 3) ways about +z, as many each way as its cosine. samples: (n, 2) in 0..1."""
+    radius, angle = np.sqrt(samples[:, 0]), 2 * np.pi * samples[:, 1]
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - samples[:, 0])], axis=1)
 
 
 def _spread(count: int) -> Array:
@@ -333,7 +395,7 @@ def _spread(count: int) -> Array:
     return (0.5 + np.arange(1, count + 1)[:, None] * ratio ** -np.arange(1.0, 5.0)) % 1
 
 
-def _sky_light(background: Background, ways: Array) -> Array:
+def sky_light(background: Background, ways: Array) -> Array:
     """Return (n, 3) the background in those directions, see Background."""
     share = np.sqrt(np.abs(ways[:, 1:2] / np.linalg.norm(ways, axis=1, keepdims=True)))
     end = np.where(ways[:, 1:2] > 0, background.zenith, background.ground)

@@ -50,7 +50,7 @@ class Server:
         self._parts: dict[str, Part] = {}
         self._chosen: dict[Needs, list[Part]] = {}
         self._context = DrawContext(
-            gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire, self._draw
+            gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire, self._draw, self._passes_for
         )
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
@@ -64,11 +64,17 @@ class Server:
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.size, size)
-        self._colour.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), drawing.time_ns)
+        framebuffer = self._framebuffers.over(target.colour, target.inverse_depth)
+        self._passes_for(drawing).draw(view, framebuffer, drawing.time_ns)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
         for part in self._parts_for(drawing.needs):
             eye = part.add(eye, drawing)
         return eye
+
+    def _passes_for(self, drawing: Drawing) -> ScenePasses:
+        """Return the passes of the plain surfaces, lit as the picture's layers say."""
+        found = (part.passes_for(drawing) for part in self._parts_for(drawing.needs))
+        return next((passes for passes in found if passes is not None), self._colour)
 
     def _parts_for(self, needs: Needs) -> list[Part]:
         """Return the parts that occur in the scene or draw a needed layer."""

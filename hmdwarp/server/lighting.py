@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +15,29 @@ from ..scenes import ATLAS, MOST_LAMPS, lamps_at, transport_of
 
 if TYPE_CHECKING:
     from ..gpu.context import Gpu
-    from ..gpu.shaders import Uniforms
+    from ..gpu.shaders import Inputs, Uniforms
     from ..scenes import Mesh, Scene
 
-INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
+INDIRECT_UNIT, BLOCKERS_UNIT, SPLATS_UNIT = 6, 7, 8
+
+
+class Indirect(enum.Enum):
+    """Where the indirect light of a scene with lamps comes from, by what shaders are told."""
+
+    # Solved for the instant that is drawn; the light atlas `Lighting.indirect`, which its owner
+    # sets; a picture of it, `Lighting.splats`.
+    OWN, ATLAS, SPLATS = "own", "atlas", "splats"
+    # A grid of voxels, see server/voxels.py.
+    VOXELS = "voxels"
+    # Nowhere: in place of colour, drawn are the normal and what `Lighting.indirect` holds.
+    RECEIVERS = "receivers"
+
+
+_DEFINES = {
+    Indirect.SPLATS: ("LAMPS", "SPLATTED"),
+    Indirect.VOXELS: ("LAMPS", "VOXELS"),
+    Indirect.RECEIVERS: ("RECEIVERS",),
+}
 
 
 def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
@@ -27,16 +47,13 @@ def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
 
 
 class Lighting:
-    """Direct and indirect light of a scene with lamps.
+    """Direct and indirect light of a scene with lamps."""
 
-    late: indirect light is the texture `indirect`, which its owner writes; else that of the instant
-    that is drawn.
-    """
-
-    def __init__(self, gpu: Gpu, scene: Scene, *, late: bool = False) -> None:
-        self._gl, self._scene = gpu.gl, scene
-        self._own = None if late else allocate(gpu.gl, ATLAS, COLOUR)
+    def __init__(self, gpu: Gpu, scene: Scene, source: Indirect = Indirect.OWN) -> None:
+        self._gl, self._scene, self.source = gpu.gl, scene, source
+        self._own = allocate(gpu.gl, ATLAS, COLOUR) if source is Indirect.OWN else None
         self.indirect = self._own
+        self.splats: Inputs | None = None
         rows = transport_of(scene).blockers.rows.astype(np.float32)
         self._count = len(rows)
         self._blockers = gpu.gl.texture((3, max(1, len(rows))), 4, rows.tobytes() or b"\0" * 48, dtype="f4")
@@ -44,15 +61,39 @@ class Lighting:
         self._light: bytes = b""
         self._buffers: list[moderngl.Buffer] = []
 
-    def more(self, meshes: Sequence[Mesh]) -> tuple[Any, ...]:
-        """Return further inputs of the vertex stage, as moderngl takes them."""
+    def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
+        """Return further inputs of the vertex stage, as moderngl takes them.
+
+        albedo: whether the shader reads it.
+        """
         rows = [_vertex_rows(mesh) for mesh in meshes]
         data = np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32).tobytes()
         self._buffers.append(self._gl.buffer(data or b"\0" * 32))
+        if not albedo:
+            return (self._buffers[-1], "3f4 2f4 12x1", "in_normal", "in_light_uv")
         return (self._buffers[-1], "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
+
+    @property
+    def defines(self) -> dict[str, object]:
+        """What the scene's shaders are told."""
+        return dict.fromkeys(_DEFINES.get(self.source, ("LAMPS",)), 1)
 
     def use(self, uniforms: Uniforms, time_ns: int) -> None:
         """Set the uniforms and bind the textures for an instant."""
+        light = self.use_lamps(uniforms, time_ns) if self.source is not Indirect.RECEIVERS else b""
+        if self.source is Indirect.SPLATS:
+            assert self.splats is not None, "splats are set before anything is drawn"
+            self.splats.use(uniforms, SPLATS_UNIT)
+            return
+        if self._own is not None and self._light != light:
+            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
+            self._light = light
+        assert self.indirect is not None, "late indirect light is set before anything is drawn"
+        uniforms.set(indirect=INDIRECT_UNIT, texels=self.indirect.width / ATLAS[0])
+        self.indirect.use(INDIRECT_UNIT)
+
+    def use_lamps(self, uniforms: Uniforms, time_ns: int) -> bytes:
+        """Set what direct light takes, for an instant; return where the lamps are."""
         lamps = lamps_at(self._scene, time_ns)
         places, colours = np.zeros((MOST_LAMPS, 4), np.float32), np.zeros((MOST_LAMPS, 4), np.float32)
         for number, (place, colour) in enumerate(lamps):
@@ -62,15 +103,10 @@ class Lighting:
             lamp_colour=colours.ravel(),
             lamp_count=len(lamps),
             blocker_count=self._count,
-            indirect=INDIRECT_UNIT,
             blockers=BLOCKERS_UNIT,
         )
-        if self._own is not None and self._light != places.tobytes():
-            self._own.write(indirect_atlas(self._scene, time_ns).tobytes())
-            self._light = places.tobytes()
-        assert self.indirect is not None, "late indirect light is set before anything is drawn"
-        self.indirect.use(INDIRECT_UNIT)
         self._blockers.use(BLOCKERS_UNIT)
+        return places.tobytes()
 
     def close(self) -> None:
         """Free its textures and buffers."""

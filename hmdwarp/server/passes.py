@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import moderngl
 
@@ -11,7 +11,7 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.scopes import drawing_into
 from ..scenes import Scene
-from .lighting import Lighting
+from .lighting import Indirect, Lighting
 from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
 from .upload import Batch, SceneBuffers
@@ -31,10 +31,12 @@ class ScenePasses:
 
     colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
     behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
-    late_light: with lamps, indirect light is what `lighting.indirect` is set to.
+    indirect: with lamps, where indirect light comes from; see `lighting`. lighting: in place of
+    that; whoever made it closes it.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"
+    fragment: ClassVar[str] = "server/scene.frag"
 
     def __init__(
         self,
@@ -45,22 +47,38 @@ class ScenePasses:
         colour: bool,
         peel: bool = False,
         moving: Sequence[Moving] = (),
-        late_light: bool = False,
+        indirect: Indirect = Indirect.OWN,
+        lighting: Lighting | None = None,
     ) -> None:
-        self._gl, self._scene, self.buffers, self._colour, self.moving = gpu.gl, scene, buffers, colour, tuple(moving)
+        self._gpu, self._gl, self.scene, self.buffers = gpu, gpu.gl, scene, buffers
+        self._colour, self.moving = colour, tuple(moving)
         # Where the light of the scene's lamps comes from; baked light needs none.
-        self.lighting = Lighting(gpu, scene, late=late_light) if colour and scene.lamps else None
+        own = colour and scene.lamps and lighting is None
+        self._made = Lighting(gpu, scene, indirect) if own else None
+        self.lighting = lighting or self._made
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
-        lit = {"LAMPS": 1} if self.lighting is not None else {}
-        self._surface = gpu.shaders.draw(self.vertex, "server/scene.frag", **defines, **lit)
+        # What colours are made of; receivers have none.
+        self._coloured = colour and not (self.lighting is not None and self.lighting.source is Indirect.RECEIVERS)
+        shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
+        self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **self._lit_defines())
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = self._vertex_array(gpu, buffers)
         self._of_moving = [self._vertex_array(gpu, one.buffers) for one in self.moving]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
-        more = [self.lighting.more(buffers.meshes)] if self.lighting is not None else []
-        return buffers.vertex_array(gpu.gl, self._surface.program, *more, colour=self._colour)
+        return buffers.vertex_array(gpu.gl, self._surface.program, *self._more(buffers), colour=self._coloured)
+
+    def _lit_defines(self) -> Mapping[str, object]:
+        return self.lighting.defines if self.lighting is not None else {}
+
+    def _more(self, buffers: SceneBuffers) -> list[tuple[Any, ...]]:
+        """Return further inputs of the vertex stage, as moderngl takes them."""
+        return [self.lighting.more(buffers.meshes, albedo=self._coloured)] if self.lighting is not None else []
+
+    def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
+        """Return passes of the same light that peel, with these moving parts alone."""
+        return ScenePasses(self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving)
 
     @property
     def revision(self) -> int:
@@ -95,13 +113,16 @@ class ScenePasses:
         framebuffer.viewport = viewport if viewport is not None else (0, 0, *framebuffer.size)
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
-            still = Place(eye_from_scene(view, self._scene.origin_m), view.pose.position_m - self._scene.origin_m)
+            still = Place(eye_from_scene(view, self.scene.origin_m), view.pose.position_m - self.scene.origin_m)
             self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.visibility)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
-            gl.disable(moderngl.CULL_FACE)
-            self._empty.render(moderngl.TRIANGLES, vertices=3)
+            self._draw_background()
             gl.depth_func = "<"
+
+    def _draw_background(self) -> None:
+        self._gl.disable(moderngl.CULL_FACE)
+        self._empty.render(moderngl.TRIANGLES, vertices=3)
 
     def _draw_surfaces(
         self,
@@ -119,12 +140,12 @@ class ScenePasses:
         else:
             draws = visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
         for batch in draw_chunks(self._gl, vertices, buffers, draws):
-            if self._colour:
+            if self._coloured:
                 batch.texture.use(0)
 
     def _set_background(self, view: View) -> None:
         if self._colour:
-            sky = self._scene.background
+            sky = self.scene.background
             light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
             self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
 
@@ -132,8 +153,8 @@ class ScenePasses:
         """Free the vertex arrays; the shader library owns programs, the scene buffers."""
         for vertices in (self._vertices, *self._of_moving):
             vertices.release()
-        if self.lighting is not None:
-            self.lighting.close()
+        if self._made is not None:
+            self._made.close()
         self._empty.release()
 
 

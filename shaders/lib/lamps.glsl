@@ -1,8 +1,6 @@
-// Light of moving lamps: direct light with shadows by rays against every blocker, and indirect
-// light from an atlas. Server and clients use the same code. Included by the scene's fragment
-// stage.
+// Direct light of moving lamps, with shadows by rays against every blocker. Server and clients use
+// the same code.
 // Source: as hmdwarp/scenes/radiosity.py; Moeller and Trumbore 1997 (rays in a triangle's axes).
-uniform sampler2D indirect;  // light atlas, linear RGB
 uniform sampler2D blockers;  // a column for each triangle: three rows that take a point to its axes
 uniform int blocker_count;
 uniform int lamp_count;
@@ -37,14 +35,4 @@ vec3 direct_light(vec3 place, vec3 normal) {
         total += lamp_colour[i].rgb * (is_point ? cosine / max(square, NEAREST_M2) : cosine);
     }
     return total;
-}
-
-// By hand: samplers blend with 8 bits, which shows as steps in smooth light.
-vec3 indirect_light(vec2 texel) {
-    vec2 low = floor(texel - 0.5), part = texel - 0.5 - low;
-    ivec2 first = ivec2(low), last = textureSize(indirect, 0) - 1;
-    ivec2 a = clamp(first, ivec2(0), last), b = clamp(first + 1, ivec2(0), last);
-    vec3 below = mix(texelFetch(indirect, a, 0).rgb, texelFetch(indirect, ivec2(b.x, a.y), 0).rgb, part.x);
-    vec3 above = mix(texelFetch(indirect, ivec2(a.x, b.y), 0).rgb, texelFetch(indirect, b, 0).rgb, part.x);
-    return mix(below, above, part.y);
 }

@@ -2,6 +2,7 @@
 // In: points in pages of 16, each of one cell.
 // Source: Zwicker et al. 2001, Surface Splatting (rays met with the planes of discs); Cigolle et al.
 // 2014 (octahedral normals).
+#include "lib/octahedral.glsl"
 uniform ivec2 shown_size;
 uniform vec2 lowest; // tangents of the left and lower edge
 uniform vec2 pixels; // for each tangent
@@ -25,13 +26,6 @@ struct Disc {
     vec3 normal;
     float radius;
 };
-
-vec3 normal_of(uint word) {
-    vec2 f = vec2(word & 255u, (word >> 8) & 255u) / 127.0 - 1.0;
-    vec3 n = vec3(f, 1.0 - abs(f.x) - abs(f.y));
-    if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
-    return normalize(n);
-}
 
 Disc disc_of(uint index) {
     Disc disc = Disc(false, vec3(0.0), vec3(0.0, 0.0, 1.0), 0.0);

@@ -1,5 +1,7 @@
 // Linear colour (texture times baked light; with LAMPS, times the light of the scene's lamps) with
-// coverage 1, and inverse depth; with PEEL only of what lies behind the previous layer.
+// coverage 1, and inverse depth; with PEEL only of what lies behind the previous layer. With
+// SPLATTED or VOXELS indirect light is from a picture or a grid and not from the light atlas. With
+// RECEIVERS the normal and the light atlas in place of colour.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
 // Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
 // itself, linear across a triangle; Everitt 2001, Interactive Order-Independent Transparency
@@ -9,13 +11,27 @@
 #endif
 #ifdef LAMPS
 #include "lib/lamps.glsl"
+#ifdef SPLATTED
+#include "lib/splatted.glsl"
+#elif defined(VOXELS)
+#include "lib/voxel_near.glsl"
+#endif
 
 in vec3 place;
 in vec3 normal;
 in vec2 light_uv;
 in vec3 albedo;
 #endif
-#ifdef COLOUR
+#if defined(RECEIVERS) || (defined(LAMPS) && !defined(SPLATTED) && !defined(VOXELS))
+#include "lib/light_atlas.glsl"
+#endif
+#ifdef RECEIVERS
+in vec3 normal;
+in vec2 light_uv;
+
+layout(location = 0) out vec4 receiver;
+layout(location = 1) out float inverse_depth;
+#elif defined(COLOUR)
 uniform sampler2D surface;
 
 in vec2 uv;
@@ -38,11 +54,24 @@ void main() {
 #ifdef COLOUR
 #ifdef LAMPS
     vec3 shown = light;
-    if (light_uv.x >= 0.0) shown = albedo * (direct_light(place, normalize(normal)) + indirect_light(light_uv));
+    if (light_uv.x >= 0.0) {
+        vec3 facing_way = normalize(normal);
+#ifdef SPLATTED
+        vec3 indirect_light = splatted_light(place, facing_way);
+#elif defined(VOXELS)
+        vec3 indirect_light = near_light(place, facing_way);
+#else
+        vec3 indirect_light = of_atlas(light_uv);
+#endif
+        shown = albedo * (direct_light(place, facing_way) + indirect_light);
+    }
     colour = vec4(texel * shown, 1.0);
 #else
     colour = vec4(texel * light, 1.0);
 #endif
+#endif
+#ifdef RECEIVERS
+    receiver = light_uv.x >= 0.0 ? vec4(normalize(normal), of_atlas(light_uv).r) : vec4(0.0);
 #endif
     inverse_depth = gl_FragCoord.w;
 }

@@ -1,4 +1,5 @@
-// Project the scene's vertices, and pass uv and baked light on; with LAMPS what they light too.
+// Project the scene's vertices, and pass uv and baked light on; with LAMPS what they light too,
+// with RECEIVERS normal and place in the light atlas.
 // In: metres relative to the scene's origin. Out: clip space, w = metres along -z; near plane only,
 // no far plane.
 // Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2 (projection with an infinite far
@@ -15,14 +16,17 @@ in vec3 in_light;
 out vec2 uv;
 out vec3 light;
 #endif
-#ifdef LAMPS
+#if defined(LAMPS) || defined(RECEIVERS)
 in vec3 in_normal;
 in vec2 in_light_uv;
+
+out vec3 normal;
+out vec2 light_uv;
+#endif
+#ifdef LAMPS
 in vec3 in_albedo;
 
 out vec3 place;
-out vec3 normal;
-out vec2 light_uv;
 out vec3 albedo;
 #endif
 
@@ -31,10 +35,12 @@ void main() {
     uv = in_uv;
     light = in_light;
 #endif
-#ifdef LAMPS
-    place = in_position;
+#if defined(LAMPS) || defined(RECEIVERS)
     normal = in_normal;
     light_uv = in_light_uv;
+#endif
+#ifdef LAMPS
+    place = in_position;
     albedo = in_albedo;
 #endif
     gl_Position = clip_from_scene * vec4(in_position, 1.0);

@@ -18,7 +18,7 @@ from hmdwarp.frames.point_blocks import Block, packed_sky
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
-from hmdwarp.scenes._points import octahedral
+from hmdwarp.scenes import octahedral
 
 SIZE, FOV = (64, 48), Fov(-0.5, 0.5, -0.4, 0.4)
 EYE = View(Pose((0.3, -0.1, 0.2), (0.02, 0.05, 0.0, 0.998)), FOV)

@@ -30,8 +30,7 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas
 from hmdwarp.pipeline import ClientScene, PipelineOptions, build_plan_for
-from hmdwarp.scenes import Mesh, Scene, load_scene
-from hmdwarp.scenes.deformations import Waving
+from hmdwarp.scenes import Mesh, Scene, Waving, load_scene
 from hmdwarp.server import Server
 
 from .modelled import picture_of
@@ -55,7 +54,7 @@ def quad(name: str, centre, wide: float, high: float, light, **more) -> Mesh:
 
 
 def cloth(cells: int = 6) -> Mesh:
-    """A curtain of 1.2 m that waves towards the eye and back, with a light and an albedo that vary."""
+    """A curtain that waves towards the eye and back, with a light and an albedo that vary."""
     u, v = (one.ravel() for one in np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1)))
     rest = np.stack([1.2 * u - 0.6, 0.9 + 1.2 * v, np.full(u.size, -2.0)], axis=1)
     first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()[:, None]

@@ -89,6 +89,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         for spec, depth in product(("difference", "difference:warped=off", "points"), (False, True)):
             choice = parse_warp(spec)
             choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(depth=depth), ClientScene(gpu)).close()
+        warps.get("photons")(gpu, (9, 7), (8, 6), None, Output(), ClientScene(gpu, "lantern")).close()
         _present(gpu)
         return gpu.shaders.used
     finally:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from commands import hmdwarp
+from replays import scene_for
 
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.client.effects import effects
@@ -20,12 +21,6 @@ from hmdwarp.study.design import live_options
 
 NAMES = strategies.names()
 SMALL = ("--size", "96x80", "--headset", "flat-90", "--seconds", "0.2", "--quiet")
-
-
-def scene_for(name: str) -> str:
-    """A small scene that the strategy's warp is for."""
-    warp = options_of_strategy(name).get("warp", DEFAULT_WARP)
-    return "lantern" if parse_warp(warp).entry.unsuited(load_scene("planes")) else "planes"
 
 
 @pytest.fixture(params=NAMES)

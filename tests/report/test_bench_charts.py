@@ -117,6 +117,11 @@ def test_few_points_or_none(count, measure):
     assert ("nothing was measured" in pareto_text(case, measure)) == (count == 0)
 
 
+def test_without_a_row_that_the_client_can_run_there_is_no_front():
+    (case,) = cases([a_row("mesh", lacks="it takes the whole scene"), a_row("backward", lacks="so does this")])
+    assert "mesh" in words(pareto_chart(case)) and "the bench's client can run none" in pareto_text(case)
+
+
 def test_odd_values_can_be_drawn():
     perfect = {name: {"mean": value, "p95": value} for name, value in (("flip", 0.0), ("psnr_db", 100.0))}
     for time in (0.0, 1e-9, 7.0, 1e5):

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+
 import attrs
 import numpy as np
 import pytest
+from replays import scene_for
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
 from hmdwarp.run import RunOptions, figures, replay, set_up_replay
+from hmdwarp.strategies import strategies
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.measure import Measurements, run_options
@@ -62,11 +66,11 @@ def turned(path, shift_m=(0.0, 0.0, 0.0)):
     return cut
 
 
-@pytest.fixture
-def store(tmp_path):
+@contextmanager
+def shown(folder, text: str):
     """One session, without its answers; the second trial was broken off first."""
-    design = design_from_text(TEXT, "measured.toml")
-    with Store(tmp_path / "data", create=True) as made:
+    design = design_from_text(text, "measured.toml")
+    with Store(folder / "data", create=True) as made:
         session = made.begin(design, None, "P1", PERSON, facts={"rate_hz": 30.0})
         for step in steps_of(design, session.order, session.part):
             if isinstance(step, Show):
@@ -76,6 +80,31 @@ def store(tmp_path):
                     made.end_showing(session, showing, {"pictures": 18, "size": "96x120"}, complete)
         made.end(session, "complete")
         yield made
+
+
+@pytest.fixture
+def store(tmp_path):
+    with shown(tmp_path, TEXT) as made:
+        yield made
+
+
+@pytest.mark.slow(20)
+def test_a_condition_shows_each_strategy(tmp_path):
+    """What was shown is what is measured: the strategy's warp, fill and link, whichever it is."""
+    head = (
+        TEXT[: TEXT.index("[[condition]]")].replace('scene = "planes"\n', "").replace("seconds = 0.5", "seconds = 0.2")
+    )
+    conditions = [
+        f'[[condition]]\nname = "{name}"\nstrategy = "{name}"\nscene = "{scene_for(name)}"\nlatency = 100\n'
+        for name in strategies.names()
+    ]
+    with shown(tmp_path, head + "".join(conditions)) as store:
+        found = measure_study(store, OPTIONS)
+        assert (found.measured, found.left_out) == (len(strategies.names()), ())
+        measured = {one.condition: one.measured for one in store.contents().showings if one.complete}
+    assert set(measured) == set(strategies.names())
+    assert all(one["psnr_db"] > 5 for one in measured.values())
+    assert measured["model"]["flip"] < measured["depth_image"]["flip"] < measured["imposter"]["flip"]
 
 
 def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_finds(store, tmp_path):

@@ -59,6 +59,8 @@ class Layer:
     always: ClassVar[bool] = False
     # Whether the picture lacks what the layer shows.
     apart: ClassVar[bool] = False
+    # Whether it only says how the picture is lit: no pass reads it.
+    lights: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
     nothing: ClassVar[Any] = 0
     something: ClassVar[Any] = True

@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
-
 import attrs
 
-from ..deliveries import Update
-from . import EyeSizes, Layer, layers
-
-if TYPE_CHECKING:
-    import moderngl
-    from numpy.typing import NDArray
+from . import layers
+from ._delivered import Delivered
 
 
 @attrs.frozen(order=True)
@@ -28,36 +21,10 @@ class Delivery:
 
 
 @layers.register
-class SceneUpdate(Layer):
+class SceneUpdate(Delivered):
     """An Update for each Delivery. The amount is the frozenset of them."""
 
     name = "scene_update"
     summary = "parts of the scene, packed: what the head sees or is about to see first, until all has arrived"
     drawn_by = "scene_update"
-    per_frame = True
-    nothing, something = frozenset(), frozenset({Delivery()})
-
-    @classmethod
-    def bytes(cls, amount: frozenset[Delivery], sizes: EyeSizes) -> int:
-        return sum(each.budget for each in amount)
-
-    @classmethod
-    def merged(cls, amount: frozenset[Delivery], other: frozenset[Delivery]) -> frozenset[Delivery]:
-        return amount | other
-
-    @classmethod
-    def serves(cls, carried: frozenset[Delivery], needed: frozenset[Delivery]) -> bool:
-        """Return whether all that is needed is delivered; more does not disturb."""
-        return needed <= carried
-
-    @classmethod
-    def only(cls, data: Mapping[Delivery, Update], amount: frozenset[Delivery]) -> Mapping[Delivery, Update]:
-        return data if data.keys() == amount else {each: data[each] for each in sorted(amount)}
-
-    @classmethod
-    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        return ()
-
-    @classmethod
-    def sent(cls, data: Mapping[Delivery, Update]) -> Iterable[NDArray[Any]]:
-        return [update.content for update in data.values()]
+    something = frozenset({Delivery()})

@@ -91,7 +91,7 @@ def pareto_text(case: Case, measure: str = PRIMARY) -> str:
     """Return the chart in words, for readers who cannot see it."""
     front = sorted(case.front(measure), key=_total)
     names = [f"{row['warp']} with fill {row['fill']} ({_total(row):.1f} ms)" for row in front]
-    methods = ", ".join(names) or "nothing was measured"
+    methods = ", ".join(names) or ("nothing was measured" if case.usable else "the bench's client can run none")
     return f"Error against time, {case.label}, {measure_label(measure)}. Pareto front, from quick to slow: {methods}."
 
 

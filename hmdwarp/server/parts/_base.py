@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import attrs
 
 from ...frames import Needs
+from ...frames.layers import layers
 
 if TYPE_CHECKING:
     import moderngl
@@ -40,6 +41,11 @@ class Drawing:
     # How old the frame will be when it is seen.
     age_ns: int = 0
 
+    def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
+        """Return another picture at the same instant, lit in the same way, without layers."""
+        needs = Needs(**{name: amount for name, amount in self.needs.items() if layers.get(name).lights})
+        return Drawing(view, size, self.time_ns, needs)
+
 
 @attrs.frozen(eq=False)
 class DrawContext:
@@ -57,6 +63,8 @@ class DrawContext:
     acquire: Callable[..., Target]
     # draw(view, size, drawing): draws a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
+    # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
+    passes_for: Callable[[Drawing], ScenePasses]
 
 
 class Part(ABC):
@@ -76,6 +84,10 @@ class Part(ABC):
     def in_scene(cls, scene: Scene) -> bool:
         """Return whether the scene has any of it in the picture itself."""
         return False
+
+    def passes_for(self, drawing: Drawing) -> ScenePasses | None:
+        """Return what draws the plain surfaces in place of the server's passes, or None."""
+        return None
 
     @abstractmethod
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:

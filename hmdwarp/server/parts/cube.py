@@ -29,7 +29,7 @@ class Cube(Part):
         context = self.context
         size = checked_cube_size(eye.view, eye.size, context.gpu.max_texture_size)
         cube = context.acquire(size, depth=False).colour
-        draw_cube(context.gpu.gl, context.colour, eye.view, context.framebuffers.over(cube), eye.drawn_ns)
+        draw_cube(context.gpu.gl, context.passes_for(drawing), eye.view, context.framebuffers.over(cube), eye.drawn_ns)
         return eye.having(cube=cube)
 
 

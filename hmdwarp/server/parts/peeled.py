@@ -11,13 +11,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...frames import Surface
-from ..passes import SAME_SURFACE, ScenePasses
+from ..passes import SAME_SURFACE
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
 if TYPE_CHECKING:
-    from ...frames import EyeImage, Needs
+    from ...frames import EyeImage
     from ..moving import Moving
+    from ..passes import ScenePasses
 
 
 @parts.register
@@ -33,10 +34,10 @@ class Peeled(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._passes: dict[tuple[Moving, ...], ScenePasses] = {}
+        self._passes: dict[tuple[ScenePasses, tuple[Moving, ...]], ScenePasses] = {}
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        passes = self._passes_for(drawing.needs)
+        passes = self._passes_for(drawing)
         before, surfaces = eye.inverse_depth, []
         for _ in range(drawing.needs["peeled"]):
             target = self.context.acquire(eye.size)
@@ -47,15 +48,12 @@ class Peeled(Part):
             before = target.inverse_depth
         return eye.having(peeled=tuple(surfaces))
 
-    def _passes_for(self, needs: Needs) -> ScenePasses:
-        plain = self.context.colour
-        moving = tuple(one for one in plain.moving if one.layer not in needs)
-        if moving not in self._passes:
-            context = self.context
-            self._passes[moving] = ScenePasses(
-                context.gpu, context.scene, plain.buffers, colour=True, peel=True, moving=moving
-            )
-        return self._passes[moving]
+    def _passes_for(self, drawing: Drawing) -> ScenePasses:
+        plain = self.context.passes_for(drawing)
+        moving = tuple(one for one in plain.moving if one.layer not in drawing.needs)
+        if (plain, moving) not in self._passes:
+            self._passes[plain, moving] = plain.peeling(moving)
+        return self._passes[plain, moving]
 
     def close(self) -> None:
         for passes in self._passes.values():

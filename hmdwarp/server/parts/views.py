@@ -69,7 +69,7 @@ class Views(Part):
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         views = [moved(eye.view, way) for way in self._ways]
         return eye.having(
-            views=tuple(self.context.draw(view, eye.size, Drawing(view, eye.size, drawing.time_ns)) for view in views)
+            views=tuple(self.context.draw(view, eye.size, drawing.of_light(view, eye.size)) for view in views)
         )
 
     def _release(self) -> None:

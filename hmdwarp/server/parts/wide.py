@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import attrs
+
 from ...frames import Needs
 from ...geometry.wide import wide_size, wide_view
 from . import parts
@@ -25,5 +27,6 @@ class Wide(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         view, size = wide_view(drawing.view), wide_size(drawing.view.fov, drawing.size)
-        needs = Needs(overlay=drawing.needs.get("overlay"))
-        return eye.having(wide=self.context.draw(view, size, Drawing(view, size, drawing.time_ns, needs)))
+        wide = drawing.of_light(view, size)
+        wide = attrs.evolve(wide, needs=wide.needs | Needs(overlay=drawing.needs.get("overlay")))
+        return eye.having(wide=self.context.draw(view, size, wide))

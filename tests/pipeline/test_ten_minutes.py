@@ -1,0 +1,70 @@
+"""Ten minutes with each strategy: what it keeps has an end."""
+
+from __future__ import annotations
+
+import gc
+import math
+import tracemalloc
+
+import moderngl
+import pytest
+from replays import scene_for
+
+from hmdwarp.geometry import Pose
+from hmdwarp.headsets import load_headset
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, build_plan_for
+from hmdwarp.poses import Origin, PoseSample
+from hmdwarp.scenes import load_scene
+from hmdwarp.strategies import strategies
+
+STEP_NS = 4_000_000_000
+MIDDLE, LAST = 75, 150  # refreshes: 5 and 10 minutes
+# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 75 times
+# 0.24 kB here. A picture of 32x24 kept at each refresh would be 75 times 6 kB.
+GROWTH_BYTES = 40_000
+
+
+class Wandering:
+    """A head that walks and turns through the scene and comes by again."""
+
+    def start(self) -> None:
+        pass
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        angle = time_ns * 1e-9 * 0.31
+        turn = (0.1 * math.sin(angle / 2), math.sin(angle / 3), 0.0, math.cos(angle / 3))
+        place = (math.sin(angle), 1.6 + 0.1 * math.cos(angle), math.cos(angle / 5))
+        return PoseSample(time_ns, Pose(place, turn), Origin.MEASURED)
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.slow(15)
+@pytest.mark.parametrize("name", [*strategies.names(), "model:arrives=progressive"])
+def test_nothing_grows_once_the_head_has_been_everywhere(gpu, name):
+    headset = load_headset("flat-90")
+    said = {"strategy": name, "scene": scene_for(name), "size": "32x24", "lens": "none", "latency": 20.0}
+    options = PipelineOptions.of({**said, "predict": "none", "loss": "0.1", "link_seed": 3})
+    scene = load_scene(options.scene)
+    plan = build_plan_for(options, headset, scene)
+    request = PoseRequest(Wandering(), None, (32, 24), options.guard_band, plan.needs)
+    with build_pipeline(options, scene, Target(gpu, headset, 100.0, 20_000_000), [plan], request) as made:
+        tracemalloc.start()
+        try:
+            kept = [_kept_after(made.loop, first, last) for first, last in ((0, MIDDLE), (MIDDLE, LAST))]
+        finally:
+            tracemalloc.stop()
+    (bytes_then, on_gpu_then), (bytes_now, on_gpu_now) = kept
+    assert on_gpu_now <= on_gpu_then
+    assert bytes_now - bytes_then < GROWTH_BYTES
+
+
+def _kept_after(loop, first: int, last: int) -> tuple[int, int]:
+    """Bytes on the CPU and textures and buffers on the GPU, after these refreshes."""
+    for number in range(first, last):
+        loop.draw(number * STEP_NS)
+        loop.show(number * STEP_NS)
+    gc.collect()
+    on_gpu = sum(isinstance(one, moderngl.Texture | moderngl.Buffer) for one in gc.get_objects())
+    return tracemalloc.get_traced_memory()[0], on_gpu
