@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hmdwarp.client import parse_indirect, parse_warp
+from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
@@ -49,10 +50,12 @@ def suited(scene: str = "planes") -> list[str]:
 
 
 def scene_for(strategy: str) -> str:
-    """Return a small scene that the strategy's warp and light are for."""
+    """Return a small scene that the strategy's warp, light and effects are for."""
     sets, planes = options_of_strategy(strategy), load_scene("planes")
     light = parse_indirect(sets.get("indirect", "converged"))
-    warp = parse_warp(sets.get("warp", DEFAULT_WARP)).entry
+    warp, told = parse_warp(sets.get("warp", DEFAULT_WARP)).entry, sets.get("effects", "auto")
+    if effects.forced(told) - {*effects.selected(told, (), planes)}:
+        return "parade"
     return "lantern" if warp.unsuited(planes) or (light is not None and light.unsuited(planes)) else "planes"
 
 

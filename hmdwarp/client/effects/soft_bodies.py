@@ -33,6 +33,7 @@ class SoftBodiesPass(ShownPass):
 
     name = "soft bodies"
     takes_out = True
+    carries = True  # the depth of what is shown; what samples a cube map would also show the late body
     reads = (
         "shown.colour",
         "shown.inverse_depth",
