@@ -53,6 +53,14 @@ def section(data: Row) -> str:
         ]
         paths = paths_line(rows)
         parts += [paths] if paths else []
+    # Files from before there was this part lack it.
+    if data.get("chains"):
+        copied = data["bench"][0]["copy_gb_s"] if data["bench"] else None
+        parts += [
+            "Both eyes in one refresh, while copies keep the clock up, in ms:",
+            chains_table(data["chains"], copied),
+        ]
+    if data["bench"]:
         for each in data["bench"]:
             size = "x".join(map(str, each["rows"][0]["size"]))
             parts += [
@@ -65,6 +73,21 @@ def section(data: Row) -> str:
         parts.append(f"`make bench-live`:\n\n```text\n{data['bench_live'].rstrip()}\n```")
     parts += ["Left out:\n\n" + "\n".join(f"- {line}" for line in data["left_out"])] if data["left_out"] else []
     return "\n\n".join(parts) + "\n"
+
+
+def chains_table(chains: list[Row], copy_gb_s: float | None) -> str:
+    """Return median and 95th percentile of whole chains, and how far the warp is from its bound."""
+    lines = [
+        "| chain | size | warp | fill | all passes | warp over its memory bound |",
+        "| --- | --- | ---: | ---: | ---: | ---: |",
+    ]
+    for row in chains:
+        times = row["time_ms"]
+        cells = [_cell(times.get(stage)) for stage in ("warp", "fill", "total")]
+        bound_ms = row["warp_bytes"] / (copy_gb_s * 1e6) if copy_gb_s else None
+        cells.append(f"{times['warp']['median'] / bound_ms:.1f}" if bound_ms else "")
+        lines.append(f"| {row['chain']} | {'x'.join(map(str, row['size']))} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
 
 
 def paths_line(rows: list[Row]) -> str:

@@ -34,11 +34,12 @@ def table(folder: Path, program: Callable[..., None]) -> str:
                 out = folder / f"{scene}-{latency}-{number}"
                 chosen = ("--scene", scene, "--latency", latency, *options)
                 program("replay", "look-around", *OPTIONS, *chosen, "--out", str(out))
-                lines.append(f"| {scene} | {latency} | {way} | {' | '.join(_figures(out))} |")
+                lines.append(f"| {scene} | {latency} | {way} | {' | '.join(figures(out))} |")
     return "\n".join(lines)
 
 
-def _figures(out: Path) -> list[str]:
+def figures(out: Path) -> list[str]:
+    """Return PSNR, FLIP, traffic and what crossed at the start, of a run."""
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     quality, models = summary["quality"], summary.get("client_models", ())
     start = sum(model.get("start_up_bytes", 0) for model in models)

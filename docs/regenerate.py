@@ -30,6 +30,8 @@ import models
 import panel
 import passes
 import prediction_tables
+import real_frames
+import soft
 import studies
 import users as user_tables
 from pages import DOCS, ROOT, replace
@@ -234,10 +236,33 @@ def strategies_compared(folder: Path, *ready: str) -> None:
     replace("strategies assigned", assigned_markdown(data))
 
 
+def frames_of_cameras(_: Path, *ready: str) -> None:
+    """Measure warps, repairs and fills on ten real frames, where they are: half an hour.
+
+    ready: the figures of an earlier run, to use instead.
+    """
+    folder = real_frames.folder_of()
+    if folder is None:
+        print(f"rgbd is left out: {real_frames.why_absent()}")
+        return
+    found = json.loads(Path(ready[0]).read_text(encoding="utf-8")) if ready else real_frames.measured(folder)
+    replace("rgbd repairs", real_frames.repairs_table(folder))
+    for name, rows in found.items():
+        replace(f"rgbd {name}", real_frames.table(rows))
+    chosen = [row for row in found["camera"] if row["warp"] == USUAL.warp]
+    replace("rgbd gains", real_frames.table(chosen, ("none", "interpolate", "pyramid")))
+
+
 def scene_on_the_client(folder: Path) -> None:
     """Measure what it takes and brings that the client has the scene: some ten minutes."""
     (folder / "models").mkdir()
     replace("models", models.table(folder / "models", program))
+
+
+def soft_bodies(folder: Path) -> None:
+    """Measure what deforms, moved and drawn: some five minutes."""
+    (folder / "soft").mkdir()
+    replace("soft bodies", soft.table(folder / "soft", program))
 
 
 def moving_light(folder: Path) -> None:
@@ -422,8 +447,10 @@ def server_rates(folder: Path) -> None:
     replace("server rates", passes.server_rates_table(rows))
 
 
-def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **environment: str) -> str:
-    """Run a script of tests/ and return its output as a block.
+def printed(
+    script: str, *options: str, statuses: tuple[int, ...] = (0,), markdown: bool = False, **environment: str
+) -> str:
+    """Run a script of tests/ and return its output as a block, or as it is if that is Markdown.
 
     Raises: SystemExit for a status that is not among `statuses`.
     """
@@ -431,7 +458,7 @@ def printed(script: str, *options: str, statuses: tuple[int, ...] = (0,), **envi
     done = subprocess.run(command, check=False, capture_output=True, text=True, env={**os.environ, **environment})
     if done.returncode not in statuses:
         raise SystemExit(done.stderr)
-    return f"```text\n{done.stdout.rstrip()}\n```"
+    return done.stdout.rstrip() if markdown else f"```text\n{done.stdout.rstrip()}\n```"
 
 
 def on_a_gpu(_: Path, *ready: str) -> None:
@@ -445,6 +472,11 @@ def on_a_gpu(_: Path, *ready: str) -> None:
 def speed(_: Path) -> None:
     """Measure the passes against OpenCV; needs an otherwise idle machine."""
     replace("speed", printed("bench_quick.py"))
+
+
+def speed_aims(_: Path) -> None:
+    """Measure how near the warps' aims of speed are, in processor time."""
+    replace("speed aims", printed("bench_aims.py", markdown=True))
 
 
 def hard_cases(_: Path) -> None:
@@ -523,6 +555,7 @@ def trace_layouts(_: Path) -> None:
 
 
 PARTS = {
+    "rgbd": frames_of_cameras,
     "layouts": trace_layouts,
     "study": study,
     "study-simulated": study_simulated,
@@ -534,6 +567,7 @@ PARTS = {
     "picture": opening_picture,
     "effects-picture": effects_picture,
     "speed": speed,
+    "speed-aims": speed_aims,
     "gpu": on_a_gpu,
     "bench": bench,
     "bench-large": bench_large,
@@ -547,6 +581,7 @@ PARTS = {
     "points": points,
     "models": scene_on_the_client,
     "light": moving_light,
+    "soft": soft_bodies,
     "users": users,
     "prediction": prediction,
     "effects": effects,

@@ -38,6 +38,7 @@ class Work:
     benches: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]
     bench_options: tuple[str, ...]
     scene: str = "room"
+    chains: tuple[str, ...] = ()  # options of gpu_chain.py beside the sizes
     frames: int = 600  # of each live run
     refreshes: int = 300  # of each row of bench-live
 
@@ -50,7 +51,7 @@ ALL = Work(
 QUICK = Work(
     (("48x40", ("rotation",), ("none", "pyramid")),),
     tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0 --no-grid --no-fused")),
-    "planes", 10, 2,
+    "planes", ("--refreshes", "2", "--busy-bytes", "65536"), 10, 2,
 )  # fmt: skip
 
 
@@ -102,6 +103,8 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     has_atomic64 = next(one for one in doctor if one["name"] == "OpenGL")["facts"]["atomic_int64"]
     if not has_atomic64:
         run.left_out.append("the 64-bit path: this driver has no 64-bit atomics")
+    told_sizes = [part for size, *_ in work.benches for part in ("--size", size)]
+    chains = run.part("chains with a busy GPU", str(TESTS / "gpu_chain.py"), *told_sizes, *work.chains)
     benches, lives = [], []
     for size, warps, fills in work.benches:
         chosen = ("--warp", ",".join((*PATHS[has_atomic64], *warps)), "--fill", ",".join(fills))
@@ -115,6 +118,7 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "doctor": doctor,
+        "chains": json.loads(chains) if chains else [],
         "bench": [one for one in benches if one],
         "live": [one for one in lives if one],
         "bench_live": loop,

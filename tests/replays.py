@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hmdwarp.client import parse_indirect, parse_warp
+from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
@@ -49,10 +50,12 @@ def suited(scene: str = "planes") -> list[str]:
 
 
 def scene_for(strategy: str) -> str:
-    """Return a small scene that the strategy's warp and light are for."""
+    """Return a small scene that the strategy's warp, light and effects are for."""
     sets, planes = options_of_strategy(strategy), load_scene("planes")
     light = parse_indirect(sets.get("indirect", "converged"))
-    warp = parse_warp(sets.get("warp", DEFAULT_WARP)).entry
+    warp, told = parse_warp(sets.get("warp", DEFAULT_WARP)).entry, sets.get("effects", "auto")
+    if effects.forced(told) - {*effects.selected(told, (), planes)}:
+        return "parade"
     return "lantern" if warp.unsuited(planes) or (light is not None and light.unsuited(planes)) else "planes"
 
 
@@ -62,7 +65,12 @@ def small(out: Path | str = "nowhere", **options: object) -> RunOptions:
 
 
 def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object) -> ReplayResult:
-    """Run a small replay into `out`.
+    """Run a small replay into `out`; page, gpu: as replayed."""
+    return replayed(small(out, **options), page, gpu)
+
+
+def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) -> ReplayResult:
+    """Run a replay.
 
     page: whether report.html is drawn; its plots take longer than such a replay, and without them
     it says nothing. gpu: a context that many runs share, instead of one of its own.
@@ -73,7 +81,7 @@ def run(out: Path, page: bool = False, gpu: Gpu | None = None, **options: object
             stack.enter_context(patch("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
             stack.enter_context(patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)))
-        return replay(small(out, **options))
+        return replay(options)
 
 
 def _load(trace: str, options: TraceOptions) -> LoadedTrace:

@@ -30,7 +30,10 @@ def gpu_json(renderer: str = "NVIDIA Some GPU/PCIe/SSE2", warps: dict[str, float
         for size in SIZES
     ]  # fmt: skip
     doctor = [{"name": "OpenGL", "facts": {"renderer": renderer}}]
-    return {"doctor": doctor, "bench": bench, "live": [], "bench_live": "a table\n", "left_out": ["live 2: no time"]}
+    time = {"median": 0.5, "p95": 0.75}
+    chain = {"chain": "default chain", "size": [64, 48], "time_ms": {"warp": time, "total": time}, "warp_bytes": 10**6}
+    told = {"live": [], "bench_live": "a table\n", "left_out": ["live 2: no time"], "chains": [chain]}
+    return {"doctor": doctor, "bench": bench, **told}
 
 
 def test_a_page_has_times_bounds_both_paths_and_what_was_left_out():

@@ -14,7 +14,7 @@ from costs import Costs, costs_of
 from hmdwarp.client.effects import effects
 from hmdwarp.frames.layers import layers
 from hmdwarp.resources import folder
-from hmdwarp.scenes import scenes
+from hmdwarp.scenes import load_scene, scenes
 
 SCENES = scenes.names()
 PLAIN = [name for name in SCENES if not scenes.get(name).effects]
@@ -26,6 +26,10 @@ BASE_SHADERS = {
     "server/scene.vert", "server/scene.frag", "server/background.vert", "server/background.frag", "warps/forward.comp",
     "warps/forward_clear.comp", "fills/interpolate.comp",
 }  # fmt: skip
+# Effects that only a name asks for, and only scenes with their content get.
+ASKED_WHERE_IT_IS = {
+    one.name for one in effects if one.by_name_only and effects.selected(one.name, (), load_scene("planes")) == ()
+}
 PORTABLE = "forward:path=portable"
 
 
@@ -93,7 +97,7 @@ def test_an_imposter_pays_for_what_is_asked_for_by_name(scene):
     assert costs_of(scene=scene, warp="none", effects=named).sent > costs_of(scene=scene, warp="none").sent
 
 
-@pytest.mark.parametrize("name", effects.names())
+@pytest.mark.parametrize("name", [name for name in effects.names() if name not in ASKED_WHERE_IT_IS])
 def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
     plain, forced = (costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
     assert forced.shaders > plain.shaders
@@ -102,6 +106,11 @@ def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
         assert set(forced.layers) > set(plain.layers)
         # A layer that is as large as what it shows is of no size here.
         assert forced.sent >= plain.sent
+
+
+@pytest.mark.parametrize("name", sorted(ASKED_WHERE_IT_IS))
+def test_what_a_scene_lacks_costs_nothing_even_if_named(name):
+    assert costs_of(scene="planes", effects=name) == costs_of(scene="planes", effects="auto")
 
 
 def test_every_effect_says_what_it_does():

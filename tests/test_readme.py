@@ -50,6 +50,7 @@ LEFT = {
     "live.md": ("out/offscreen/report.html", "rehearsal.csv"),
     "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "mine.csv", "mine.tum"),
     "response-models.md": ("out/power/power.json",),
+    "frames.md": ("out/recorded/report.html", "out/recorded/summary.json", "out/recorded-bench/bench.json"),
     "rgbd.md": ("frame.npz", "warped.png"),
     "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
     "thesis.md": ("out/thesis-again/thesis.html", "out/thesis-again/results.csv"),
@@ -78,7 +79,7 @@ def smaller(block: str) -> str:
 
 def _plain_scene(line: str) -> str:
     """Return the option of a scene that is ready at once, where the command does not name one."""
-    return "" if "--scene" in line else " --scene planes"
+    return "" if "--scene" in line or "--frames" in line else " --scene planes"
 
 
 @pytest.mark.slow(25)

@@ -22,22 +22,25 @@ from ..metrics import QualityPool, worker_count
 from ..pipeline.build import check_held
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
+from ..pipeline.recorded_server import empty_scene
 from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.combination_bench import Comparison
 from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from ..run.options import RunOptions
-from ..run.replay_setup import set_up_replay
+from ..run.recorded_frames import about, display_of, own_trace
+from ..run.replay_setup import schedule_for, set_up_replay
 from ..run.run_summary import machine_of
-from ..run.schedule import schedule_of
 from ..scenes import load_scene
+from ..sequences import Sequence
+from ..sequences import open as open_sequence
 from ..version import __version__
 from . import displacement_grid, fused
 from .bench_rows import COLUMNS, flat, row_of
 from .cases import cases_of, combinations_of, common_start_s, outside_notes, run_options
 from .client_notes import left_out_notes
-from .options import BenchOptions
+from .options import DEFAULT_SIZES, BenchOptions
 
 OWNED = ("bench.csv", "bench.html")
 Progress = Callable[[int, int], None]
@@ -91,8 +94,13 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
     """
     started = time.perf_counter()
-    headset, client = load_headset(options.headset), load_client(options.client)
-    works, notes = _checked(options, headset)
+    sequence = None if options.frames is None else open_sequence(options.frames, options.sequence_options)
+    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
+    client = load_client(options.client)
+    if sequence is not None:
+        sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
+        options = attrs.evolve(options, scenes=(sequence.name,), recordings=("",), sizes=sizes)
+    works, notes = _checked(options, headset, sequence)
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
         machine, bandwidth, clocks, batched = _examined(options, headset, works)
         steps = _Steps(_total(options, headset, works, batched), progress)
@@ -130,7 +138,9 @@ def bench(options: BenchOptions, progress: Progress = lambda done, total: None) 
     return BenchResult(options.out, data, refused)
 
 
-def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list[str]]:
+def _checked(
+    options: BenchOptions, headset: Headset, sequence: Sequence | None = None
+) -> tuple[list[_Work], list[str]]:
     """Check everything that needs no GPU; return the work, and notes on the scenes.
 
     Errors: InputError and its kin.
@@ -139,7 +149,7 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
     combinations_of(options, None)  # names, before any scene is built
     combinations, called, notes = {}, {}, outside_notes(options)
     for name in options.scenes:
-        scene = load_scene(name, options.scene_options)
+        scene = load_scene(name, options.scene_options) if sequence is None else empty_scene(sequence)
         build_plan_for(
             run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
@@ -148,7 +158,12 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
         combinations[name], called[name] = combinations_of(options, scene), scene.name
         notes += scene.notes
     _refuse_one_name("scenes", called)
-    traces = {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
+    traces = (
+        {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
+        if sequence is None
+        else {"": own_trace(sequence)}
+    )
+    notes += [] if sequence is None else about(sequence)
     _refuse_one_name(
         "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
     )
@@ -157,7 +172,7 @@ def _checked(options: BenchOptions, headset: Headset) -> tuple[list[_Work], list
     for case in cases_of(options):
         guarded_size(options.guard_band, headset, case.size)
         run = run_options(options, case, start_s=starts[case.recording])
-        count = schedule_of(traces[case.recording].track, run, rate_hz).count
+        count = schedule_for(run, sequence, traces[case.recording], rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
     return works, notes
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
+import attrs
+
 from ..client.effects import effects
-from ..client.plan import Plan, build_plan
+from ..client.plan import OTHERS, PICTURE, Plan, build_plan
 from ..client.variants import (
     CONVERGED,
     every_baseline,
@@ -35,6 +37,7 @@ from .options import FILLS, BenchOptions
 # (docs/results-warps.md), the thesis's, and the baselines that leave holes.
 WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512")
 _INCOMPLETE = FILLS[:2]
+_RUN = attrs.fields(RunOptions)
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
@@ -91,7 +94,11 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
     frames.
     """
     pairs = pairs_of(options) if options.warps or not options.strategies else []
-    own = [_combination(options, scene, *pair) for pair in pairs if options.warps or not _unsuited(scene, pair[0])]
+    own = [
+        _combination(options, scene, *pair)
+        for pair in pairs
+        if options.warps or not _left_aside(options, scene, pair[0])
+    ]
     return own + [_strategy(options, scene, text) for text in options.strategies]
 
 
@@ -124,6 +131,17 @@ def _unsuited(scene: Scene | None, warp: str) -> str:
     return parse_warp(warp).entry.unsuited(scene)
 
 
+def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
+    """Return why a warp is left out where all are compared, "" if it is not."""
+    if options.frames is None or warp in OUTSIDE:
+        return _unsuited(scene, warp)
+    try:
+        plan = plan_of(options, scene, warp, "none", "none")
+    except PlanError as error:
+        return str(error)
+    return "one eye" if plan.needs.others.other_eye else ""
+
+
 def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
     sets = options_of_strategy(text)
     if beyond := sorted({*sets} - {"warp", "fill", "effects", "indirect"}):
@@ -153,13 +171,25 @@ def plan_of(
     effect_names: in place of the effects of the options. Errors: as build_plan.
     """
     wanted = effect_names or options.effects
-    selected = effects.selected(wanted, effects.of(scene) if scene is not None else ())
+    selected = effects.selected(wanted, effects.of(scene) if scene is not None else (), scene)
     named = effects.forced(wanted)
     if why := _unsuited(scene, warp):
         raise PlanError(f"warp '{warp}' is not for scene '{scene.name if scene is not None else ''}': {why}")
     if scene is not None and (light := parse_indirect(indirect)) is not None and (why := light.unsuited(scene)):
         raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
-    return build_plan(selected, warp, fill, lens, client_geometry=True, named=named, fused=fused, indirect=indirect)
+    recorded = options.frames is not None
+    brings = (*PICTURE, OTHERS) if recorded else None
+    return build_plan(
+        selected,
+        warp,
+        fill,
+        lens,
+        client_geometry=not recorded,
+        brings=brings,
+        named=named,
+        fused=fused,
+        indirect=indirect,
+    )
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
@@ -189,6 +219,8 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "out": options.out,
         "command": options.command,
     }
+    if options.frames is not None:
+        known |= {"frames": options.frames, "sequence_options": options.sequence_options, "scene": _RUN.scene.default}
     return RunOptions(**{**known, **changes})
 
 
@@ -198,5 +230,5 @@ def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> f
     Errors: as schedule_of.
     """
     for latency in options.latencies_ms:
-        schedule_of(track, run_options(options, Case("", "", latency, options.sizes[0])), rate_hz)
+        schedule_of(track, run_options(options, Case("", options.recordings[0], latency, options.sizes[0])), rate_hz)
     return max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)

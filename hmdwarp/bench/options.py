@@ -32,6 +32,7 @@ from ..poses.options import TraceOptions
 from ..run.options import RunOptions
 from ..run.recordings import recordings_field, with_recordings
 from ..scenes.options import SceneOptions
+from ..sequences.options import SequenceOptions
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
@@ -50,6 +51,11 @@ def _size(value: Any) -> Size:
     return sides
 
 
+DEFAULT_SIZES = ((1280, 800),)
+# What a recording has itself, or cannot have.
+_NOT_WITH_FRAMES = ("traces", "scene", "guard", "rendered_size", "rate", "strategy")
+
+
 @attrs.frozen
 class BenchOptions(Declared):
     """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
@@ -60,6 +66,8 @@ class BenchOptions(Declared):
     recordings: tuple[str, ...] = recordings_field()
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     scene_options: SceneOptions = group(SceneOptions)
+    frames: Path | None = same_as(_RUN.frames)
+    sequence_options: SequenceOptions = group(SequenceOptions)
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
     # Names, with settings where they matter (`mesh:cut=slope`); empty for all, their variants and
     # the baselines.
@@ -81,7 +89,7 @@ class BenchOptions(Declared):
         _RUN.fill, FILLS, f"Fill: {names_in('client/fills')}, or several with +", split=split_names
     )
     effects: str = same_as(_RUN.effects)
-    sizes: tuple[Size, ...] = several(_RUN.size, ((1280, 800),), "Pixels of one eye", each=_size)
+    sizes: tuple[Size, ...] = several(_RUN.size, DEFAULT_SIZES, "Pixels of one eye", each=_size)
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     headset: str = same_as(_RUN.headset)
     rate_hz: float | None = same_as(_RUN.rate_hz)
@@ -116,7 +124,13 @@ class BenchOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that something was said about. Errors: InputError."""
         check_one_guard(said)
-        return super().values_of(with_recordings(said))
+        said = with_recordings(said)
+        if said.get("frames") is None:
+            return super().values_of(said)
+        for name in _NOT_WITH_FRAMES:
+            if said.get(name):
+                raise InputError(f"--{name} with --frames: a bench takes what was recorded; leave it out")
+        return {**super().values_of(said), "guard": 1.0, "grid": False, "fused": False}
 
     @property
     def guard_band(self) -> GuardBand:

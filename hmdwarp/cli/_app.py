@@ -9,7 +9,7 @@ import typer
 
 from ..options import Option
 from ..version import __version__
-from . import bench, compare, doctor, listing, live, plan, record, replay, serve, study, thesis, trace, warp
+from . import bench, check, compare, doctor, listing, live, plan, record, replay, serve, study, thesis, trace, warp
 from ._help import Group
 from ._options import commands
 
@@ -47,6 +47,7 @@ app.command("serve")(serve.serve)
 app.command("bench")(bench.bench)
 app.command("compare")(compare.compare)
 app.command("warp")(warp.warp)
+app.command("check")(check.check)
 app.command("thesis")(thesis.thesis)
 app.command("list")(listing.list_)
 app.command("plan")(plan.plan)

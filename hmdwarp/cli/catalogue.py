@@ -30,8 +30,8 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: strategies, warps, fills, effects, lenses, scenes, headsets, clients, axes, formats,
-    layers, recordings, scales, studies, options.
+    kind: strategies, warps, fills, repairs, effects, lenses, scenes, headsets, clients, axes,
+    formats, layouts, layers, recordings, scales, studies, options.
     """
     return _MAKERS[kind]()
 
@@ -126,6 +126,21 @@ def _fill_row(fill: type[Fill]) -> dict[str, str]:
     }
 
 
+def _repairs() -> list[dict[str, str]]:
+    from ..repairs import repairs
+
+    return [
+        {
+            "name": repair.name,
+            "summary": repair.summary,
+            "needs": repair.needs,
+            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(repair.Settings)) or "none",
+            "source": repair.source,
+        }
+        for repair in repairs
+    ]
+
+
 def _effects() -> list[dict[str, str]]:
     from ..client.effects import effects
 
@@ -204,6 +219,12 @@ def _formats() -> list[dict[str, str]]:
     from ..poses.formats import formats
 
     return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in formats]
+
+
+def _layouts() -> list[dict[str, str]]:
+    from ..sequences import readers
+
+    return [{"name": reader.name, "summary": reader.summary} for reader in readers]
 
 
 def _recordings() -> list[dict[str, str]]:
@@ -325,6 +346,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "strategies": _strategies,
     "warps": _warps,
     "fills": _fills,
+    "repairs": _repairs,
     "effects": _effects,
     "lenses": _lenses,
     "scenes": _scenes,
@@ -333,6 +355,7 @@ _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
     "axes": _axes,
     "formats": _formats,
     "layers": _layers,
+    "layouts": _layouts,
     "recordings": _recordings,
     "scales": _scales,
     "studies": _studies,

@@ -13,6 +13,7 @@ KINDS = {
     "strategies": "What crosses the link, and what the client does with it.",
     "warps": "Move a late picture to the newest head pose.",
     "fills": "Close the holes that a warp leaves.",
+    "repairs": "Mend depth as cameras give it, before the warp.",
     "effects": "What a scene may call for beside plain surfaces: mirrors, moving bodies, glass, overlays.",
     "lenses": "Correct the lens of a headset.",
     "scenes": "What is rendered, beside files of your own.",
@@ -20,6 +21,7 @@ KINDS = {
     "clients": "Devices that warp, with what each can do.",
     "axes": "Axes of head traces, by the software that writes them.",
     "formats": "Formats of head traces.",
+    "layouts": "Layouts of recorded frames.",
     "layers": "What a frame holds beside its picture.",
     "recordings": "Head traces that are part of the package.",
     "scales": "What a study asks.",
@@ -97,6 +99,8 @@ def _print_summaries(kind: str | None, rows: list[dict[str, str]]) -> None:
     if kind is None:
         return
     rest = ", ".join(key.replace("_", " ") for key in list(rows[0])[2:])
+    if not rest:
+        return
     typer.echo()
     paragraph(f"'hmdwarp list {kind} NAME' tells the rest of one: {rest}.")
 

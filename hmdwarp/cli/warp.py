@@ -9,6 +9,7 @@ import typer
 
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
+from ..sequences.options import repair_field
 from ._options import Said, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
@@ -36,18 +37,32 @@ class WarpOptions(Declared):
     frame: Path = option(
         attrs.NOTHING,
         "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw; depth_scale for integer depth, "
-        "encoding for float colour.",
+        "encoding for float colour. Or the colour alone: a PNG, a JPEG, or an EXR file, which may have its own Z.",
         kind=Path,
         positional=True,
     )
-    to: Path = option(attrs.NOTHING, "POSE.json: fov, position_m, orientation_xyzw.", kind=Path)
-    out: Path = out_field(attrs.NOTHING, "OUT.npz: colour, coverage, time_ms; or OUT.png, sRGB, holes transparent.")
+    to: Path = option(attrs.NOTHING, "POSE.json: fov or intrinsics, position_m, orientation_xyzw.", kind=Path)
+    out: Path = out_field(
+        attrs.NOTHING,
+        "OUT.png (sRGB, holes transparent), OUT.jpg, OUT.exr (light, coverage, depth) or OUT.npz (the same, and the "
+        "view).",
+    )
     force: bool = force_field()
     warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER)}.")
     fill: str = same_as(
         _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
+    repair: str = repair_field()
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
+    depth: Path | None = option(
+        None, "Depth of a picture: 16-bit PNG, EXR, PGM or NPY; by default NAME.depth.png beside it.", kind=Path
+    )
+    camera: Path | None = option(
+        None,
+        "View of a picture, a JSON: fov or intrinsics (fx, fy, cx, cy), position_m, orientation_xyzw, maybe "
+        "depth_scale; by default NAME.json beside it.",
+        kind=Path,
+    )
     depth_scale: float | None = option(
         None, "Metres per unit of depth: 0.001 for millimetres, 1 for metres; by default the frame's.", kind=float
     )
@@ -63,30 +78,37 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..client.plan import PICTURE
-    from ..image import read_frame, read_view
     from ..image.usable import plan_of
     from ..image.warping import warp_image
-    from ..report import refuse_existing, refuse_source, write_image_result
+    from ..repairs import parse_repairs
+    from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
+    from ..sequences import read_frame, read_view
 
     options = WarpOptions.of(said)
-    for source in (options.frame, options.to):
+    for source in filter(None, (options.frame, options.depth, options.camera, options.to)):
         refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
-    plan_of(options.warp, options.fill, given=PICTURE)
-    frame = read_frame(options.frame)
+    depth = has_depth(options.out)
+    plan_of(options.warp, options.fill, given=PICTURE, depth=depth)
+    parse_repairs(options.repair)
+    frame = read_frame(options.frame, options.depth, options.camera)
+    shown = read_view(options.to, options.size or frame.size)
     result = warp_image(
         frame.colour,
         frame.depth_m,
         frame.view,
-        read_view(options.to),
+        shown,
         options.warp,
         options.fill,
         options.size,
+        repair=options.repair,
         depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
         encoding=options.encoding or frame.encoding,
         result="linear",
+        depth=depth,
     )
-    write_image_result(options.out, result.colour, result.coverage, result.time_ms)
+    image = ImageResult(result.colour, result.coverage, result.depth_m, result.time_ms, shown)
+    write_image_result(options.out, image)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
     if result.hole_share > _NOTHING:

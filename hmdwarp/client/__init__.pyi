@@ -20,7 +20,6 @@ from .plan import PlannedEffect as PlannedEffect
 from .plan import Step as Step
 from .plan import build_plan as build_plan
 from .plan import needs_of as needs_of
-from .settings import NoSettings as NoSettings
 from .shown_picture import ShownPicture as ShownPicture
 from .variants import Choice as Choice
 from .variants import every_baseline as every_baseline

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import PlanError, listed
 from ..frames.layers import layers
-from .plan import CLIENT_DEPTH, CLIENT_MODEL, Plan
-from .variants import Choice
+from ..options import Choice
+from .plan import CLIENT_DEPTH, CLIENT_MODEL, CLIENT_SOFT_BODIES, Plan
 
 if TYPE_CHECKING:
     from ..clients import Client
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 def scene_drawn(plan: Plan) -> str:
     """Return what of the scene the client draws for the plan, one of clients.SCENES.
 
-    Depth, and a model of fewer triangles than the scene's, take a reduced scene. The warps and
-    fills whose setting `share` is 1, and those without one, take all of it.
+    Depth, what deforms, and a model of fewer triangles than the scene's, take a reduced scene. The
+    warps and fills whose setting `share` is 1, and those without one, take all of it.
     """
     passes: list[Choice[Any]] = [plan.choice, *plan.fills]
     drawn = [getattr(one.settings, "share", 1.0) for one in passes if CLIENT_MODEL in one.entry.reads]
     of_effects = any(CLIENT_MODEL in one.reads for one in plan.effect_passes)
     if of_effects or any(share == 1 for share in drawn):
         return "whole"
-    return "reduced" if drawn or plan.reads(CLIENT_DEPTH) else "none"
+    return "reduced" if drawn or plan.reads(CLIENT_DEPTH) or plan.reads(CLIENT_SOFT_BODIES) else "none"
 
 
 def layers_beyond_picture(plan: Plan) -> list[str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import moderngl
     import numpy as np
     from numpy.typing import NDArray
@@ -75,6 +77,26 @@ class LitScene(Protocol):
         """Draw the whole picture. indirect: the light atlas, rgba16f."""
 
 
+class SoftBodies(Protocol):
+    """What deforms in a scene, drawn without light into textures; -1 in all of them elsewhere."""
+
+    def reserve(self, size: tuple[int, int]) -> None:
+        """Allocate what pictures of that size need."""
+
+    def draw(self, view: View, time_ns: int, into: Sequence[moderngl.Texture]) -> None:
+        """Draw albedo (rgba16f) and inverse depth (r32f) at that instant."""
+
+    def draw_with_past(
+        self, view: View, time_ns: int, into: Sequence[moderngl.Texture], past: View, past_ns: int
+    ) -> None:
+        """Draw the same, and what tells where each place was for `past` at an earlier instant.
+
+        into: albedo, inverse depth; colour in its baked light (rgba16f); the place then, in metres
+        along the axes of the eye of `past` (rgba32f); the surface's normal there, away from the
+        side that is seen now (rgba16f).
+        """
+
+
 class SplattedScene(Protocol):
     """A scene under its own lamps, on which photons are splatted.
 
@@ -128,6 +150,9 @@ class ClientGeometry(Protocol):
 
         Without lamps it is drawn by its baked light.
         """
+
+    def soft_bodies(self) -> SoftBodies:
+        """Return what deforms in the scene, owned and cached by the geometry."""
 
     def arriving(self, delivery: Delivery) -> DrawnScene:
         """Return the scene as it has arrived so far: all holes before anything can be drawn."""

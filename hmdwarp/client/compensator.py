@@ -11,7 +11,7 @@ from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
-from .carry import Carry, ShownDepth, images_read, pictures_read
+from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_geometry import ClientGeometry
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs
@@ -108,7 +108,7 @@ class Compensator:
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
         pictures = pictures_read(plan.warp_needs)
-        carry = Carry(self._warp)
+        carry = self._carry = Carry(self._warp)
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills = [
@@ -144,6 +144,10 @@ class Compensator:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made = self._eyes[inputs.eye]
         inputs = inputs if self.plan.scanout else inputs.at_once()
+        for shown in self._shown:
+            if shown.takes_out:
+                with self._stage("effects"):
+                    inputs = shown.take_out(inputs)
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
         for one in self._rendered:
@@ -192,6 +196,11 @@ class Compensator:
         names = (one.entry.name for one in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
+
+    def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
+        """Warp further pictures as the colour of the same inputs is; see Carry.along."""
+        with self._stage("carry"):
+            self._carry.along(inputs, picture_of, into)
 
     def renew(self) -> None:
         """Take the next frame for a new one, even if it is the last one again: for timing."""

@@ -14,7 +14,7 @@ import attrs
 from ..errors import InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import layers, readable_names
-from .effects import Effect, EffectPass, RenderedPass, effects
+from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
 from .variants import CONVERGED, Choice, fill_text, parse_fills, parse_indirect, parse_warp
@@ -22,7 +22,9 @@ from .warps import Warp
 
 # Layers of every frame, layers that the client makes itself, and pictures that passes hand on.
 PICTURE = ("rendered.colour", "rendered.inverse_depth")
+OTHERS = "rendered.others"
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
+CLIENT_SOFT_BODIES = "client.soft_bodies"
 SHOWN, SHOWN_DEPTH = "shown.colour", "shown.inverse_depth"
 PANEL = "panel.colour"
 STEP_SHOWN_DEPTH = "shown depth"
@@ -206,6 +208,7 @@ def build_plan(
     rendered, shown = (
         [one for one in passes if issubclass(one.made_by, RenderedPass) is before] for before in (True, False)
     )
+    _plan_taken_out(shown, forced, draft)
     for one in rendered:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
@@ -327,6 +330,14 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     )
 
 
+def _plan_taken_out(shown: Sequence[PlannedEffect], forced: Collection[str], draft: _Draft) -> None:
+    """Add what passes after the fills take out of the rendered pictures first."""
+    for one in shown:
+        if issubclass(one.made_by, ShownPass) and one.made_by.takes_out:
+            own = tuple(name for name in one.reads if name.startswith("client."))
+            draft.add("effects", f"{one.made_by.name} out", _why(one, forced), (*PICTURE, *own), PICTURE)
+
+
 def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
     if is_brought:
         draft.leave_out("client_depth", "it comes with the pictures")
@@ -391,7 +402,7 @@ def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
 
 def _described(name: str) -> str:
     """Return what a pass reads, in words for people who know no names of textures."""
-    if name in (CLIENT_DEPTH, CLIENT_MODEL):
+    if name in (CLIENT_DEPTH, CLIENT_MODEL, CLIENT_SOFT_BODIES):
         return "the scene's geometry on the client"
     for layer in layers:
         if layer.readable() == name:
@@ -400,7 +411,7 @@ def _described(name: str) -> str:
 
 
 def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
-    known = {*brings, *((CLIENT_MODEL,) if client_geometry else ())}
+    known = {*brings, *((CLIENT_MODEL, CLIENT_SOFT_BODIES) if client_geometry else ())}
     for step in steps:
         missing = [name for name in step.reads if name not in known]
         if missing:

@@ -1,13 +1,8 @@
-"""Settings of warps and fills: none, and kinds that several share."""
+"""Kinds of settings that several warps and fills share."""
 
 from __future__ import annotations
 
 import attrs
-
-
-@attrs.frozen
-class NoSettings:
-    """No settings."""
 
 
 def share_of(default: float) -> float:

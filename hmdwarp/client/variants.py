@@ -2,45 +2,18 @@
 
 from __future__ import annotations
 
-import math
-import typing
-from typing import Any, Generic, TypeVar, get_type_hints
-
-import attrs
+from typing import TypeVar
 
 from ..errors import InputError
 from ..frames.layers.voxels import VoxelLight
+from ..options import Choice, NoSettings, parse_choice, parse_settings
 from ..registry import Registry, unknown_name
 from .fills import Fill, fills
-from .settings import NoSettings
 from .warps import Warp, warps
 
 # How the server finds the light between surfaces where lamps move.
 CONVERGED, VOXELS = "converged", "voxels"
-_WANTED = {int: "a whole number", float: "a number"}
-
-
 Entry = TypeVar("Entry", bound=Warp | Fill)
-
-
-@attrs.frozen
-class Choice(Generic[Entry]):
-    """A warp or fill and its settings.
-
-    str() is the shortest equivalent text: settings at their defaults are left out.
-    """
-
-    entry: type[Entry]
-    settings: Any
-
-    def __str__(self) -> str:
-        default = self.entry.Settings()
-        changed = [
-            f"{field.name}={getattr(self.settings, field.name)}"
-            for field in attrs.fields(self.entry.Settings)
-            if getattr(self.settings, field.name) != getattr(default, field.name)
-        ]
-        return f"{self.entry.name}:{','.join(changed)}" if changed else self.entry.name
 
 
 def parse_warp(text: str) -> Choice[Warp]:
@@ -48,7 +21,7 @@ def parse_warp(text: str) -> Choice[Warp]:
 
     Errors: UnknownNameError for the name; InputError for a setting that it lacks, or a bad value.
     """
-    return _parsed(warps, text)
+    return parse_choice(warps, text)
 
 
 def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
@@ -56,7 +29,7 @@ def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
 
     Errors: as parse_warp; InputError for 'none' in a chain, and for the same fill twice.
     """
-    chain = tuple(_parsed(fills, part.strip()) for part in text.split("+"))
+    chain = tuple(parse_choice(fills, part.strip()) for part in text.split("+"))
     if len(chain) > 1 and not all(choice.entry.is_pass for choice in chain):
         raise InputError(f"fill '{text}': 'none' in a chain means nothing; leave it out")
     names = [choice.entry.name for choice in chain]
@@ -75,7 +48,7 @@ def parse_indirect(text: str) -> VoxelLight | None:
     if name not in (CONVERGED, VOXELS):
         raise unknown_name("indirect light", name, [CONVERGED, VOXELS])
     kind = NoSettings if name == CONVERGED else VoxelLight
-    settings = _settings(kind, name, f"indirect light '{text}'", rest)
+    settings = parse_settings(kind, name, f"indirect light '{text}'", rest)
     return settings if isinstance(settings, VoxelLight) else None
 
 
@@ -108,46 +81,3 @@ def _every(registry: Registry[type[Entry]]) -> list[str]:
     for entry in registry:
         texts += [entry.name, *(f"{entry.name}:{variant}" for variant in entry.variants)]
     return texts
-
-
-def _parsed(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
-    name, _, rest = text.partition(":")
-    entry = registry.get(name)
-    return Choice(entry, _settings(entry.Settings, entry.name, f"{registry.kind} '{text}'", rest))
-
-
-def _settings(kind: type, name: str, named: str, text: str) -> Any:
-    """Return the settings of a kind from 'key=value,key=value'.
-
-    name: of what they belong to. named: that with its settings, as messages call it.
-    """
-    fields = {field.name: field for field in attrs.fields(kind)}
-    kinds = get_type_hints(kind)
-    values = {}
-    for part in filter(None, (piece.strip() for piece in text.split(","))):
-        key, equals, value = (piece.strip() for piece in part.partition("="))
-        if key not in fields or not equals:
-            known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
-            raise InputError(f"{named}: '{part}' is no setting of '{name}'; its settings and their defaults: {known}")
-        if key in values:
-            raise InputError(f"{named}: {key} is given twice; give it once")
-        values[key] = _converted(named, key, value, kinds[key])
-    try:
-        return kind(**values)
-    except (ValueError, TypeError) as error:
-        raise InputError(f"{named}: {error}") from error
-
-
-def _converted(named: str, key: str, value: str, kind: Any) -> Any:
-    if typing.get_origin(kind) is typing.Literal:
-        words = {str(word): word for word in typing.get_args(kind)}
-        if value not in words:
-            raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
-        return words[value]
-    try:
-        number = kind(value)
-    except ValueError as error:
-        raise InputError(f"{named}: {key} is '{value}': expected {_WANTED.get(kind, kind.__name__)}") from error
-    if kind is float and not math.isfinite(number):
-        raise InputError(f"{named}: {key} is '{value}': expected a finite number")
-    return number

@@ -124,6 +124,10 @@ class StageTimer:
         """
         return GpuStage(self, name) if self.clock == "gpu" else WallStage(self, name)
 
+    def cpu_stage(self, name: str) -> WallStage:
+        """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
+        return WallStage(self, name)
+
     def add(self, name: str, milliseconds: float) -> None:
         """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
         self._done.append((name, milliseconds))

@@ -99,6 +99,8 @@ class Headset:
     ipd_m: float
     left_fov: Fov  # the left eye's; the right eye's is its mirror image
     lens: RadialLens | None
+    # A camera's display: one eye, where the head is.
+    one_eye: bool = False
 
     def __attrs_post_init__(self) -> None:
         _refuse_unless_positive(
@@ -112,16 +114,17 @@ class Headset:
         left = self.left_fov
         return left if eye == 0 else Fov(-left.right, -left.left, left.down, left.up)
 
-    def views(self, world_from_head: Pose) -> tuple[View, View]:
-        """Return both eyes' views for a head pose.
+    def views(self, world_from_head: Pose) -> tuple[View, ...]:
+        """Return the eyes' views for a head pose, the left one first.
 
-        Each eye sits half the pupil distance to its side.
+        Each of two sits half the pupil distance to its side.
         """
-        left, right = (View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)
-        return left, right
+        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)
 
     @cached_property
     def _eyes(self) -> tuple[tuple[Pose, Fov], ...]:
+        if self.one_eye:
+            return ((Pose(), self.left_fov),)
         half = self.ipd_m / 2
         return tuple((Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate((-half, half)))
 

@@ -7,12 +7,14 @@ import operator
 from numbers import Real
 from typing import Any
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..colour import linear_from_srgb
+from ..colour import linear_from_srgb, srgb_from_linear
 from ..errors import InputError
 from ..geometry import Fov, Pose, View, inverse_depth_from_metres
+from ..repairs import RepairChain
 
 NO_DEPTH = -1.0
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.
@@ -23,10 +25,43 @@ ENCODINGS = (SRGB, LINEAR)
 _BRIGHTEST = 64.0
 
 
+@attrs.frozen(eq=False)
+class GivenPicture:
+    """A picture with depth as it was given, checked; the top row first."""
+
+    # (h, w, 3) as it was given, 0 where it is hidden: uint8 sRGB, or floats.
+    colour: NDArray[Any]
+    # (h, w, 3) the same in linear light.
+    light: NDArray[Any]
+    # (h, w) 1/m, NaN where there is no depth or no colour.
+    inverse_depth: NDArray[np.float64]
+    # (h, w) where there is no colour.
+    hidden: NDArray[np.bool_]
+
+    def repaired(self, chain: RepairChain) -> tuple[GivenPicture, NDArray[np.float32]]:
+        """Return the picture with its depth repaired, and how sure that is, 0 to 1.
+
+        What has no colour stays a hole, whatever its depth.
+        """
+        is_bytes = self.colour.dtype == np.uint8
+        srgb = self.colour * np.float32(1 / 255) if is_bytes else srgb_from_linear(self.light.astype(np.float32))
+        found = chain.run(srgb, self.inverse_depth.astype(np.float32))
+        inverse = np.where(self.hidden, np.nan, found.inverse_depth.astype(np.float64))
+        return attrs.evolve(self, inverse_depth=inverse), np.where(self.hidden, np.float32(0), found.confidence)
+
+    def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return linear colour with coverage (h, w, 4), and inverse depth (h, w), -1 for none."""
+        covered = ~np.isnan(self.inverse_depth)
+        limit = float(np.finfo(np.float16).max)
+        light = np.clip(self.light, -limit, limit) * covered[..., None]
+        rgba = np.concatenate([light, covered[..., None]], axis=2)
+        return rgba.astype(np.float32), np.where(covered, self.inverse_depth, NO_DEPTH).astype(np.float32)
+
+
 def checked(
     colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return linear colour with coverage (h, w, 4) and inverse depth (h, w), top row first.
+) -> GivenPicture:
+    """Return the picture in the forms of the inside.
 
     What a mask hides, in colour or in depth, has neither, nor has a pixel whose alpha is 0. Arrays
     may be read-only and of any strides. Errors: InputError.
@@ -40,24 +75,24 @@ def checked(
         raise InputError(
             f"depth_m is {depth_m.dtype} {depth_m.shape}: expected numbers of shape {colour.shape[:2]}, as colour has"
         )
-    hidden = depth_mask | colour_mask.any(axis=2)
+    hidden: NDArray[np.bool_] = np.asarray(colour_mask.any(axis=2))
     if colour.shape[2] == 4:
         hidden |= _empty(colour[..., 3])
         colour = colour[..., :3]
+    if colour.dtype.kind == "f":
+        hidden |= depth_mask & ~np.isfinite(colour).all(axis=2)
     colour = np.where(hidden[..., None], 0, colour).astype(colour.dtype)
     if not np.isfinite(colour).all():
         y, x = np.argwhere(~np.isfinite(colour).all(axis=2))[0]
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
-    linear = _in_linear_light(colour, encoding)
+    light = _in_linear_light(colour, encoding)
     metres = _in_metres(depth_m, depth_scale)
-    known = metres[np.isfinite(metres) & (metres != 0) & ~hidden]
+    unknown = np.logical_or(hidden, depth_mask)
+    known = metres[np.isfinite(metres) & (metres != 0) & ~unknown]
     if len(known) and (known < 0).all() or (metres < 0).all():
         raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
-    inverse = inverse_depth_from_metres(metres)
-    covered = ~(np.isnan(inverse) | hidden)
-    limit = float(np.finfo(np.float16).max)
-    rgba = np.concatenate([np.clip(linear, -limit, limit) * covered[..., None], covered[..., None]], axis=2)
-    return rgba.astype(np.float32), np.where(covered, inverse, NO_DEPTH).astype(np.float32)
+    inverse = np.where(unknown, np.nan, inverse_depth_from_metres(metres))
+    return GivenPicture(colour, light, inverse, hidden)
 
 
 def encoding_of(colour: ArrayLike, encoding: str | None) -> str:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
-from ..client.plan import CLIENT_DEPTH, PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
+from ..client.plan import CLIENT_DEPTH, OTHERS, PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..errors import InputError, PlanError
 
-OTHERS = "rendered.others"
 # What a caller can give: pictures with depth, and the depth of what is to be shown.
 GIVEN = (*PICTURE, OTHERS, CLIENT_DEPTH)
 

@@ -20,8 +20,9 @@ from ..errors import InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, SCALAR, allocate, check_size, download, upload
-from .given_arrays import LINEAR, SRGB, SRGB8, checked, checked_size, checked_view, encoding_of
+from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, check_size, download, upload
+from ..repairs import parse_repairs
+from .given_arrays import LINEAR, SRGB, SRGB8, GivenPicture, checked, checked_size, checked_view, encoding_of
 from .given_textures import INVERSE, GivenTextures
 from .shared_gpu import shared_gpu
 from .usable import OTHERS, plan_of
@@ -35,7 +36,8 @@ class WarpedImage:
 
     # (h, w, 3), black in holes; see `encoding`.
     colour: NDArray[Any]
-    # (h, w), 0 in holes.
+    # (h, w), 0 in holes, else 1; with a repair, the confidence of the depth that brought the pixel
+    # there, so less than 1 where that was a guess. A fill sets 1.
     coverage: NDArray[np.float32]
     # Milliseconds by stage name.
     time_ms: dict[str, float]
@@ -67,11 +69,11 @@ class Warper:
     Compiles and allocates at the start. Use as a context manager, or call close().
 
     size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
-    effects: as warp_image takes them; a fill that remembers learns from each picture. depth:
-    whether results have the depth of what is shown. gpu: a context made in the calling thread,
-    which then makes all calls; by default one is shared with all threads, one at a time. Take
-    `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then your
-    textures can be read without a copy, and you bind your own state again after each call.
+    effects, repair: as warp_image takes them; a fill that remembers learns from each picture.
+    depth: whether results have the depth of what is shown. gpu: a context made in the calling
+    thread, which then makes all calls; by default one is shared with all threads, one at a time.
+    Take `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then
+    your textures can be read without a copy, and you bind your own state again after each call.
     Errors: as warp_image.
     """
 
@@ -83,11 +85,13 @@ class Warper:
         warp: str = "iterative",
         fill: str = "pyramid",
         effects: str = "none",
+        repair: str = "none",
         depth: bool = False,
         gpu: Gpu | None = None,
     ) -> None:
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self.plan = plan_of(warp, fill, effects, depth=depth)
+        self.repair = parse_repairs(repair)
         self.size = checked_size(size)
         self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
         self._cleanup = ExitStack()
@@ -103,9 +107,13 @@ class Warper:
                 stack.callback(self._client_depth.release)
             # The picture itself, and the others that the plan reads.
             count = 1 + self.plan.needs.others.count
-            self._pictures = [_Textures(current, self.rendered_size) for _ in range(count)]
+            has_confidence = bool(self.repair.steps)
+            self._pictures = [_Textures(current, self.rendered_size, has_confidence) for _ in range(count)]
             for one in self._pictures:
                 stack.callback(one.close)
+            self._confidence = Canvas(current.gl, self.size) if has_confidence else None
+            if self._confidence is not None:
+                stack.callback(self._confidence.release)
             self._cleanup = stack.pop_all()
 
     def warp(
@@ -135,15 +143,19 @@ class Warper:
         self._check_given(len(beside), client_depth_m is not None)
         client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
         with self._gpu() as gpu:
-            images = [self._pictures[0].holding(picture, views[0], self._next())]
-            images += [
-                textures.holding(arrays, view, self._count)
-                for textures, (arrays, view) in zip(self._pictures[1:], beside, strict=False)
+            gpu.timer.collect()
+            drawn_ns = self._next()
+            images = [
+                self._taken_over(textures, one, gpu).as_image(view, drawn_ns)
+                for textures, (one, view) in zip(self._pictures, [(picture, views[0]), *beside], strict=False)
             ]
             if client is not None and self._client_depth is not None:
                 upload(self._client_depth, client)
-            gpu.timer.collect()
-            made = self._compensator.run(self._inputs(images, views[1], eye))
+            inputs = self._inputs(images, views[1], eye)
+            made = self._compensator.run(inputs)
+            if self._confidence is not None:
+                held = {one.pair[0]: one.sure for one in self._pictures}
+                self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
             warped = self._read(made, wanted, gpu)
             gpu.check_not_lost()
             return warped
@@ -166,12 +178,14 @@ class Warper:
         "metres" (0 is none), or the DepthLayer of a depth buffer. encoding: "linear", also for a
         texture that OpenGL decodes itself, or "srgb". rgba16f colour in linear light beside r32f
         inverse depth are read where they are; all else is taken over by one pass.
-        Errors: InputError for arguments that do not fit, and for a warp that reads more than a
-        picture with depth.
+        Errors: InputError for arguments that do not fit, for a warp that reads more than a picture
+        with depth, and for a Warper with a repair, which runs on arrays.
         """
         _check_eye(eye)
         views = (checked_view("rendered", rendered), checked_view("shown", shown))
         self._check_given(0, client_depth=False)
+        if self.repair.steps:
+            raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
         if self._own_gpu is None:
             raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
         with self._gpu() as gpu:
@@ -212,17 +226,15 @@ class Warper:
 
     def _checked(
         self, name: str, colour: ArrayLike, depth_m: ArrayLike, scale: float | None, encoding: str | None
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        arrays = checked(colour, depth_m, scale, encoding)
-        found = arrays[1].shape[1::-1]
+    ) -> GivenPicture:
+        given = checked(colour, depth_m, scale, encoding)
+        found = given.hidden.shape[1::-1]
         if found != self.rendered_size:
             wide, high = self.rendered_size
             raise InputError(f"{name}colour is {found[0]}x{found[1]} pixels: this Warper is for {wide}x{high}")
-        return arrays
+        return given
 
-    def _other(
-        self, number: int, other: Other, scale: float | None, encoding: str | None
-    ) -> tuple[tuple[NDArray[np.float32], NDArray[np.float32]], View]:
+    def _other(self, number: int, other: Other, scale: float | None, encoding: str | None) -> tuple[GivenPicture, View]:
         try:
             colour, depth_m, view = other
         except (TypeError, ValueError) as error:
@@ -250,7 +262,16 @@ class Warper:
         blank = np.zeros((high, wide, 3), np.uint8)
         if np.shape(depth_m) != (high, wide):
             raise InputError(f"client_depth_m has shape {np.shape(depth_m)}: expected {(high, wide)}, as the result")
-        return checked(blank, depth_m, scale)[1]
+        return checked(blank, depth_m, scale).arrays()[1]
+
+    def _taken_over(self, textures: _Textures, given: GivenPicture, gpu: Gpu) -> _Textures:
+        """Repair the depth of a picture where asked for, and return `textures` with it in them."""
+        if self.repair.steps:
+            with gpu.timer.cpu_stage("repair"):
+                given, confidence = given.repaired(self.repair)
+            textures.hold_confidence(confidence)
+        textures.hold(given)
+        return textures
 
     def _inputs(self, images: list[EyeImage], shown: View, eye: int) -> PassInputs:
         return PassInputs(
@@ -272,23 +293,41 @@ class Warper:
             depth = metres_from_inverse_depth(np.where(inverse < 0, np.nan, inverse))
         colour = _encoded(picture[..., :3], wanted)
         coverage = picture[..., 3].astype(np.float32)
+        if self._confidence is not None:
+            sure = np.clip(download(self._confidence.texture)[..., 0], 0, 1).astype(np.float32)
+            coverage = np.where(download(made.warped.texture)[..., 3] > 0, sure, coverage)
         return WarpedImage(colour, coverage, dict(gpu.timer.collect()), holes, wanted, depth)
 
 
 class _Textures:
-    """Colour and inverse depth of one picture."""
+    """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+    def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
         self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        # rgba16f: confidence in red, coverage in alpha.
+        self._confidence = allocate(gpu.gl, size, COLOUR) if has_confidence else None
 
-    def holding(self, arrays: tuple[NDArray[np.float32], NDArray[np.float32]], view: View, drawn_ns: int) -> EyeImage:
-        for texture, array in zip(self.pair, arrays, strict=True):
+    @property
+    def sure(self) -> moderngl.Texture:
+        """The confidence, for a Warper with a repair."""
+        assert self._confidence is not None
+        return self._confidence
+
+    def hold(self, given: GivenPicture) -> None:
+        for texture, array in zip(self.pair, given.arrays(), strict=True):
             upload(texture, array)
+
+    def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
+        nothing = np.zeros_like(confidence)
+        upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
+
+    def as_image(self, view: View, drawn_ns: int) -> EyeImage:
         return EyeImage(view, *self.pair, drawn_ns=drawn_ns)
 
     def close(self) -> None:
-        for texture in self.pair:
-            texture.release()
+        for texture in (*self.pair, self._confidence):
+            if texture is not None:
+                texture.release()
 
 
 def _encoded(linear: NDArray[np.float16], wanted: str) -> NDArray[Any]:

@@ -23,6 +23,7 @@ def warp_image(
     gpu: Gpu | None = None,
     *,
     effects: str = "none",
+    repair: str = "none",
     others: Sequence[Other] = (),
     client_depth_m: ArrayLike | None = None,
     depth_scale: float | None = None,
@@ -39,6 +40,8 @@ def warp_image(
     the size of `colour`. gpu: a context made in the calling thread; by default one is made at the
     first call and shared by all threads, one at a time.
     effects: names of effects that pictures are enough for, such as "reflections_from_pictures".
+    repair: what mends the depth first, such as "edges+complete"; then a pixel shown by guessed
+    depth has the confidence of the guess as its coverage.
     others: further pictures of the scene as (colour, depth_m, view), for warps and effects that
     read them: the other eye's, then older ones, newest first. client_depth_m: (h, w)
     metres in the shown view, for warps that read it.
@@ -50,13 +53,20 @@ def warp_image(
     Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than such
     pictures; UnknownNameError; MachineError without OpenGL 4.3.
     """
-    inverse_depth = checked(colour, depth_m, depth_scale, encoding)[1]
+    given = checked(colour, depth_m, depth_scale, encoding)
     for name, view in (("rendered", rendered), ("shown", shown)):
         checked_view(name, view)
-    rendered_size = inverse_depth.shape[1::-1]
+    rendered_size = given.hidden.shape[1::-1]
     shown_size = rendered_size if size is None else checked_size(size)
     with Warper(
-        shown_size, rendered_size=rendered_size, warp=warp, fill=fill, effects=effects, depth=depth, gpu=gpu
+        shown_size,
+        rendered_size=rendered_size,
+        warp=warp,
+        fill=fill,
+        effects=effects,
+        repair=repair,
+        depth=depth,
+        gpu=gpu,
     ) as warper:
         return warper.warp(
             colour,

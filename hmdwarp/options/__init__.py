@@ -6,6 +6,7 @@ made from the declarations. A message about an option names it as the command li
 module that declares options imports anything heavy.
 """
 
+from .choice import Choice, NoSettings, parse_choice, parse_settings
 from .declared import (
     CONDITION,
     DISPLAY,
@@ -40,9 +41,11 @@ __all__ = [
     "DISPLAY",
     "FORCE",
     "PICTURE",
+    "Choice",
     "DEFAULT_GUARD",
     "Declared",
     "Guard",
+    "NoSettings",
     "Number",
     "Option",
     "as_keys",
@@ -57,6 +60,8 @@ __all__ = [
     "option_of",
     "options_of",
     "out_field",
+    "parse_choice",
+    "parse_settings",
     "parse_guard",
     "parse_size",
     "path_of",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from collections.abc import Sequence as Several
 from contextlib import ExitStack
 
 import attrs
@@ -23,6 +24,7 @@ from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION, LinkOptions
 from ..link.codec import Coding, codecs
 from ..scenes import Scene
+from ..sequences import Sequence
 from ..server import Server
 from .changes import Changes
 from .channel import Channel
@@ -34,6 +36,7 @@ from .loop import Loop
 from .options import PipelineOptions
 from .planning import proxy_plan_for
 from .proxy import GuardedEyes, KnownHead, Proxy
+from .recorded_server import RecordedServer
 from .remote import Remote, RemoteChannel, RemoteFrames
 from .requested import PoseRequest
 from .sized import SizedCompensator
@@ -177,15 +180,16 @@ def build_pipeline(
     options: PipelineOptions,
     scene: Scene,
     target: Target,
-    plans: Sequence[Plan],
+    plans: Several[Plan],
     requested: PoseRequest,
     levels: tuple[QualityLevel, ...] = (),
+    sequence: Sequence | None = None,
     remote: Remote | None = None,
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level. remote: draws the frames elsewhere; it belongs to the
-    caller.
+    plans: one, or one for each quality level. sequence: recorded frames in place of the scene.
+    remote: draws the frames elsewhere; it belongs to the caller.
     Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
@@ -193,7 +197,7 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = Server(gpu, scene, options.mirrors)
+        server = Server(gpu, scene, options.mirrors) if sequence is None else RecordedServer(gpu, sequence)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)
@@ -226,16 +230,16 @@ def build_pipeline(
 def _channel(
     options: PipelineOptions,
     target: Target,
-    plans: Sequence[Plan],
+    plans: Several[Plan],
     history: History,
     source: FrameSource,
     geometry: ClientScene,
 ) -> Channel:
     link, latency, rate_hz = options.client_link, target.link_latency_ns, target.rate_hz
-    # It waits for the next refresh at most.
     if isinstance(source, RemoteFrames):
         settled = _settled(source, geometry)
         return RemoteChannel(source, latency, Reads.of(plans), history.offer, rate_hz, settled, link)
+    # It waits for the next refresh at most.
     age_ns = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz)
     coder, settled = _coder(options.coding, rate_hz, age_ns), _settled(source, geometry)
     return Channel(link, latency, coder, Reads.of(plans), history.offer, source.recycle, rate_hz, settled)
@@ -316,7 +320,7 @@ def _proxy(
     return proxy
 
 
-def _check_decoder(options: PipelineOptions, plans: Sequence[Plan], sizes: EyeSizes, rate_hz: float) -> None:
+def _check_decoder(options: PipelineOptions, plans: Several[Plan], sizes: EyeSizes, rate_hz: float) -> None:
     """Check that the client decodes as fast as frames come. Errors: InputError."""
     if not options.client_name or codecs.get(options.coding.codec).is_none:
         return

@@ -26,6 +26,7 @@ from ..server import (
 from .arriving_scene import ArrivingScene
 from .client_photons import ClientPhotons
 from .client_points import ClientPoints
+from .client_soft_bodies import ClientSoftBodies
 from .scene_under_light import SceneUnderLight, SceneUnderPhotons
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class ClientScene:
         self._points: dict[Cloud, ClientPoints] = {}
         self._photons: dict[PhotonMap, ClientPhotons] = {}
         self._lit: SceneUnderLight | None = None
+        self._soft: ClientSoftBodies | None = None
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
@@ -87,6 +89,12 @@ class ClientScene:
         if self._lit is None:
             self._lit = SceneUnderLight(self._server.gpu, self._server.scene)
         return self._lit
+
+    def soft_bodies(self) -> ClientSoftBodies:
+        """Return what deforms, see ClientGeometry.soft_bodies."""
+        if self._soft is None:
+            self._soft = ClientSoftBodies(self._server.gpu, self._server.scene)
+        return self._soft
 
     def arriving(self, delivery: Delivery) -> ArrivingScene:
         """Return a scene that arrives little by little, see ClientGeometry.arriving."""
@@ -141,6 +149,10 @@ class ClientScene:
             packed = Pieces(attrs.evolve(scene, lamps=())).whole_bytes
             named = {"share": 1.0, "texture": 1.0, **weight_of(scene), "start_up_bytes": packed}
             weights.append({**named, "first_picture_bytes": packed, "arrived_bytes": packed})
+        if self._soft is not None:
+            packed = Pieces(self._soft.scene).whole_bytes
+            named = {"share": 1.0, "texture": 1.0, **weight_of(self._soft.scene), "start_up_bytes": packed}
+            weights.append({**named, "first_picture_bytes": packed, "arrived_bytes": packed})
         for delivery, arriving in self._arriving.items():
             named = {"share": delivery.share, "texture": delivery.texture, "budget": delivery.budget}
             weights.append({**named, **weight_of(arriving.scene), **arriving.weight()})
@@ -154,9 +166,10 @@ class ClientScene:
             for model in made.values():
                 model.close()
             made.clear()
-        if self._lit is not None:
-            self._lit.close()
-            self._lit = None
+        for one in (self._lit, self._soft):
+            if one is not None:
+                one.close()
+        self._lit = self._soft = None
 
 
 class SceneOnClient:

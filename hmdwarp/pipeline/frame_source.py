@@ -55,7 +55,7 @@ class ServerFrames:
             frame = self.server.draw_frame(
                 views, now_ns, size, guard, asked.needs, shown_size=asked.size, age_ns=asked.age_ns
             )
-        return attrs.evolve(frame, head=head, drawing=timer.lap())
+        return attrs.evolve(frame, head=frame.head or head, drawing=timer.lap())
 
     def has_more(self, now_ns: int) -> bool:
         """Return whether the server has something to send even if nothing has moved."""

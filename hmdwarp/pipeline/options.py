@@ -229,6 +229,11 @@ class PipelineOptions(Declared):
         return self.scene, self.scene_options
 
     @property
+    def is_recorded(self) -> bool:
+        """Whether recorded frames take the place of a scene."""
+        return False
+
+    @property
     def chooses_warp(self) -> bool:
         """Whether the run chooses warp and fill itself, to stay within its budget."""
         return self.warp == AUTO

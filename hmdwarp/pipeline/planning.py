@@ -9,7 +9,7 @@ import attrs
 from ..auto.levels import QualityLevel
 from ..client.capability import check_client
 from ..client.effects import effects
-from ..client.plan import PICTURE, Plan, build_plan
+from ..client.plan import OTHERS, PICTURE, Plan, build_plan
 from ..client.variants import CONVERGED, parse_indirect
 from ..clients import load_client
 from ..errors import InputError, PlanError
@@ -77,22 +77,28 @@ def _plan_of_all(
 ) -> Plan:
     """Return the plan of who gets the server's frames."""
     called_for = effects.of(scene) if scene is not None else ()
-    selected = effects.selected(options.effects, called_for)
-    return build_plan(
-        selected,
-        options.warp,
-        options.fill,
-        options.lens,
-        client_geometry=True,
-        fused=options.fused,
-        scanout=options.scanout_ms > 0 and options.follow_scanout,
-        named=selected if shares_frames else effects.forced(options.effects),
-        forced={*selected} - {*called_for},
-        forbidden={*called_for} - {*selected},
-        distorts=distorts,
-        takes_depth=takes_depth,
-        indirect=options.indirect,
-    )
+    selected = effects.selected(options.effects, called_for, scene)
+    try:
+        return build_plan(
+            selected,
+            options.warp,
+            options.fill,
+            options.lens,
+            client_geometry=not options.is_recorded,
+            brings=brought(options),
+            fused=options.fused,
+            scanout=options.scanout_ms > 0 and options.follow_scanout,
+            named=selected if shares_frames else effects.forced(options.effects),
+            forced={*selected} - {*called_for},
+            forbidden={*called_for} - {*selected},
+            distorts=distorts,
+            takes_depth=takes_depth,
+            indirect=options.indirect,
+        )
+    except PlanError as error:
+        if not options.is_recorded:
+            raise
+        raise PlanError(f"{error}; recorded frames hold colour and depth of one eye, and no scene") from error
 
 
 def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
@@ -140,6 +146,8 @@ def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: 
 
 def brought(options: PipelineOptions) -> tuple[str, ...] | None:
     """Return the layers of the frames that the client gets; None for any."""
+    if options.is_recorded:
+        return (*PICTURE, OTHERS)
     return PICTURE[:1] if options.proxy.on else None
 
 
@@ -149,4 +157,5 @@ def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:
     Errors: as build_plan.
     """
     light = CONVERGED if options.proxy.on else options.indirect
-    return build_plan((), warp, fill, "none", client_geometry=True, brings=brought(options), indirect=light)
+    geometry = not options.is_recorded
+    return build_plan((), warp, fill, "none", client_geometry=geometry, brings=brought(options), indirect=light)

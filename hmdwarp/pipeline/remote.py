@@ -275,8 +275,13 @@ class RemoteChannel(Channel):
         return {**super().summary(rate_hz), "feed": self._remote.summary()}
 
 
-def check_remote(options: PipelineOptions) -> None:
-    """Check what cannot be set where frames come from elsewhere. Errors: InputError."""
+def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
+    """Check what cannot be set where frames come from elsewhere.
+
+    recorded: whether there are recorded frames. Errors: InputError.
+    """
+    if recorded:
+        raise InputError("--connect with --frames: frames come from the server or the folder; leave one of them out")
     if not options.network.is_plain or options.network.overload != DROP:
         raise InputError(
             "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "

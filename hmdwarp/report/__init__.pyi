@@ -7,12 +7,14 @@ from .files import sync as sync
 from .files import write_bytes as write_bytes
 from .files import write_csv as write_csv
 from .files import write_error as write_error
-from .files import write_image_result as write_image_result
 from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
 from .frame_ways import timeline_svg as timeline_svg
+from .image_result import ImageResult as ImageResult
+from .image_result import has_depth as has_depth
+from .image_result import write_image_result as write_image_result
 from .label_places import boxes_touch as boxes_touch
 from .label_places import groups_of as groups_of
 from .label_places import leaders as leaders

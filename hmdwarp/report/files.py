@@ -221,22 +221,3 @@ def write_png(path: str | os.PathLike, picture: NDArray) -> None:
     from .pictures import png_bytes
 
     write_bytes(path, png_bytes(picture))
-
-
-def write_image_result(path: Path, colour: NDArray, coverage: NDArray, time_ms: Mapping[str, float]) -> None:
-    """Write a warped image as .npz or .png, by the ending of the path.
-
-    .npz: colour (linear), coverage, time_ms as JSON text. .png: sRGB, holes transparent.
-
-    Errors: InputError for another ending; else as write_bytes.
-    """
-    if path.suffix == ".npz":
-        with _opened(path) as file:
-            np.savez_compressed(file, colour=colour, coverage=coverage, time_ms=json.dumps(time_ms))
-    elif path.suffix == ".png":
-        from ..colour import srgb8_from_linear
-
-        alpha = np.rint(np.clip(coverage, 0, 1) * 255).astype(np.uint8)
-        write_png(path, np.concatenate([srgb8_from_linear(colour), alpha[..., None]], axis=2))
-    else:
-        raise InputError(f"{path}: expected a name that ends in .npz or .png")

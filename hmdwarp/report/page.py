@@ -75,7 +75,7 @@ def render_report(
         time_rows=comparison[len(QUALITY_FIGURES) :],
         tiles=_tiles(summary, baselines, names),
         charts=_charts(summary, names, rows, baselines_rows),
-        worst=[_worst(frame) for frame in worst],
+        worst=[_worst(frame, _eye_names(summary)) for frame in worst],
         measured=_measured(summary),
         auto=_auto(summary),
         filled=filled_rows(summary),
@@ -134,7 +134,11 @@ def _auto(summary: Summary) -> dict[str, Any] | None:
     return {"budget": f"{auto['budget_ms']:g}", "ladder": ladder, "changes": changes}
 
 
-def _worst(frame: WorstFrame) -> dict[str, Any]:
+def _eye_names(summary: Summary) -> tuple[str, ...]:
+    return EYES if summary.get("eyes", 2) == 2 else ("camera",)
+
+
+def _worst(frame: WorstFrame, names: tuple[str, ...]) -> dict[str, Any]:
     figures = [(f.label, f.text(frame.values.get(f.name)), f.unit) for f in QUALITY_FIGURES]
     panels = [
         {
@@ -145,10 +149,10 @@ def _worst(frame: WorstFrame) -> dict[str, Any]:
         }
         for label, picture in frame.panels
     ]
-    return {"time": f"{frame.time_s:.2f} s", "eye": EYES[frame.eye], "figures": figures, "panels": panels}
+    return {"time": f"{frame.time_s:.2f} s", "eye": names[frame.eye], "figures": figures, "panels": panels}
 
 
 def _measured(summary: Summary) -> str | None:
     """Return how many pictures were measured, if the summary says so."""
     count = summary.get("measured", {}).get(PRIMARY)
-    return None if count is None else f"{count} of {2 * summary['frames']}"
+    return None if count is None else f"{count} of {summary.get('eyes', 2) * summary['frames']}"

@@ -31,7 +31,6 @@ from .whole_pictures import WholePictures
 
 # (case, warp, fill, refresh, eye): identifies a picture.
 Key = tuple[Case, str, str, int, int]
-EYES = (0, 1)
 # Seconds before each instant at which fills that remember are shown a refresh too. Instants are a
 # few seconds apart, so these fills get to know the recording about as a replay of all of it would
 # teach them.
@@ -113,9 +112,11 @@ class Comparison:
                     self._teach(refresh)
                 if number in turns:
                     self._time(refresh)
-                    self._measure(number, refresh, turns[number] % len(EYES), before)
+                    self._measure(number, refresh, turns[number] % len(refresh.inputs), before)
                     step()
-                before = self._neighbour(refresh, turns[number + 1] % len(EYES)) if number + 1 in turns else []
+                before = (
+                    self._neighbour(refresh, turns[number + 1] % len(refresh.inputs)) if number + 1 in turns else []
+                )
         finally:
             self._whole.close()
             self._targets.close()
@@ -147,7 +148,7 @@ class Comparison:
 
     def _truth(self, view: View, time_ns: int) -> Truth:
         drawn = self._setup.server.draw(view, self._setup.size, self._target, time_ns)
-        return Truth(picture_from_linear(download(drawn.colour)), download(drawn.inverse_depth))
+        return Truth(picture_from_linear(download(drawn.colour)), np.maximum(download(drawn.inverse_depth), 0))
 
     def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
         truth = self._truth(refresh.inputs[eye].shown, refresh.shown_ns)
@@ -189,9 +190,10 @@ class Comparison:
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
         truths = [self._truth(inputs.shown, inputs.shown_ns) for inputs in refresh.inputs]
-        shared = SharedSurface(
-            refresh.inputs[0].shown, refresh.inputs[1].shown, truths[0].inverse_depth, truths[1].inverse_depth
-        )
+        shared = None  # with one eye nothing is seen by both
+        if len(truths) == 2:
+            left, right = (inputs.shown for inputs in refresh.inputs)
+            shared = SharedSurface(left, right, truths[0].inverse_depth, truths[1].inverse_depth)
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
@@ -199,7 +201,8 @@ class Comparison:
             warp = measured.combination.group
             if warp not in coverages:
                 coverages[warp] = [coverage(result) for result in results]
-            measured.mismatch.append(shared.compare(*coverages[warp]))
+            if shared is not None:
+                measured.mismatch.append(shared.compare(*coverages[warp]))
             job = QualityJob(
                 Compared(shown_picture(results[eye]), truth.picture, results[eye].view),
                 before[index] if before else None,

@@ -154,10 +154,14 @@ class PipelineHost:
         self.pipeline.close()
 
 
-def refuse_one_eye(needs: Needs, eyes: int) -> None:
-    """Raise InputError if the passes need the other eye's picture and the display has one eye."""
+_FLAT_VIEW = "the flat view has one eye", "use the view of both eyes"
+
+
+def refuse_one_eye(needs: Needs, eyes: int, told: tuple[str, str] = _FLAT_VIEW) -> None:
+    """Raise InputError if the passes need the other eye's picture and the display has one eye.
+
+    told: why it has one, and what to do.
+    """
     if needs.others.other_eye and eyes < 2:
-        raise InputError(
-            "the flat view has one eye, and this warp or fill looks into the other eye's picture: use the view of "
-            "both eyes"
-        )
+        why, remedy = told
+        raise InputError(f"{why}, and this warp or fill looks into the other eye's picture: {remedy}")

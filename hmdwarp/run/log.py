@@ -29,13 +29,14 @@ class ReplayLog:
         # One for each refresh.
         self.responses: list[ResponseTime] = []
         self.timeline = Timeline()
-        self._moments: list[Moment] = []
+        # One for each refresh.
+        self.moments: list[Moment] = []
 
     def add(self, refresh: Refresh) -> None:
         """Add the next refresh."""
         speeds = speeds_at(self._track, refresh.shown_ns)
-        moment = Moment.of(len(self._moments), refresh, self._track.start_ns, speeds)
-        self._moments.append(moment)
+        moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
+        self.moments.append(moment)
         self.responses.append(refresh.response)
         self.timeline.add(refresh)
         figures = moment.figures()
@@ -64,4 +65,4 @@ class ReplayLog:
         Both eyes share the poses.
         """
         for row in self.rows:
-            yield {**row, **self._moments[row["frame"]].poses()}
+            yield {**row, **self.moments[row["frame"]].poses()}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 
@@ -19,18 +20,36 @@ from ..options import (
     names_in,
     one_of,
     option,
+    options_of,
     out_field,
     same_as,
 )
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
+from ..sequences.options import SequenceOptions, repair_field
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
 VIEWS = (BOTH, FLAT) = ("both", "flat")
 MOST_COMPARED = 2  # what a chart shows beside the run
 _BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's settings
+# What recorded frames set by themselves, and what is nothing to them.
+_OF_FRAMES = {"guard": "1", "predict": "none", "lens": "none"}
+_ONLY_RENDERED = {
+    "guard": "a recording is as wide as it was taken; nothing wider can be drawn: leave it out",
+    "predict": "each frame was taken where the camera was; leave it out",
+    "lens": "the display is the camera, which has no lens to correct; leave it out",
+    "proxy": "a proxy draws for heads of its own; leave it out",
+    "scanout": "the truth of each row was not recorded; leave it out",
+    "warp": "its benchmark draws a scene; name a warp",
+}
+_NOT_WITH_FRAMES = {
+    "scene": "recorded frames take the place of a scene",
+    "headset": "the display is the camera",
+    "rendered_size": _ONLY_RENDERED["guard"].partition(":")[0],
+    "wide": "a recording has no second view",
+}
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
@@ -43,8 +62,21 @@ class RunOptions(PipelineOptions):
     """
 
     trace: str = option(
-        attrs.NOTHING, "A head trace file, or the name of a shipped recording, like look-around.", positional=True
+        "",
+        "A head trace file, or the name of a shipped recording, like look-around; with --frames by default the "
+        "recording's own head.",
+        positional=True,
+        default=None,
     )
+    frames: Path | None = option(
+        None,
+        "Folder of recorded frames with depth, in place of a scene: hmdwarp list layouts; the display is the camera.",
+        kind=Path,
+        convert=attrs.converters.optional(Path),
+    )
+    sequence_options: SequenceOptions = group(SequenceOptions)
+    # Of late frames; the truth is what was recorded.
+    repair: str = repair_field()
     start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())
     seconds: float | None = option(
         None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
@@ -77,12 +109,49 @@ class RunOptions(PipelineOptions):
     force: bool = force_field()
     command: str = ""
 
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields whose options were set; recorded frames have defaults of their own."""
+        if said.get("frames") is None:
+            return super().values_of(said)
+        usual = {one.name: one.default for one in options_of(cls)}
+        for name, why in _NOT_WITH_FRAMES.items():
+            if said.get(name) not in (None, usual[name]):
+                raise InputError(f"--{name.replace('_', '-')} with --frames: {why}; leave it out")
+        own = {name: value for name, value in _OF_FRAMES.items() if said.get(name) is None}
+        return super().values_of({**said, **own})
+
     def __attrs_post_init__(self) -> None:
         super().__attrs_post_init__()
+        if self.is_recorded:
+            self._check_recorded()
+        elif self.repair != "none":
+            raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
+        elif not self.trace:
+            raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
                 f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"
             )
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether recorded frames take the place of a scene."""
+        return self.frames is not None
+
+    def _check_recorded(self) -> None:
+        """Check what only a renderer can do. Errors: InputError."""
+        asked = {
+            f"--guard {self.guard}": self.guard != 1.0 or self.rendered_size is not None,
+            f"--predict {self.predict}": self.predict != "none",
+            f"--lens {self.lens}": self.lens != "none",
+            "--proxy": self.proxy.on,
+            f"--scanout {self.scanout_ms:g} ms": self.scanout_ms > 0,
+            f"--warp {self.warp}": self.chooses_warp,
+        }
+        for said in (name for name, is_asked in asked.items() if is_asked):
+            why = next(why for name, why in _ONLY_RENDERED.items() if said.startswith(f"--{name}"))
+            raise InputError(f"{said} with --frames: {why}")
 
     @property
     def compared(self) -> tuple[tuple[str, str], ...]:

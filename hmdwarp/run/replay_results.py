@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,13 @@ from numpy.typing import NDArray
 
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
+from ..pipeline.recorded_server import RecordedServer
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from .frame_rows import Row
 from .log import ReplayLog
+from .recorded_frames import about_truth, truth_offsets
 from .replay_setup import ReplaySetup
-from .run_summary import EYES, Facts, auto_entry, auto_note, chosen_passes, machine_of, summary_of
+from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names, machine_of, summary_of
 
 _OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference")
 
@@ -78,6 +81,12 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], mor
         "timeline": log.timeline.as_list(),
     }
     summary |= more
+    server = setup.server
+    if isinstance(server, RecordedServer):
+        summary["eyes"], summary["truth_offset"] = 1, truth_offsets(server, log)
+        told = about_truth(summary["truth_offset"], setup.pixels_per_degree, is_own=not options.trace)
+        setup.notes.append(told)
+        summary["notes"] = setup.notes
     if weights := setup.pipeline.geometry.weights():
         summary["client_models"] = weights
     if auto is not None:
@@ -105,7 +114,7 @@ def write_results(
     Pictures are encoded on threads while the page is made: one after the other they took longer.
     """
     with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
-        strips = [encoders.submit(_write_strip, out, kept) for kept in pool.kept]
+        strips = [encoders.submit(_write_strip, out, kept, eye_names(result.summary)) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
         page = render_report(
             result.summary,
@@ -122,9 +131,9 @@ def write_results(
     out.write_json("summary.json", result.summary)
 
 
-def _write_strip(out: OutputFolder, kept: Kept) -> None:
+def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> None:
     number, eye, _ = kept.key
-    out.write_png(f"images/frame-{number:06d}-{EYES[eye]}.png", labelled_strip(_panels_of(kept)))
+    out.write_png(f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept)))
 
 
 def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:
@@ -134,4 +143,5 @@ def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:
 
 def _worst_frame(rows: list[Row], kept: Kept) -> WorstFrame:
     number, eye, _ = kept.key
-    return WorstFrame.of(rows[2 * number]["time_s"], eye, kept)
+    time_s = next(row["time_s"] for row in rows if row["frame"] == number)
+    return WorstFrame.of(time_s, eye, kept)

@@ -14,6 +14,7 @@ from ..client.plan import Plan
 from ..colour import picture_from_linear
 from ..errors import InputError
 from ..frames import EyeSizes
+from ..geometry import Pose
 from ..gpu.textures import download
 from ..metrics import Kept, QualityPool, pooled, worker_count
 from ..pipeline.build import refreshes_of
@@ -157,7 +158,8 @@ def _video(setup: ReplaySetup, out: OutputFolder | None):
     if not setup.options.video or out is None:
         return nullcontext()
     wide, high = setup.size
-    return VideoWriter(out.path("replay.mp4"), (2 * wide, high), setup.schedule.rate_hz)
+    eyes = len(setup.headset.views(Pose()))
+    return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
 
 
 def _panels(refresh: Refresh) -> np.ndarray:

@@ -14,17 +14,22 @@ import numpy as np
 from ..auto.levels import QualityLevel
 from ..client.plan import Plan, needs_of
 from ..frames import Needs
+from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
+from ..pipeline.recorded_server import empty_scene
 from ..pipeline.remote import Remote, check_carried, check_remote
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
+from ..repairs import parse_repairs
 from ..scenes import Scene, load_scene
+from .host import refuse_one_eye
 from .options import RunOptions
 from .pose_request import check_names, pose_request
+from .recorded_frames import ONE_EYE, about, beside, display_of, own_trace, schedule_at_frames
 from .schedule import Schedule, schedule_of
 from .serve_options import secret_in
 
@@ -32,6 +37,7 @@ if TYPE_CHECKING:
     from ..auto.adaptive import AdaptiveCompensator
     from ..client.compensator import Compensator
     from ..pipeline.channel import Channel
+    from ..sequences import Sequence
     from ..server import Server
 
 
@@ -113,22 +119,21 @@ def set_up_replay(
     software.
     """
     check_names(options)
-    headset = load_headset(options.headset)
+    sequence = sequence_of(options)
+    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
     plans_for(options, headset, None, levels)
     against = _needs_of_against(options)
-    trace = load_trace(options.trace, options.trace_options)
-    if options.as_recorded:
-        trace = _on_its_own_clock(trace)
+    trace = _trace(options, sequence)
     rate_hz = options.rate_hz or headset.refresh_hz
+    schedule = None if options.connect else schedule_for(options, sequence, trace, rate_hz)
     size = options.size or headset.eye_size_px
     guarded_size(options.guard_band, headset, size)
     if options.connect:
-        check_remote(options)
-    else:
-        schedule = schedule_of(trace.track, options, rate_hz)
-    scene = load_scene(*options.scene_key)
+        check_remote(options, recorded=sequence is not None)
+    scene = load_scene(*options.scene_key) if sequence is None else empty_scene(sequence)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
+    refuse_one_eye(needs, len(headset.views(Pose())), ONE_EYE)
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     name = track.name or trace.path.stem
     with ExitStack() as stack:
@@ -138,8 +143,9 @@ def set_up_replay(
             remote = Remote(options.connect, secret_in(options.token_file), holds=True, say=_both(say, notes.append))
             stack.callback(remote.close)
             options = _with_latency_to(remote, options, headset, size, track)
+        if schedule is None:
             schedule = schedule_of(trace.track, options, rate_hz)
-        say(f"making ready: scene '{scene.name}', OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
+        say(f"making ready: {_seen(scene, sequence)}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
         gpu = stack.enter_context(Gpu())
         source = RecordedSource(track)
         source.start()
@@ -147,8 +153,9 @@ def set_up_replay(
         age_ns = expected_age_ns(options, schedule.age_ns, rate_hz)
         request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
-        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, remote))
-        notes[:0] = [*trace.notes(), *scene.notes]
+        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, sequence, remote))
+        told = about(sequence) if sequence is not None else []
+        notes[:0] = [*told, *trace.notes(), *scene.notes]
         notes.extend(options.notes)
         parts = (options, trace, track, scene, headset, size, schedule, gpu, pipeline, remote, notes)
         return ReplaySetup(*parts, stack.pop_all())
@@ -169,6 +176,36 @@ def _with_latency_to(
     head = track.at(track.start_ns)
     longest_ns = remote.measure(head, headset.views(head.pose), options.guard_band, size)
     return attrs.evolve(options, latency_ms=longest_ns / 1e6)
+
+
+def schedule_for(options: RunOptions, sequence: Sequence | None, trace: LoadedTrace, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run: evenly spaced, or at the instants of recorded frames."""
+    if sequence is not None and not options.trace and options.rate_hz is None:
+        return schedule_at_frames(sequence, options)
+    return schedule_of(trace.track, options, rate_hz)
+
+
+def sequence_of(options: RunOptions) -> Sequence | None:
+    """Return the recorded frames of the options, None for a scene."""
+    if options.frames is None:
+        return None
+    from .. import sequences
+
+    return sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
+
+
+def _trace(options: RunOptions, sequence: Sequence | None) -> LoadedTrace:
+    """Return the head's motion: a trace, or that of the recorded frames."""
+    if sequence is not None and not options.trace:
+        return own_trace(sequence)
+    trace = load_trace(options.trace, options.trace_options)
+    if sequence is not None:
+        return beside(trace, sequence)
+    return _on_its_own_clock(trace) if options.as_recorded else trace
+
+
+def _seen(scene: Scene, sequence: Sequence | None) -> str:
+    return f"scene '{scene.name}'" if sequence is None else f"recorded frames '{scene.name}'"
 
 
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:

@@ -24,8 +24,21 @@ _MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
-OWNED = ("images/*-left.png", "images/*-right.png", "frames.csv", "delays.csv", "report.html", "replay.mp4")
+OWNED = (
+    "images/*-left.png",
+    "images/*-right.png",
+    "images/*-camera.png",
+    "frames.csv",
+    "delays.csv",
+    "report.html",
+    "replay.mp4",
+)
 EYES = ("left", "right")
+
+
+def eye_names(summary: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the names of the eyes in names of files."""
+    return EYES if summary.get("eyes", 2) == 2 else ("camera",)
 
 
 @attrs.frozen(eq=False)

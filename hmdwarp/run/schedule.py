@@ -15,7 +15,7 @@ from .options import RunOptions
 
 @attrs.frozen
 class Schedule:
-    """Refreshes of a display in integer nanoseconds on the trace's clock, evenly spaced."""
+    """Refreshes of a display in integer nanoseconds on the trace's clock, mostly evenly spaced."""
 
     # Time of the first shown refresh.
     first_ns: int
@@ -26,6 +26,8 @@ class Schedule:
     age: int
     # Number of refreshes before that until a proxy has something to draw it from.
     ahead: int = 0
+    # Of refreshes that are not evenly spaced, those that only draw included; None for even ones.
+    instants_ns: tuple[int, ...] | None = None
 
     @property
     def age_ns(self) -> int:
@@ -46,6 +48,9 @@ class Schedule:
 
         Those with a negative number only draw, so that a frame has arrived by the first shown one.
         """
+        if self.instants_ns is not None:
+            yield from enumerate(self.instants_ns, -self.age)
+            return
         for number in range(-self.age - self.ahead, self.count):
             yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
 

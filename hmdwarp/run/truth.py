@@ -51,7 +51,9 @@ def draw_truth(server: Server, inputs: PassInputs, size: tuple[int, int], *, dep
 def _drawn(server: Server, view: View, time_ns: int, size: tuple[int, int], depth: bool) -> Truth:
     image = server.draw(view, size, time_ns=time_ns)
     try:
-        return Truth(download(image.colour), download(image.inverse_depth) if depth else None)
+        # Where a camera knows no depth, what it saw counts as infinitely far.
+        inverse = np.maximum(download(image.inverse_depth), 0) if depth else None
+        return Truth(download(image.colour), inverse)
     finally:
         server.pool(size).release(image.colour)
 

@@ -87,8 +87,12 @@ class DeformingMesh(Moving):
 
     def set_time(self, time_ns: int) -> None:
         if time_ns != self._set_ns or self.buffers.meshes[0] is not self._moved:
-            self.buffers.move_to(_checked(self.mesh, "positions", self._deformation.positions(time_ns)))
+            self.buffers.move_to(self.positions(time_ns))
             self._set_ns, self._moved = time_ns, self.buffers.meshes[0]
+
+    def positions(self, time_ns: int) -> NDArray[np.float32]:
+        """Return its vertices, (n, 3) metres relative to the scene's origin, at any instant."""
+        return _checked(self.mesh, "positions", self._deformation.positions(time_ns))
 
     def velocities(self) -> NDArray[np.float32]:
         """Return its vertices' velocities, (n, 3) m/s in world axes, at the last set instant."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import moderngl
 
@@ -16,6 +16,9 @@ from .moving import Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
 from .upload import Batch, SceneBuffers
 from .visibility import Draws, Visibility, draws_of
+
+if TYPE_CHECKING:
+    from ..gpu.shaders import Draw
 
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
 # room for drivers that round differently.
@@ -168,6 +171,30 @@ def draw_chunks(
         yield batch
         for first, count in spans:
             vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
+
+
+def draw_moving(
+    gl: moderngl.Context,
+    draw: Draw,
+    one: Moving,
+    vertices: moderngl.VertexArray,
+    view: View,
+    time_ns: int,
+    *,
+    textured: bool = True,
+) -> None:
+    """Draw one moving thing at that instant into the bound framebuffer, by any program.
+
+    The program takes clip_from_scene. textured: bind each batch's texture to unit 0.
+    """
+    one.set_time(time_ns)
+    place = one.place(view)
+    clip = clip_from_eye(view.fov) @ place.eye_from_here
+    draw.uniforms.set(clip_from_scene=clip)
+    chunks = one.buffers.chunks
+    for batch in draw_chunks(gl, vertices, one.buffers, draws_of(chunks, visible(chunks.boxes, clip), place.eye)):
+        if textured:
+            batch.texture.use(0)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

@@ -197,6 +197,7 @@ def test_plan_for_programs_has_what_is_printed(command):
     assert list(data) == [
         "source",
         "scene",
+        "indirect",
         "warp",
         "fill",
         "lens",

@@ -16,7 +16,8 @@ from PIL import Image
 from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
-from hmdwarp.image import read_frame, read_view, usable_fills, usable_warps
+from hmdwarp.image import usable_fills, usable_warps
+from hmdwarp.sequences import read_frame, read_view
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
@@ -66,7 +67,7 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
     done = warp().done()
     assert "out.npz" in done.out and "0.00 % holes" in done.out
     with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
-        assert set(data) == {"colour", "coverage", "time_ms"}
+        assert set(data) == {"colour", "coverage", "depth_m", "time_ms", *POSE}
         from hmdwarp.colour import srgb8_from_linear
 
         assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
@@ -138,7 +139,7 @@ def test_a_result_is_not_overwritten(warp, tmp_path):
     warp().refused("out.npz exists already", "--force")
     assert (tmp_path / "out.npz").read_bytes() == b"precious"
     warp(None, None, "--force").done()
-    assert len(np.load(tmp_path / "out.npz")) == 3
+    assert len(np.load(tmp_path / "out.npz")) == 7
 
 
 def test_size_and_names_are_taken(warp, tmp_path):
@@ -183,7 +184,7 @@ def test_what_does_not_fit_is_refused(frame, pose, options, told, warp, tmp_path
     assert not (tmp_path / "out.npz").exists()
 
 
-@pytest.mark.parametrize("out", ["out.jpg", "out", "missing/out.npz"])
+@pytest.mark.parametrize("out", ["out.gif", "out", "missing/out.npz"])
 def test_where_it_cannot_be_written(out, warp, tmp_path):
     warp(out=out).refused(out)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["frame.npz", "pose.json"]
@@ -297,3 +298,19 @@ def test_any_json_is_a_view_or_refused(value, tmp_path):
         assert str(path) in str(error) and "\n" not in str(error)
     else:
         assert np.isfinite(view.pose.orientation_xyzw).all()
+
+
+def test_depth_is_repaired_where_asked_for(warp, tmp_path):
+    """A gap is a hole; repaired it is seen, opaque in a picture, and its confidence in an array."""
+    depth = np.full((8, 10), 2.0)
+    depth[2:5, 3:6] = 0
+    assert "11.25 % holes" in warp({"depth_m": depth}, None, "--fill", "none").done().out
+    options = ("--fill", "none", "--repair", "edges+complete:colour=0.1", "--force")
+    done = warp({"depth_m": depth}, None, *options).done()
+    assert "0.00 % holes" in done.out and "repair" in done.out
+    with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
+        assert np.array_equal(data["coverage"] < 1, depth == 0) and (data["coverage"] > 0).all()
+    warp({"depth_m": depth}, None, *options, out="out.png").done()
+    assert (np.asarray(Image.open(tmp_path / "out.png"))[..., 3] == 255).all()
+    warp(None, None, "--force", "--repair", "compleet").refused("unknown repair 'compleet'", "did you mean 'complete'")
+    warp(None, None, "--force", "--repair", "complete:least=7").refused("least is 7: expected 0 to 1")

@@ -74,7 +74,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
                     choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu), depth_read=read).close()
         carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
         ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
-        _compile_effects(gpu, Tools(carry, 1))
+        _compile_effects(gpu, Tools(carry, 1, geometry=ClientScene(gpu)))
         server = Server(gpu, load_scene("planes"))
         depth = allocate(gpu.gl, (8, 6), SCALAR)
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))

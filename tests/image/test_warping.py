@@ -554,7 +554,7 @@ def test_threads_take_turns():
 
 
 def test_checked_gives_linear_colour_with_coverage():
-    rgba, inverse = checked(np.full((1, 3, 3), 128, np.uint8), np.array([[2.0, np.inf, 0.0]]))
+    rgba, inverse = checked(np.full((1, 3, 3), 128, np.uint8), np.array([[2.0, np.inf, 0.0]])).arrays()
     assert rgba[0, 0, 0] == pytest.approx(math.pow((128 / 255 + 0.055) / 1.055, 2.4), rel=1e-6)
     assert rgba[..., 3].tolist() == [[1, 1, 0]] and inverse.tolist() == [[0.5, 0, -1]]
     assert (rgba[0, 2] == 0).all()

@@ -41,7 +41,8 @@ class Effect:
     refines: str = ""
     # Names of the effects that it stands in for: they are left out beside it.
     instead_of: tuple[str, ...] = ()
-    # Whether it is a way to draw frames that only `--effects` asks for, not content of a scene.
+    # Whether only `--effects` asks for it: a way to draw frames, or another way to compensate
+    # content. Asked for in a scene without a mesh that has the effect, it is left out.
     by_name_only: bool = False
 
 
@@ -119,7 +120,13 @@ class RenderedPass(EffectPass):
 class ShownPass(EffectPass):
     """Composites into the shown picture after the fills."""
 
-    writes = ("shown.colour",)
+    writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
+    # Whether it takes something out of the rendered pictures before all other passes.
+    takes_out: ClassVar[bool] = False
+
+    def take_out(self, inputs: PassInputs) -> PassInputs:
+        """Return the inputs without what run() will draw; called before run() if takes_out."""
+        return inputs
 
     @abstractmethod
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:

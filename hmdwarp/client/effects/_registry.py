@@ -19,19 +19,20 @@ class EffectRegistry(Registry[Effect]):
     """Effects by name, with an order in which lists show them."""
 
     def of(self, scene: Scene) -> tuple[str, ...]:
-        """Return the names of the effects that occur in a scene."""
-        return self.ordered(one.name for one in self if any(one.applies(scene, mesh) for mesh in scene.meshes))
+        """Return the names of the effects that a scene calls for."""
+        return self.ordered(one.name for one in self if not one.by_name_only and _occurs(one, scene))
 
-    def selected(self, text: str, declared: Collection[str]) -> tuple[str, ...]:
+    def selected(self, text: str, declared: Collection[str], scene: Scene | None = None) -> tuple[str, ...]:
         """Return the names of the effects that a run compensates: `declared`, changed by `text`.
 
         text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each
         forced, or forbidden by a leading "no-". Forcing an effect without content costs its pass
-        and changes no picture.
+        and changes no picture; what only a name asks for is left out in a `scene` without content.
         Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
         """
         forced, forbidden = self._told(text)
-        return self.ordered({*declared, *forced} - forbidden)
+        idle = {name for name in forced if self.get(name).by_name_only and not _occurs(self.get(name), scene)}
+        return self.ordered({*declared, *forced} - forbidden - idle)
 
     def forced(self, text: str) -> frozenset[str]:
         """Return the names that `text` forces. text, errors: as `selected`."""
@@ -56,3 +57,8 @@ class EffectRegistry(Registry[Effect]):
     def ordered(self, names: Iterable[str]) -> tuple[str, ...]:
         """Return the names in the order of their effects."""
         return tuple(sorted(names, key=lambda name: self.get(name).order))
+
+
+def _occurs(effect: Effect, scene: Scene | None) -> bool:
+    """Return whether some mesh has the effect; True where the scene is not known."""
+    return scene is None or any(effect.applies(scene, mesh) for mesh in scene.meshes)

@@ -52,7 +52,7 @@ effects.register(
         name="light_only",
         order=5,
         summary="frames hold light as if every surface were white; the client draws the textures at the newest pose",
-        applies=lambda scene, mesh: False,
+        applies=lambda scene, mesh: True,
         by_name_only=True,
         made_by=LightPass,
         needs=Needs(light=True),

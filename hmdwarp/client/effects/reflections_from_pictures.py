@@ -12,7 +12,7 @@ effects.register(
         order=15,
         summary="the other eye's picture and two older ones tell what mirrors show, and how far behind them; "
         "no data on mirrors are needed",
-        applies=lambda scene, mesh: False,
+        applies=lambda scene, mesh: True,
         by_name_only=True,
         instead_of=("planar_reflections", "glossy_reflections", "curved_reflections"),
         made_by=MirroredPass,

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...frames import Needs
-from ..settings import NoSettings
+from ...options import NoSettings
 
 if TYPE_CHECKING:
     from ...gpu.context import Gpu

@@ -10,7 +10,7 @@ import attrs
 
 from ...frames import Needs
 from ...gpu.textures import SCALAR, allocate
-from ..settings import NoSettings
+from ...options import NoSettings
 
 if TYPE_CHECKING:
     import moderngl

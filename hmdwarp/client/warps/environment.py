@@ -11,7 +11,7 @@ from ...errors import PlanError
 from ...frames import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
-from ..settings import NoSettings
+from ...options import NoSettings
 from ..warp_kinds import GatherWarp
 from . import warps
 

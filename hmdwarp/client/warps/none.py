@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...geometry import View, WarpMap
-from ..settings import NoSettings
+from ...options import NoSettings
 from ..warp_kinds import HomographyWarp
 from . import warps
 

@@ -11,9 +11,7 @@ from ...frames import BodyIds
 from ...gpu.scopes import drawing_into
 from ...gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, MovingBody
-from ..passes import SAME_SURFACE, draw_chunks
-from ..projection import clip_from_eye, visible
-from ..visibility import draws_of
+from ..passes import SAME_SURFACE, draw_moving
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
@@ -131,11 +129,6 @@ def _draw_where_shown(
 
     The order does not matter: of two surfaces, only one has the picture's depth.
     """
-    one.set_time(eye.drawn_ns)
-    place = one.place(eye.view)
-    clip = clip_from_eye(eye.view.fov) @ place.eye_from_here
     eye.inverse_depth.use(0)
-    draw.uniforms.set(clip_from_scene=clip, picture=0, same=SAME_SURFACE)
-    chunks = one.buffers.chunks
-    for _ in draw_chunks(gl, vertices, one.buffers, draws_of(chunks, visible(chunks.boxes, clip), place.eye)):
-        pass
+    draw.uniforms.set(picture=0, same=SAME_SURFACE)
+    draw_moving(gl, draw, one, vertices, eye.view, eye.drawn_ns, textured=False)

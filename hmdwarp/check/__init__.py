@@ -1,0 +1,8 @@
+"""Which conventions make the frames of somebody else agree with each other.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,204 @@
+"""From candidates to an answer: which conventions differ from what is stated, and how sure."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+
+import attrs
+import numpy as np
+
+from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
+from .frame_reading import BUFFER, METRES, Reading
+from .search import SURE, Candidate, Search, margin
+
+CLOSE = 0.05  # share of the depth within which two depths agree
+# Of the depths agree: what is left are small numbers; one convention explains the frames.
+_WELL, _ENOUGH = 0.85, 0.6
+ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
+_KEPT = 4  # readings of the coarse pictures that are looked at closely
+_NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
+_AS_GOOD = 0.8  # of the best agreement: what has less is not as good
+_SECOND = 4  # times as sure: a second number may stand in for what the first leaves
+_NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted number itself
+# Below these a number is as stated.
+_SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
+_MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
+ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
+RAY, ENCODING, PLANES, SCALE, PIXEL, TIME = "ray", "encoding", "planes", "scale", "pixel", "time"
+
+
+_OF_NUMBER = {FACTOR: SCALE, OFFSET: PLANES, ALONG: RAY, PIXEL_X: PIXEL, PIXEL_Y: PIXEL, LATE: TIME}
+
+
+def differences(reading: Reading) -> tuple[str, ...]:
+    """Return the names of the conventions in which a reading differs from what is stated."""
+    plain = Reading()
+    offset = reading.offset != 0
+    found = {
+        ORDER: reading.order != plain.order,
+        DIRECTION: reading.inverse,
+        AXES: reading.axes != plain.axes,
+        ROWS: reading.colour_rows_up or reading.depth_rows_up,
+        EYES: reading.eyes_swapped,
+        RAY: reading.along != 0,
+        ENCODING: reading.kind == BUFFER or reading.factor < 0,
+        PLANES: reading.kind == METRES and reading.factor > 0 and offset,
+        SCALE: reading.kind == METRES and reading.factor > 0 and not offset and reading.factor != 1,
+        PIXEL: (reading.pixel_x, reading.pixel_y) != (0, 0),
+        TIME: reading.late_s != 0,
+    }
+    return tuple(name for name, differs in found.items() if differs)
+
+
+@attrs.frozen(eq=False)
+class Decision:
+    """The best reading, and the others that were close."""
+
+    search: Search
+    noise: Noise
+    best: Candidate
+    others: tuple[Candidate, ...]
+
+
+def likeness(search: Search, reading: Reading) -> float:
+    """Return the correlation of the brightness where depths agree, 0 if there is none."""
+    found = search.middle.residuals(reading)
+    with np.errstate(invalid="ignore"):
+        known = found.seen & (np.abs(found.depth) < CLOSE)
+    here, there = found.brightness[known], (found.brightness + found.colour)[known]
+    return float(np.corrcoef(here, there)[0, 1]) if min(here.std(), there.std(), len(here)) > 0 else 0.0
+
+
+def agreement(search: Search, reading: Reading) -> float:
+    """Return the share of the points seen in both frames whose depths agree."""
+    found = search.coarse.residuals(reading)
+    known = found.seen & ~np.isnan(found.depth)
+    return float((np.abs(found.depth[known]) < CLOSE).mean()) if known.any() else 0.0
+
+
+def explains(search: Search, reading: Reading) -> bool:
+    """Return whether a reading leaves small numbers alone to be found."""
+    share = agreement(search, reading)
+    return share >= _WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
+
+
+def decide(search: Search) -> Decision:
+    """Return the best reading of the frames."""
+    plain = Reading()
+    found = [plain, *search.discrete(plain)]
+    well = agreement(search, search.best(found)) >= _WELL
+    found += _best_of(search, search.usual_numbers(plain)[:1])
+    if not well:
+        numbers = _best_of(search, search.numbers(plain))
+        found += numbers
+        if not explains(search, search.best(found)):
+            found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in numbers if ENCODING in differences(one)]
+        if not explains(search, search.best(found)):
+            found += _two(search, plain)
+    close = _close(search, [*found, *search.late(plain)])
+    noise = Noise.of(search.fine.residuals(close[0].reading))
+    candidates = [
+        search.candidate(one.reading, noise, len(differences(one.reading)), one)
+        for one in (*close, *([] if any(one.reading == plain for one in close) else [_fixed(plain)]))
+    ]
+    leader = _simplest(search, candidates)
+    for _ in range(2):
+        needed = _SECOND * SURE if leader.changes else SURE
+        finer = [one for one in _finer(search, leader, noise) if _is_finer(one, leader, needed)]
+        if not finer:
+            break
+        candidates += finer
+        leader = min(finer, key=lambda one: float(one.cost.sum()))
+    if leader.changes > 1:
+        leader = _simplest(search, [one for one in candidates if one.changes])
+    return Decision(search, noise, leader, tuple(one for one in candidates if one is not leader))
+
+
+def _fixed(reading: Reading) -> Fitted:
+    return Fitted(reading, (), np.empty(0), np.empty(0))
+
+
+def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
+    """Return the few best readings of the coarse pictures, numbers fitted."""
+    kept: list[Fitted] = []
+    least = 0.0
+    for reading in sorted(dict.fromkeys(found), key=search.score, reverse=True):
+        if len(kept) == _KEPT or search.score(reading) < least:
+            break
+        names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
+        names += [OFFSET] if reading.offset or reading.end else []
+        names += [LATE] if reading.late_s else []
+        fitted = search.fitted(reading, names) if names else _fixed(reading)
+        if _possible(search, fitted.reading):
+            least = least or _NEAR_BEST * search.score(reading)
+            kept.append(fitted)
+    return kept
+
+
+def _possible(search: Search, reading: Reading) -> bool:
+    """Return whether depth stays in front of the eye, and differs from what is stated."""
+    known = differences(reading)
+    return all(_matters(search, name, Reading(), reading) for name in (PLANES, SCALE) if name in known)
+
+
+def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
+    """Return the best one, or one of fewer changes that is not surely worse."""
+    best = min(candidates, key=lambda one: float(one.cost.sum()))
+    least = _AS_GOOD * agreement(search, best.reading)
+    as_good = [one for one in candidates if margin(one, best) < SURE and agreement(search, one.reading) >= least]
+    return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
+
+
+def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]:
+    return [search.sharpened(search.best(way)) for way in ways if way]
+
+
+def _two(search: Search, plain: Reading) -> list[Reading]:
+    """Return readings of two conventions that differ."""
+    singles = [one for one in search.discrete(plain) if ROWS not in differences(one)]
+    found = list(search.rows(plain))
+    both: list[Reading] = []
+    for one in [*singles, *found]:
+        both += [two for two in search.discrete(one) if len(differences(two)) == 2]
+        both += _best_of(search, search.usual_numbers(one))
+    return both
+
+
+def _is_finer(one: Candidate, leader: Candidate, needed: float) -> bool:
+    """Return whether the new number is known to differ, and frames agree better with it."""
+    assert one.fitted is not None
+    new = [name not in differences(leader.reading) for name in map(_OF_NUMBER.get, one.fitted.names)]
+    known = np.abs(one.fitted.change) > needed * one.fitted.error
+    least = -_NO_WORSE if not leader.changes else needed / 4
+    return bool(known[new].all()) and margin(leader, one) > least
+
+
+def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidate]:
+    """Yield readings with one more number that differs enough to be named."""
+    start, known = leader.reading, differences(leader.reading)
+    groups: dict[str, tuple[str, ...]] = {RAY: (ALONG,), PIXEL: (PIXEL_X, PIXEL_Y), TIME: (LATE,)}
+    if not {ENCODING, PLANES} & set(known):
+        groups |= {SCALE: (FACTOR,), PLANES: (FACTOR, OFFSET)}
+    for name, numbers in groups.items():
+        if name in known or not set(numbers) <= set(search.steps(start)):
+            continue
+        extra = tuple(itertools.chain((FACTOR, OFFSET) if ENCODING in known else (), numbers))
+        fitted = search.fitted(start, tuple(dict.fromkeys(extra)))
+        if _matters(search, name, start, fitted.reading):
+            yield search.candidate(fitted.reading, noise, len(differences(fitted.reading)), fitted)
+
+
+def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
+    """Return whether a number differs so much that it has a name."""
+    if name == RAY:
+        return found.along - start.along > 0.5
+    if name == PIXEL:
+        x, y = found.pixel_x, found.pixel_y
+        return _PIXEL < abs(x + y) / 2 < 3 * _PIXEL and abs(x - y) < 2 * _PIXEL
+    if name == TIME:
+        assert search.stated.interval_s is not None
+        return abs(found.late_s) > _LATE * search.stated.interval_s
+    if name == PLANES:
+        return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
+    return abs(np.log(found.factor / start.factor)) > _SCALE

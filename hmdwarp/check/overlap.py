@@ -1,0 +1,143 @@
+"""How well frames agree under a reading: points of one frame, looked up in another."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from .frame_reading import METRES, Reading
+from .stated_frames import Array, Sheet, Stated
+
+Indices = NDArray[np.int64]
+TILES = 3  # a side: parts of a picture that err together
+_DEPTH, _COLOUR = 0.04, 0.7  # differences that count half: of the depth; of the brightness, in its deviation
+
+
+@attrs.frozen(eq=False)
+class Residuals:
+    """Of all points, (pairs, points); NaN where there is nothing to compare."""
+
+    depth: Array  # relative difference of the inverse depths
+    colour: Array  # difference of the brightness
+    brightness: Array  # of the one frame; the other has `colour` more
+    seen: NDArray[np.bool_]  # whether the point lies in the other picture
+    pixel: Array  # (pairs, points, 2) where, in pixels
+
+
+def _median(values: Array) -> float:
+    known = values[~np.isnan(values)]
+    return float(np.median(known)) if len(known) else 1.0
+
+
+class Overlap:
+    """Points of frames, each with the frame in which it is looked up.
+
+    pairs: (p, 2) from frame, in frame. points: how many a pair, None for every pixel. between:
+    whether depth is interpolated, on surfaces alone, or that of the nearest pixel.
+    """
+
+    def __init__(self, stated: Stated, sheet: Sheet, pairs: Indices, points: int | None, *, between: bool) -> None:
+        self.stated, self.sheet, self._between = stated, sheet, between
+        self.pairs = pairs
+        self._height, self._width = sheet.numbers.shape[1:]
+        self._per_pixel = stated.frames[0].depth.shape[1] // self._width
+        pixels = self._height * self._width
+        chosen = np.tile(np.arange(pixels), (len(pairs), 1)) if points is None else self._drawn(points)
+        self.row, self.column = np.divmod(chosen, self._width)
+        self._from, self._to = pairs[:, :1], pairs[:, 1:]
+        tile = self.row * TILES // self._height * TILES + self.column * TILES // self._width
+        self.block = np.arange(len(pairs))[:, None] * TILES**2 + tile
+        self.blocks = len(pairs) * TILES**2
+
+    def _drawn(self, points: int) -> Indices:
+        """Return random pixels that have depth, the same at each call."""
+        sheet, rng = self.sheet, np.random.default_rng(0)
+        wanted = np.isfinite(sheet.inverse) & sheet.smooth if self._between else ~np.isnan(sheet.numbers)
+        chosen = []
+        for frame in self.pairs[:, 0]:
+            known = np.flatnonzero(wanted[frame])
+            if not len(known):
+                known = np.flatnonzero(~np.isnan(sheet.numbers[frame]))
+            chosen.append(rng.choice(known, points, replace=len(known) < points))
+        return np.array(chosen)
+
+    def residuals(self, reading: Reading) -> Residuals:
+        """Return how each point disagrees with what the other frame has there."""
+        turn, place = reading.poses(self.stated)
+        one, other = self.pairs.T
+        back = turn[other].transpose(0, 2, 1)
+        across = np.einsum("pij,pj->pi", back, place[one] - place[other])
+        base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
+        row = self._height - 1 - self.row if reading.depth_rows_up else self.row
+        x, y = self._tangent(self.column, row, self._from, reading)
+        inverse = reading.inverse_depth(base[self._from, self.row, self.column], np.sqrt(1 + x * x + y * y))
+        ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
+        moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
+        w = -moved[..., 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x, y, expected = moved[..., 0] / w, moved[..., 1] / w, inverse / w
+        column, line = self._pixel(x, y, self._to, reading)
+        with np.errstate(invalid="ignore"):
+            seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
+            seen &= inverse >= -1e-9
+        column, line = np.where(seen, column, 0), np.where(seen, line, 0)
+        sampled = self._depth_at(base, column, self._height - 1 - line if reading.depth_rows_up else line)
+        ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
+        # Compared as numbers that were measured: what a fit may change must not change their noise.
+        size = np.abs(sampled - reading.end)
+        # In its own size and, so that what is far counts less, that of the median.
+        with np.errstate(invalid="ignore", divide="ignore"):
+            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size)))
+        source = self._height - 1 - row if reading.colour_rows_up else row
+        there = self._picture_at(column, self._height - 1 - line if reading.colour_rows_up else line)
+        here = self.sheet.picture[self._from, source, self.column]
+        colour = there - here
+        return Residuals(
+            np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, np.stack([column, line], -1)
+        )
+
+    def score(self, reading: Reading) -> Array:
+        """Return the agreement of each point, 0 to 1; NaN where nothing can be said."""
+        found = self.residuals(reading)
+        with np.errstate(invalid="ignore"):
+            score = 1 / ((1 + (found.depth / _DEPTH) ** 2) * (1 + (found.colour / _COLOUR) ** 2))
+        return np.where(found.seen, score, 0)
+
+    def _tangent(self, column: Indices, row: Indices, frame: Indices, reading: Reading) -> tuple[Array, Array]:
+        left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
+        x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
+        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
+        return x, y
+
+    def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
+        left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
+        column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
+        line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
+        return column, line
+
+    def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
+        if not self._between:
+            return base[self._to, np.rint(line).astype(int), np.rint(column).astype(int)]
+        smooth = self.sheet.smooth[self._to, line.astype(int), column.astype(int)]
+        return np.where(smooth, self._bilinear(base, column, line), np.nan)
+
+    def _picture_at(self, column: Array, line: Array) -> Array:
+        if not self._between:
+            return self.sheet.picture[self._to, np.rint(line).astype(int), np.rint(column).astype(int)]
+        return self._bilinear(self.sheet.picture, column, line)
+
+    def _bilinear(self, pictures: Array, column: Array, line: Array) -> Array:
+        frame = self._to
+        left = np.clip(column.astype(int), 0, self._width - 2)
+        top = np.clip(line.astype(int), 0, self._height - 2)
+        x, y = column - left, line - top
+        upper = pictures[frame, top, left] * (1 - x) + pictures[frame, top, left + 1] * x
+        lower = pictures[frame, top + 1, left] * (1 - x) + pictures[frame, top + 1, left + 1] * x
+        return upper * (1 - y) + lower * y
+
+    def by_block(self, values: Array) -> tuple[Array, Array]:
+        """Return the sum of values in each block, and how many there are; NaN does not count."""
+        known = ~np.isnan(values)
+        sums = np.bincount(self.block[known], values[known], self.blocks).astype(np.float64)
+        return sums, np.bincount(self.block[known], minlength=self.blocks).astype(np.float64)

@@ -1,0 +1,210 @@
+"""The search for the reading under which frames agree: one convention first, then two."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import attrs
+import numpy as np
+
+from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise, cost, fit
+from .frame_reading import AXES, BUFFER, METRES, Reading
+from .overlap import Overlap
+from .stated_frames import Array, Stated
+
+PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
+SURE = 3.5  # standard errors by which the better of two readings has to be better
+_LONG = 8  # frames of a track whose ends are not compared
+_FEWEST = 4  # blocks that say something together
+_STEP = 1.25  # from one factor of the grid to the next
+_PARALLAX_PX = (0.3, 100.0)  # in pictures of COARSE_PX: less says nothing, more would be no picture
+# Inverse depth of the far plane, and of the farthest pixel, over what the median pixel has more.
+_FARTHEST, _FARTHEST_SEEN = (0.0, 0.1, 0.3), (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
+_LATE = (-0.8, -0.4, 0.4, 0.8)  # instants of the picture after the pose's, in frames
+_OFFSETS = (-0.6, -0.3, -0.15, 0.15, 0.3, 0.6)  # of the inverse depth, in its median
+
+
+@attrs.frozen(eq=False)
+class Candidate:
+    """A reading, and how it does on the fine pictures."""
+
+    reading: Reading
+    cost: Array  # of each block
+    changes: int  # conventions that differ from what is stated
+    fitted: Fitted | None = None
+
+
+class Search:
+    """Frames, and what is known of the readings that were tried."""
+
+    def __init__(self, stated: Stated) -> None:
+        self.stated = stated
+        pairs = _pairs(_inner(stated))
+        points = max(1, PAIRS // len(pairs))
+        self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
+        self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
+        same = stated.coarse.numbers.shape == stated.fine.numbers.shape
+        self.fine = self.middle if same else Overlap(stated, stated.fine, pairs, FINE_POINTS * points, between=True)
+        self._scores: dict[Reading, float] = {}
+
+    def score(self, reading: Reading) -> float:
+        """Return the agreement on the coarse pictures, 0 to 1."""
+        if reading not in self._scores:
+            sums, counts = self.coarse.by_block(self.coarse.score(reading))
+            self._scores[reading] = float(sums.sum() / max(counts.sum(), 1))
+        return self._scores[reading]
+
+    def best(self, readings: Sequence[Reading]) -> Reading:
+        """Return that of the highest agreement, the first of equals."""
+        return max(readings, key=self.score)
+
+    # What may be otherwise, one convention at a time.
+
+    def discrete(self, start: Reading) -> Iterator[Reading]:
+        """Yield the reading with one convention that has no number changed."""
+        yield attrs.evolve(start, order="wxyz" if start.order == "xyzw" else "xyzw")
+        yield attrs.evolve(start, inverse=not start.inverse)
+        yield from (attrs.evolve(start, axes=name) for name in AXES if name != start.axes)
+        if self.stated.other_eye is not None:
+            yield attrs.evolve(start, eyes_swapped=not start.eyes_swapped)
+        yield from self.rows(start)
+        if start.along == 0:
+            yield attrs.evolve(start, along=1.0)
+
+    @staticmethod
+    def rows(start: Reading) -> Iterator[Reading]:
+        """Yield the reading with rows the other way round."""
+        for colour, depth in itertools.product((False, True), repeat=2):
+            if (colour, depth) != (start.colour_rows_up, start.depth_rows_up):
+                yield attrs.evolve(start, colour_rows_up=colour, depth_rows_up=depth)
+
+    def usual_numbers(self, start: Reading) -> list[list[Reading]]:
+        """Return readings of depth in other units, and of depth buffers; a list for each kind."""
+        base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
+        ways = [[attrs.evolve(start, factor=one) for one in self._factors(start, float(np.median(base)))]]
+        if self.stated.may_be_buffer:
+            numbers = self.stated.coarse.numbers[np.isfinite(self.stated.coarse.numbers)]
+            for end, sign in ((1.0, -1.0), (-1.0 if self.stated.signed else 0.0, 1.0)):
+                buffer = attrs.evolve(start, kind=BUFFER, end=end)
+                ways.append(self._encoded(buffer, sign, float(np.median(np.abs(numbers - end))), _FARTHEST))
+        return ways
+
+    def numbers(self, start: Reading) -> list[list[Reading]]:
+        """Return the same, and of distances that were made of a buffer with other planes."""
+        base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
+        middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
+        ways = self.usual_numbers(start)
+        if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
+            ways.append(
+                [
+                    attrs.evolve(start, offset=share * middle, factor=one)
+                    for share in _OFFSETS
+                    for one in (0.7, 1.0, 1.4)
+                ]
+            )
+        return [*ways, self._encoded(attrs.evolve(start, end=most), -1.0, most - middle, _FARTHEST_SEEN)]
+
+    def _encoded(self, start: Reading, sign: float, middle: float, farthest: Sequence[float]) -> list[Reading]:
+        """Return readings whose inverse depth rises from that of the far plane or pixel."""
+        return [
+            attrs.evolve(start, factor=sign * one, offset=one * far * middle)
+            for one in (self._factors(start, middle) if middle > 0 else ())
+            for far in farthest
+        ]
+
+    def late(self, start: Reading) -> list[Reading]:
+        """Return the reading with pictures of other instants than their poses."""
+        return (
+            [attrs.evolve(start, late_s=share * self.stated.interval_s) for share in _LATE]
+            if self.stated.interval_s
+            else []
+        )
+
+    def _factors(self, start: Reading, middle: float) -> list[float]:
+        """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
+        moved = self.moved_m(start)
+        if not moved > 0:
+            return []
+        left, right = self.stated.tangents[0, :2]
+        per_tangent = self.stated.coarse.numbers.shape[2] / (right - left)
+        low, high = (pixels / (per_tangent * moved * middle) for pixels in _PARALLAX_PX)
+        return np.geomspace(low, high, math.ceil(math.log(high / low) / math.log(_STEP))).tolist()
+
+    def sharpened(self, reading: Reading) -> Reading:
+        """Return the reading with the factor, and offset, for which coarse pictures agree best."""
+        for step in (1.12, 1.05, 1.02):
+            reading = self.best([reading, *(_scaled(reading, step**power) for power in (-1, 1))])
+        return reading
+
+    # What has a number that the fine pictures tell.
+
+    def moved_m(self, reading: Reading) -> float:
+        """Return how far the eye moves between two compared frames, in the median."""
+        place = reading.poses(self.stated)[1]
+        return float(np.median(np.linalg.norm(np.diff(place[self.coarse.pairs], axis=1), axis=-1)))
+
+    def span(self, reading: Reading) -> float:
+        """Return what the inverse depth of the median pixel is over that of the farthest."""
+        base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
+        return abs(float((np.median(base[np.isfinite(base)]) - reading.end) * reading.factor))
+
+    def farthest(self, reading: Reading) -> float:
+        """Return the inverse depth that all but a few pixels exceed, without the offset."""
+        base = self.stated.coarse.inverse
+        return abs(float(np.percentile(base[np.isfinite(base)], 5) * reading.factor))
+
+    def steps(self, reading: Reading) -> dict[str, float]:
+        """Return the numbers that may be fitted, each with a small difference."""
+        steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
+        if self.stated.interval_s is not None:
+            steps[LATE] = 0.05 * self.stated.interval_s
+        return steps
+
+    def fitted(self, start: Reading, names: Sequence[str]) -> Fitted:
+        """Return the reading with these numbers as the pictures have them."""
+        steps = {name: step for name, step in self.steps(start).items() if name in names}
+        found = fit(self.middle, start, steps)
+        return found if self.fine is self.middle else fit(self.fine, found.reading, steps)
+
+    def candidate(self, reading: Reading, noise: Noise, changes: int, fitted: Fitted | None = None) -> Candidate:
+        """Return the reading with its disagreement, block by block."""
+        sums, _ = self.fine.by_block(cost(self.fine.residuals(reading), noise))
+        return Candidate(reading, sums, changes, fitted)
+
+
+def standard_errors(differences: Array) -> float:
+    """Return the sum of what blocks differ by, in its standard errors; blocks are independent."""
+    differs = differences[differences != 0]
+    if len(differs) < _FEWEST:
+        return 0.0
+    spread = math.sqrt(len(differs)) * float(differs.std(ddof=1))
+    return float(differs.sum() / max(spread, 1e-9))
+
+
+def margin(worse: Candidate, better: Candidate) -> float:
+    """Return by how many standard errors one reading disagrees more than the other."""
+    return standard_errors(worse.cost - better.cost)
+
+
+def _scaled(reading: Reading, by: float) -> Reading:
+    return attrs.evolve(reading, factor=reading.factor * by, offset=reading.offset * by)
+
+
+def _inner(stated: Stated) -> list[int]:
+    """Return the frames to compare: without the ends of long tracks."""
+    tracks = stated.tracks
+    ends = {int(one[end]) for one in tracks for end in (0, -1)} if min(map(len, tracks)) >= _LONG else set()
+    return [k for k in range(len(stated.frames)) if k not in ends]
+
+
+def _pairs(frames: Sequence[int]) -> np.ndarray:
+    """Return (p, 2) pairs of frames near and far from each other, each way round in turn."""
+    count = len(frames)
+    every = sorted(itertools.combinations(range(count), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
+    every = [pair for pair in every if pair[1] - pair[0] <= max(8, count // 2)]
+    chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
+    if len(chosen) == 1:
+        chosen *= 2
+    return np.array(frames)[np.array([pair[:: 1 if k % 2 else -1] for k, pair in enumerate(chosen)])]

@@ -1,0 +1,174 @@
+"""Missing depth, guessed from measured depth around it, by colour and distance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from . import repairs
+from ._base import LEAST_SURE, MOST_SURE, MeasuredDepth, Pixels, Repair
+from ._surfaces import SurfaceSettings
+
+_WIDEST = 320  # pixels of the longer side on which gaps are closed; finer pictures take a share of their pixels
+_UNLIKE = 1e-3  # weight of a colour that has nothing in common: something is better than nothing
+_DIAGONAL = np.float32(np.sqrt(2))
+
+
+@attrs.frozen
+class CompleteSettings(SurfaceSettings):
+    """How a gap is closed."""
+
+    # Standard deviation of colours of one surface, sRGB of 0 to 1.
+    colour: float = 0.08
+    # Share of the picture's longer side at which the confidence has fallen to a half.
+    reach: float = 0.075
+    # Confidence below which a guess is not taken: the pixel stays a hole.
+    least: float = 0.0
+
+    def __attrs_post_init__(self) -> None:
+        if not (0 < self.colour < float("inf") and 0 < self.reach < float("inf")):
+            raise ValueError(f"colour={self.colour:g}, reach={self.reach:g}: expected more than 0")
+        if not 0 <= self.least <= 1:
+            raise ValueError(f"least is {self.least:g}: expected 0 to 1")
+
+
+@repairs.register
+class Complete(Repair):
+    """Give each pixel without depth that of a surface beside the gap.
+
+    Eight directions each propose the first measured depth on them, weighted by how alike the
+    colours are and by the square of the distance. Proposals of one surface support each other; the
+    surface with the most support wins, and the weighted mean of its proposals is the guess. So no
+    guess lies between two surfaces, and none outside the range of what was measured.
+
+    The confidence is the surface's share of all weights, times 2^-(d / reach)^2 at the distance d
+    to its nearest proposal. Measured depth stays as it is, bit for bit.
+    """
+
+    name = "complete"
+    summary = "missing depth is guessed from the measured depth around it, by colour and distance, with a confidence"
+    needs = "the CPU"
+    source = (
+        "joint bilateral weights as in Petschnigg et al. 2004 and Kopf et al. 2007, on the nearest measured pixels; "
+        "the vote between surfaces is this project's"
+    )
+    Settings = CompleteSettings
+
+    def run(self, colour: Pixels, depth: MeasuredDepth) -> MeasuredDepth:
+        settings: CompleteSettings = self.settings
+        gaps = np.isnan(depth.inverse_depth)
+        if not gaps.any() or gaps.all():
+            return depth
+        part = -(-max(gaps.shape) // _WIDEST)
+        guess, confidence = _closed(*_reduced(colour, depth.inverse_depth, part), settings, part / max(gaps.shape))
+        rows, columns = np.nonzero(gaps)
+        at = (rows // part, columns // part)
+        taken = (confidence[at] >= settings.least) & ~np.isnan(guess[at])
+        inverse, sure = depth.inverse_depth.copy(), depth.confidence.copy()
+        inverse[gaps] = np.where(taken, guess[at], np.float32(np.nan))
+        sure[gaps] = np.where(taken, np.clip(confidence[at], LEAST_SURE, MOST_SURE), np.float32(0))
+        return MeasuredDepth(inverse, sure)
+
+
+def _reduced(colour: Pixels, inverse: Pixels, part: int) -> tuple[Pixels, Pixels]:
+    """Return blocks of part x part pixels as one: their mean colour, and one of their depths.
+
+    The depth is the one nearest to their mean, never a mixture.
+    """
+    if part == 1:
+        return colour, inverse
+    high, wide = inverse.shape
+    over = ((0, -high % part), (0, -wide % part))
+    colours = np.pad(colour, (*over, (0, 0)), mode="edge")
+    blocks = np.pad(inverse, over, constant_values=np.nan)
+    corners = [(slice(row, None, part), slice(column, None, part)) for row in range(part) for column in range(part)]
+    depths = np.stack([blocks[corner] for corner in corners])
+    unknown = np.isnan(depths)
+    mean = np.where(unknown, 0, depths).sum(axis=0) / np.maximum(part * part - unknown.sum(axis=0), 1)
+    nearest = np.where(unknown, np.inf, np.abs(depths - mean)).argmin(axis=0)
+    mean_colour = np.add.reduce([colours[corner] for corner in corners]) / np.float32(part * part)
+    return mean_colour, np.take_along_axis(depths, nearest[None], axis=0)[0]
+
+
+def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: float) -> tuple[Pixels, Pixels]:
+    """Return inverse depth without gaps, and the confidence.
+
+    pixel: its share of the longer side.
+    """
+    known = ~np.isnan(inverse)
+    confidence = known.astype(np.float32)
+    gaps = np.flatnonzero(~known)
+    if len(gaps) == 0:
+        return inverse, confidence
+    colours, depths = colour.reshape(-1, 3), inverse.ravel()
+    proposed, weights, distances = [], [], []
+    for there, distance in _nearest_known(known, gaps):
+        found = there >= 0
+        unlike = ((colours[there] - colours[gaps]) ** 2).sum(axis=1)
+        alike = np.exp(unlike * np.float32(-0.5 / settings.colour**2)) + np.float32(_UNLIKE)
+        proposed.append(np.where(found, depths[there], np.float32(0)))
+        weights.append(np.where(found, alike / (distance * distance), np.float32(0)))
+        distances.append(distance)
+    values, weight, away = np.stack(proposed), np.stack(weights), np.stack(distances)
+    best = _most_supported(values, weight, settings)
+    belongs = ~settings.apart(values, best) & (weight > 0)
+    share, total = (weight * belongs).sum(axis=0), weight.sum(axis=0)
+    nearest = np.where(belongs, away, np.inf).min(axis=0) * np.float32(pixel / settings.reach)
+    with np.errstate(invalid="ignore", divide="ignore"):  # nothing known in any direction: NaN, and 0
+        guess = (weight * belongs * values).sum(axis=0) / share
+        sure = np.where(total > 0, share / total * np.exp2(-nearest * nearest), np.float32(0))
+    depths, sureness = depths.copy(), confidence.ravel()
+    depths[gaps], sureness[gaps] = guess, sure
+    return depths.reshape(inverse.shape), sureness.reshape(inverse.shape)
+
+
+def _most_supported(values: Pixels, weight: Pixels, settings: CompleteSettings) -> Pixels:
+    """Return the proposal of each pixel that most weight stands behind."""
+    support = weight.copy()
+    for one in range(len(values)):
+        for other in range(one + 1, len(values)):
+            same = ~settings.apart(values[one], values[other])
+            support[one] += same * weight[other]
+            support[other] += same * weight[one]
+    support[weight == 0] = -1
+    return np.take_along_axis(values, support.argmax(axis=0)[None], axis=0)[0]
+
+
+def _nearest_known(known: NDArray[np.bool_], gaps: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Pixels]]:
+    """Return for each of eight directions the first known pixel on it, and its distance in pixels.
+
+    Pixels are indices into the whole picture, -1 for none.
+    """
+    high, wide = known.shape
+    rows, columns = np.divmod(gaps, wide)
+    for found in _up_and_down(known, rows, columns):
+        yield np.where(found >= 0, found * wide + columns, -1), np.abs(found - rows).astype(np.float32)
+    for found in _up_and_down(known.T, columns, rows):
+        yield np.where(found >= 0, rows * wide + found, -1), np.abs(found - columns).astype(np.float32)
+    lines, places = np.arange(high)[:, None], np.arange(wide)[None, :]
+    for sign in (1, -1):
+        # Each row pushed one pixel farther than the one above: diagonals stand upright.
+        pushed = lines if sign == 1 else high - 1 - lines
+        upright = np.zeros((high, high + wide - 1), bool)
+        upright[lines, places + pushed] = known
+        for found in _up_and_down(upright, rows, columns + pushed[rows, 0]):
+            there = found * wide + columns + sign * (rows - found)
+            yield np.where(found >= 0, there, -1), np.abs(found - rows).astype(np.float32) * _DIAGONAL
+
+
+def _up_and_down(
+    known: NDArray[np.bool_], rows: NDArray[np.intp], columns: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the row of the first known pixel above and below each place, -1 for none."""
+    above, below = _last_known(known), len(known) - 1 - _last_known(known[::-1])[::-1]
+    found = below[rows, columns]
+    return above[rows, columns], np.where(found < len(known), found, -1)
+
+
+def _last_known(known: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return the row of the last known pixel at or above each pixel, -1 for none."""
+    line = np.arange(len(known), dtype=np.int32)[:, None]
+    return np.maximum.accumulate(np.where(known, line, np.int32(-1)), axis=0)

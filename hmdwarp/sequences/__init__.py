@@ -1,0 +1,12 @@
+"""Recorded frames with depth: one file of them, or a sequence that a reader recognises.
+
+    sequence = sequences.open("folder")
+    for frame in sequence.frames:
+        frame.colour, frame.depth_m, frame.pose, frame.fov, frame.time_ns
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,61 @@
+"""ICL-NUIM in its form for TUM's tools: numbered pictures, and a trajectory by their numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..camera import Camera
+from ..options import SequenceOptions
+from ..recorded import Sequence
+from . import readers
+from ._base import (
+    Pair,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    floats_of,
+    folder_named,
+    optical,
+    pictures_in,
+    pose_of_quaternion,
+    rows_of,
+    sequence_of,
+)
+
+# The renderer's y points up.
+CAMERA_OF_RENDERER = Camera(481.2, -480.0, 319.5, 239.5)
+_TRAJECTORY = "*.gt.freiburg"
+
+
+class IclNuimReader(SequenceReader):
+    """ICL-NUIM sequences.
+
+    Source: Handa et al. 2014, A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM
+    (the data set's page: camera, depth / 5000, 30 Hz).
+    """
+
+    name = "icl_nuim"
+    summary = f"ICL-NUIM: rgb/N.png, depth/N.png and {_TRAJECTORY}"
+
+    def fits(self, path: Path) -> int:
+        return 90 if path.is_dir() and any(path.glob(_TRAJECTORY)) and (path / "rgb").is_dir() else 0
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        facts = facts_of(path, options, CAMERA_OF_RENDERER, 1 / 5000)
+        axes, file = optical(facts.camera), min(path.glob(_TRAJECTORY), default=path / "trajectory.gt.freiburg")
+        colours, depths = (
+            {one.stem: one for one in pictures_in(folder_named(path, name))} for name in ("rgb", "depth")
+        )
+        pairs = []
+        for number, words in rows_of(file):
+            index, *pose = floats_of(file, number, words, 8)
+            stem = str(int(index))
+            if stem in colours and stem in depths:
+                turned = pose_of_quaternion(axes, f"{file}, line {number}", pose[:3], pose[3:])
+                pairs.append(Pair(colours[stem], depths[stem], at_rate(options, int(index)), turned))
+        missing = len(colours) - len(pairs)
+        notes = [f"{missing} pictures were left out: they have no depth or no pose."] if missing else []
+        return sequence_of(self, path, pairs, facts, notes=notes)
+
+
+readers.register(IclNuimReader())

@@ -1,0 +1,77 @@
+"""hmdwarp check: folders and files of frames in, what is wrong with them out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from depth_camera import DepthCamera
+from PIL import Image
+from wrong_frames import MISREADINGS, Recording, hand_held, right_frames
+
+from hmdwarp.check import StatedFrame
+from hmdwarp.scenes import scenes
+from hmdwarp.server import Server
+
+CAMERA = DepthCamera(noise=0.001, near_m=0.2, far_m=8.0, edge_gaps=0.3)
+
+
+@pytest.fixture(scope="module")
+def recording(gpu) -> Recording:
+    server = Server(gpu, scenes.get("room").build())
+    made = Recording.of(server, hand_held(np.random.default_rng(2)), CAMERA)
+    server.close()
+    return made
+
+
+def write(folder: Path, frames: list[StatedFrame]) -> Path:
+    folder.mkdir(exist_ok=True)
+    for number, one in enumerate(frames):
+        fov, pose = one.view.fov, one.view.pose
+        np.savez(
+            folder / f"{number:03}.npz",
+            colour=one.colour,
+            depth_m=one.depth,
+            fov=(fov.left, fov.right, fov.down, fov.up),
+            position_m=pose.position_m,
+            orientation_xyzw=pose.orientation_xyzw,
+            time_ns=one.time_ns,
+        )
+    return folder
+
+
+def test_a_folder_read_wrong_is_named_with_the_line_that_mends_it(command, recording, tmp_path):
+    rng = np.random.default_rng(3)
+    frames = MISREADINGS["world to eye"][0](right_frames(recording, CAMERA, rng), rng)
+    picture = tmp_path / "mismatch.png"
+    done = command("check", write(tmp_path / "frames", frames), "--out", picture).done()
+    assert done.out.startswith("wrong: pose.")
+    assert "pose = pose.inverse()" in done.out and "cannot be told" in done.out
+    with Image.open(picture) as image:
+        assert image.size[0] > 4 * 96
+    data = json.loads(command("check", tmp_path / "frames", "--json").done().out)
+    assert data["verdict"] == "wrong" and data["agreement"] > 0.8 > data["agreement_stated"]
+    assert [one["name"] for one in data["conventions"] if not one["as_stated"]] == ["direction"]
+
+
+def test_two_folders_are_two_eyes_and_files_are_frames(command, recording, tmp_path):
+    frames = right_frames(recording, CAMERA, np.random.default_rng(4), stereo=True)
+    left, right = (write(tmp_path / name, frames[eye::2]) for eye, name in enumerate(("left", "right")))
+    assert command("check", left / "002.npz", left / "009.npz").done().out.startswith("right: 2 frames")
+    assert "as named" in command("check", left, right).done().out
+    wrong = MISREADINGS["eyes swapped"][0](frames, np.random.default_rng(4))
+    left, right = (write(tmp_path / name, wrong[eye::2]) for eye, name in enumerate(("wrong-left", "wrong-right")))
+    swapped = command("check", left, right).done().out
+    assert swapped.startswith("wrong: eyes.") and "left, right = right, left" in swapped
+
+
+def test_what_cannot_be_checked_is_refused(command, recording, tmp_path):
+    frames = right_frames(recording, CAMERA, np.random.default_rng(5), stereo=True)
+    left, right = write(tmp_path / "left", frames[::2]), write(tmp_path / "right", frames[1:8:2])
+    command("check", left, right).refused("12 frames", "4: expected one of each eye")
+    command("check", left, right, left).refused("expected a folder, two folders")
+    command("check", write(tmp_path / "one", frames[:1])).refused("two or more")
+    command("check", left, "--out", tmp_path / "a.jpg").refused("a.jpg", ".png")
+    command("check", tmp_path / "none").refused("none", "no such file or folder")

@@ -1,0 +1,217 @@
+"""What deforms, drawn by the client.
+
+Against rays in float64, against what the server draws at that instant, and in other light.
+"""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from reference.soft_bodies import SoftAsked, soft_bodies
+from worlds import read
+
+from hmdwarp.client import PassInputs, build_plan
+from hmdwarp.client.capability import lacking
+from hmdwarp.client.effects import Tools, effects
+from hmdwarp.client.effects.soft_bodies import SAME, SAMPLES, STEEPEST
+from hmdwarp.client.fills.relight import (
+    BLOCK,
+    MODEL_WEIGHT,
+    NEAR,
+    OFF_PLANE,
+    SAME_DEPTH,
+    SAME_SURFACE,
+    sample_offsets,
+)
+from hmdwarp.clients import load_client
+from hmdwarp.errors import PlanError
+from hmdwarp.frames import Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import Canvas
+from hmdwarp.pipeline import ClientScene, PipelineOptions, build_plan_for
+from hmdwarp.scenes import Mesh, Scene, Waving, load_scene
+from hmdwarp.server import Server
+
+from .modelled import picture_of
+
+NAME, SIZE, MS = "soft_bodies", (64, 48), 1_000_000
+HALF = 2.0**-10  # a half float's unit: some drivers cut off
+FOV = Fov.from_tangents([-0.7, 0.7, -0.55, 0.55])
+HERE = View(Pose((0.0, 1.5, 0.0)), FOV)
+# 25 cm and 6 degrees from there.
+THERE = View(Pose((0.2, 1.6, -0.1), (0.0, 0.05, 0.0, 1.0)), FOV)
+
+# Turned by 34 degrees; beyond the cloth and looking back.
+ASIDE = View(Pose((0.0, 1.5, 0.0), (0.0, 0.3, 0.0, 1.0)), FOV)
+BEHIND = View(Pose((0.0, 1.5, -3.8), (0.0, 1.0, 0.0, 0.0)), FOV)
+
+
+def quad(name: str, centre, wide: float, high: float, light, **more) -> Mesh:
+    corners = np.array([(-wide, -high, 0), (wide, -high, 0), (wide, high, 0), (-wide, high, 0)]) / 2 + centre
+    return Mesh(name, corners, np.tile((0, 0, 1), (4, 1)), np.zeros((4, 2)), np.tile(light, (4, 1)),
+                [(0, 1, 2), (0, 2, 3)], **more)  # fmt: skip
+
+
+def cloth(cells: int = 6) -> Mesh:
+    """A curtain that waves towards the eye and back, with a light and an albedo that vary."""
+    u, v = (one.ravel() for one in np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1)))
+    rest = np.stack([1.2 * u - 0.6, 0.9 + 1.2 * v, np.full(u.size, -2.0)], axis=1)
+    first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()[:, None]
+    triangles = np.concatenate([first + (0, 1, cells + 2), first + (0, cells + 2, cells + 1)])
+    albedo = np.stack([0.3 + 0.6 * u, 0.5 + 0 * u, 0.9 - 0.6 * v], axis=1)
+    waves = Waving(rest, u, np.array((0.5, 0.3, 1.0)), height_m=0.35, length_m=1.0, period_s=1.7)
+    return Mesh("cloth", rest, np.tile((0, 0, 1), (u.size, 1)), np.stack([u, v], 1), albedo * (0.4 + 0.5 * v[:, None]),
+                triangles, double_sided=True, deformation=waves, albedo=albedo)  # fmt: skip
+
+
+def world(*, deforming: bool = True) -> Scene:
+    """A wall, a cloth before it, and a post before both."""
+    still = [
+        quad("wall", (0, 1.5, -4), 9, 7, (0.2, 0.5, 0.3)),
+        quad("post", (0.25, 1.5, -1.2), 0.1, 3, (0.9, 0.9, 0.1)),
+    ]
+    return Scene("cloth", "", [*still, *([cloth()] if deforming else [])])
+
+
+class Shown:
+    """The pass over a picture that a perfect warp and fill would have made of everything else."""
+
+    def __init__(self, gpu, now: View, age_ms: int, late: View = HERE, gain=(1.0, 1.0, 1.0), scene=None) -> None:
+        self.scene = world() if scene is None else scene
+        still = attrs.evolve(self.scene, meshes=[mesh for mesh in self.scene.meshes if mesh.deformation is None])
+        server, without = Server(gpu, self.scene), Server(gpu, still)
+        then_ns, now_ns = 300 * MS, (300 + age_ms) * MS
+        frame = server.draw_frame([late], then_ns, SIZE)
+        (rendered,) = frame.eyes
+        self.late = read(rendered.colour) * (*gain, 1)
+        rendered.colour.write(self.late.astype(np.float16).tobytes(), alignment=1)
+        self.late, self.late_depth = read(rendered.colour), read(rendered.inverse_depth)[..., 0]
+        truth = server.draw_frame([now], now_ns, SIZE, needs=Needs(velocity=True)).eyes[0]
+        self.truth, self.covered = read(truth.colour), read(truth["velocity"])[..., 3] > 0
+        before, picture, into = without.draw(now, SIZE), picture_of(gpu, SIZE), Canvas(gpu.gl, SIZE)
+        self.before, self.before_depth = read(before.colour), read(before.inverse_depth)[..., 0]
+        picture.colour.texture.write(before.colour.read(alignment=1), alignment=1)
+        picture.depth.write(before.inverse_depth.read(alignment=1), alignment=1)
+        entry = effects.get(NAME).made_by
+        one = entry(gpu, frozenset([NAME]), SIZE, SIZE, Tools(None, 1, images=2, geometry=ClientScene(server)))
+        given = PassInputs(rendered, now, others=(rendered,), shown_ns=now_ns)
+        self.left = one.take_out(given)
+        one.run(self.left, picture, into)
+        gpu.gl.memory_barrier()
+        self.out, self.out_depth = read(into.texture), read(picture.depth)[..., 0]
+        self.left_colour = [read(image.colour) for image in (self.left.rendered, *self.left.others)]
+        self.left_depth = read(self.left.rendered.inverse_depth)[..., 0]
+        self.taken = read(
+            server.draw_frame([late], then_ns, SIZE, needs=Needs(velocity=True)).eyes[0]["velocity"]
+        )[..., 3] > 0  # fmt: skip
+        one.close()
+        self.then_ns, self.now_ns = then_ns, now_ns
+
+
+@pytest.mark.parametrize(
+    ("now", "age_ms", "late"),
+    [(HERE, 0, HERE), (THERE, 200, HERE), (THERE, 800, HERE), (THERE, 400, ASIDE), (THERE, 400, BEHIND)],
+    ids=["still", "200", "800", "half of it out of view", "from behind"],
+)
+def test_the_pass_does_what_rays_do(gpu, now, age_ms, late):
+    shown = Shown(gpu, now, age_ms, late, gain=(0.5, 1.2, 0.8))
+    (mesh,) = [one for one in shown.scene.meshes if one.deformation is not None]
+    corner = np.asarray(mesh.triangles, np.int64)
+    left, right, down, up = FOV.tangents
+    pixel = max((right - left) / SIZE[0], (up - down) / SIZE[1])
+    constants = {
+        "same": SAME, "steepest": STEEPEST * pixel, "nearest": 0.02, "least": 0.01, "black": 1e-4,
+        "block": BLOCK, "near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT["none"],
+        "same_depth": SAME_DEPTH, "same_surface": SAME_SURFACE,
+    }  # fmt: skip
+    wanted, depth = soft_bodies(
+        SoftAsked(
+            mesh.deformation.positions(shown.then_ns)[corner], mesh.deformation.positions(shown.now_ns)[corner],
+            np.float64(mesh.albedo)[corner], np.float64(mesh.light)[corner], shown.before, shown.before_depth, now,
+            shown.late, shown.late_depth, late, sample_offsets(SAMPLES, 0.25 * SIZE[0]), constants,
+        )
+    )  # fmt: skip
+    off = np.abs(shown.out - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
+    # Three half floats multiplied and divided, and stored. On the border of triangles and of
+    # tolerances rounding decides: six of 3072 pixels.
+    assert (off <= 4 * HALF).mean() > 0.998
+    assert (np.abs(shown.out_depth - depth) <= 1e-5 * (1 + depth)).mean() > 0.99
+    assert np.isfinite(shown.out).all()
+    assert shown.covered.sum() > 400
+
+
+def test_a_still_head_and_a_still_body_are_the_late_picture(gpu):
+    shown = Shown(gpu, HERE, 0)
+    # Albedo, late colour over it, and the product: three half floats, and 1e-4 of the baked light.
+    assert np.abs(shown.out - shown.late).max() <= 4 * HALF * shown.late.max()
+    assert np.array_equal(shown.out[~shown.covered], shown.late[~shown.covered])
+    assert np.array_equal(shown.out_depth, shown.late_depth)
+
+
+@pytest.mark.parametrize("age_ms", [200, 400, 800])
+def test_silhouettes_are_those_of_the_instant_to_the_last_pixel(gpu, age_ms):
+    shown = Shown(gpu, THERE, age_ms)
+    drawn = shown.out_depth != shown.before_depth
+    assert np.array_equal(drawn, shown.covered)
+    # Its light is baked, so where the late picture saw a place the result is the truth.
+    off = np.abs(shown.out - shown.truth)[shown.covered]
+    assert np.median(off) < 0.01 and off.mean() < 0.02
+    assert shown.taken.sum() > 400 and (shown.taken != shown.covered).sum() > 100, "it has moved"
+
+
+def test_its_light_is_the_late_picture_s(gpu):
+    gain = np.array((0.5, 1.2, 0.8))
+    dim, plain = Shown(gpu, THERE, 400, gain=tuple(gain)), Shown(gpu, THERE, 400)
+    ratio = dim.out[plain.covered][:, :3] / plain.out[plain.covered][:, :3]
+    assert np.abs(np.median(ratio, axis=0) - gain).max() < 0.01
+    assert (np.abs(ratio - gain).max(axis=1) < 0.1).mean() > 0.9
+
+
+def test_all_of_it_is_taken_out_and_nothing_else(gpu):
+    shown = Shown(gpu, THERE, 400)
+    for left in shown.left_colour:
+        assert (left[shown.taken] == 0).all()
+        assert np.array_equal(left[~shown.taken], shown.late[~shown.taken])
+    assert np.array_equal(shown.left_depth == -1, shown.taken)
+
+
+def test_what_the_late_picture_did_not_see_has_its_baked_light(gpu):
+    """The late eye looked the other way."""
+    away = View(Pose(HERE.pose.position_m, (0.0, 1.0, 0.0, 0.0)), FOV)
+    shown = Shown(gpu, HERE, 100, late=away, gain=(0.1, 0.1, 0.1))
+    assert np.abs(shown.out - shown.truth).max() <= 2 * HALF
+
+
+def test_far_from_the_world_s_origin_it_is_the_same(gpu):
+    far = np.array((1e6, 0.0, -3e5))
+    moved = attrs.evolve(world(), origin_m=far)
+    views = [View(Pose(view.pose.position_m + far, view.pose.unit_quaternion), FOV) for view in (HERE, THERE)]
+    near, away = Shown(gpu, THERE, 300), Shown(gpu, views[1], 300, late=views[0], scene=moved)
+    # Positions of 1e6 m hold 1e-10 m.
+    assert np.abs(near.out - away.out).max() <= 1e-3
+
+
+def test_only_scenes_where_something_deforms_plan_it():
+    options = PipelineOptions.of({"strategy": NAME})
+    soft, plain = (build_plan_for(options, None, load_scene(name)) for name in ("parade", "planes"))
+    assert soft.effects == (NAME,) and plain.effects == ()
+    assert dict(plain.left_out)[NAME] == "nothing in the scene calls for it"
+    assert dict(soft.left_out)["soft_motion"] == f"{NAME} stands in for it"
+    assert [step.name for step in soft.steps if step.stage == "effects"] == ["soft bodies out", "soft bodies"]
+    assert soft.needs == Needs(), "no layer is sent for it"
+    assert NAME not in effects.of(load_scene("parade"))
+
+
+def test_a_warp_that_shows_other_pictures_leaves_it_out():
+    """A cube map would still show the late body."""
+    plan = build_plan((NAME,), "environment", "none", "none", client_geometry=True, named=(NAME,))
+    assert plan.effects == () and "carries nothing along" in dict(plan.left_out)[NAME]
+
+
+def test_a_client_needs_some_of_the_scene():
+    plan = build_plan_for(PipelineOptions.of({"strategy": NAME, "fill": "pyramid"}), None, load_scene("parade"))
+    assert "scene's geometry" in lacking(plan, load_client("class-1"))
+    assert lacking(plan, load_client("class-2")) == ""
+    with pytest.raises(PlanError, match="scene's geometry"):
+        build_plan((NAME,), "iterative", "none", "none", client_geometry=False, named=(NAME,))

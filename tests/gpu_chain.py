@@ -1,0 +1,116 @@
+"""GPU time of chains for both eyes while the GPU's clock is up: part of `make bench-gpu`.
+
+A GPU that waits most of the time lowers its clock, and shows times that no busy one has. So copies
+keep it at work between the refreshes. Prints JSON: one object for each size and chain.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from hmdwarp.client import Compensator, PassInputs
+from hmdwarp.client.warps import warps
+from hmdwarp.gpu import Gpu
+from hmdwarp.headsets import load_headset
+from hmdwarp.pipeline import PipelineOptions, build_plan_for
+from hmdwarp.poses import load_trace
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
+
+# By name: what is asked for beside the defaults.
+CHAINS = {
+    "default chain": {},
+    "iterative + pyramid": {"fill": "pyramid"},
+    "iterative": {"fill": "none"},
+    "iterative with the lens in one resample": {"fill": "none", "lens": "radial", "fused": "on"},
+    "rotation with the lens in one resample": {"warp": "rotation", "fill": "none", "lens": "radial", "fused": "on"},
+}
+LATENCY_NS = 200_000_000
+REFRESH_NS = 11_111_111
+BUSY_BYTES = 256 << 20
+BUSY_MS = 15.0
+
+
+class Busy:
+    """Copies that keep the GPU's clock up."""
+
+    def __init__(self, gpu: Gpu, data_bytes: int) -> None:
+        self._gl = gpu.gl
+        self._buffers = [gpu.gl.buffer(reserve=data_bytes) for _ in range(2)]
+
+    def work(self, milliseconds: float) -> None:
+        """Copy for that long, and wait for the end."""
+        until = time.perf_counter() + milliseconds * 1e-3
+        while time.perf_counter() < until:
+            self._gl.copy_buffer(*self._buffers)
+            self._gl.finish()
+
+
+def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Iterator[dict[str, object]]:
+    """Yield the figures of each chain at that size of one eye."""
+    scene, headset, track = load_scene("room"), load_headset("rift-dk1"), load_trace("look-around").track
+    server = Server(gpu, scene)
+    for name, chosen in CHAINS.items():
+        options = PipelineOptions.of({"scene": "room", "lens": "none", "size": f"{size[0]}x{size[1]}", **chosen})
+        plan = build_plan_for(options, headset, scene)
+        frames: list = []
+        times: dict[str, list[float]] = {}
+        made = None
+        for number in range(-1, refreshes):
+            now_ns = track.start_ns + 2_000_000_000 + number * 9 * REFRESH_NS
+            late = headset.views(track.at(now_ns - LATENCY_NS).pose)
+            shown = headset.views(track.at(now_ns).pose)
+            frame = server.draw_frame(late, now_ns - LATENCY_NS, size, options.guard_band, plan.needs, size)
+            if made is None:
+                made = Compensator(gpu, plan, headset, frame.eyes[0].size, size)
+            frames.append(frame)
+            busy.work(BUSY_MS)
+            gpu.timer.collect()
+            for eye in range(2):
+                inputs = PassInputs(frame.eyes[eye], shown[eye], eye, (frame.eyes[1 - eye],), shown_ns=now_ns)
+                made.run(inputs)
+            stages = gpu.timer.collect()
+            if number >= 0:
+                for stage in {stage for stage, _ in stages}:
+                    times.setdefault(stage, []).append(sum(ms for one, ms in stages if one == stage))
+                times.setdefault("total", []).append(sum(ms for _, ms in stages))
+            if len(frames) > 2:
+                server.recycle(frames.pop(0))
+        assert made is not None
+        made.close()
+        for frame in frames:
+            server.recycle(frame)
+        wide, high = frame.eyes[0].size
+        settings = plan.choice.settings
+        moved = 2 * warps.get(plan.warp.name).bytes_moved(wide * high, size[0] * size[1], settings)
+        yield {
+            "chain": name,
+            "size": list(size),
+            "time_ms": {
+                stage: {"median": float(np.median(each)), "p95": float(np.percentile(each, 95))}
+                for stage, each in times.items()
+            },
+            "warp_bytes": moved,
+        }
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--size", action="append", default=[], help="pixels of one eye, WxH; several")
+    parser.add_argument("--refreshes", type=int, default=40)
+    parser.add_argument("--busy-bytes", type=int, default=BUSY_BYTES, help="of each buffer that is copied in between")
+    asked = parser.parse_args(arguments)
+    with Gpu() as gpu:
+        busy = Busy(gpu, asked.busy_bytes)
+        sizes = [tuple(map(int, text.split("x"))) for text in asked.size]
+        json.dump([row for size in sizes for row in measured(gpu, size, asked.refreshes, busy)], sys.stdout)
+
+
+if __name__ == "__main__":
+    main()

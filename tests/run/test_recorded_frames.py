@@ -1,0 +1,229 @@
+"""Replays of recorded frames: what is drawn, what is shown, what is the truth, what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from PIL import Image
+from recorded_folders import fov_of, taken, write_nerfstudio, write_npz, write_tum
+from replays import replayed, rows_of
+
+from hmdwarp.errors import InputError, PlanError
+from hmdwarp.geometry import Pose
+from hmdwarp.image import usable_fills, usable_warps
+from hmdwarp.poses import load_trace
+from hmdwarp.run import ReplayResult, RunOptions, set_up_replay
+
+# Of 30 Hz: three frames late.
+LATE_MS = 100.0
+COUNT = 12
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Twelve frames at 30 Hz; from one to the next the camera moves 2 cm and turns 1 degree."""
+    path = tmp_path_factory.mktemp("recorded") / "walk-past"
+    path.mkdir()
+    write_npz(path, taken(COUNT, (60, 40)))
+    return path
+
+
+def options(folder: Path, out: Path | str = "nowhere", **said: object) -> RunOptions:
+    usual = {"latency": LATE_MS, "against": "", "metrics_every": 3, "workers": 0, "images": 0}
+    return RunOptions.of({**usual, "frames": folder, "out": Path(out), **said})
+
+
+@pytest.fixture
+def run(folder, tmp_path, gpu):
+    """run(folder=..., page=False, **said): a replay into tmp_path / "out"."""
+
+    def call(folder: Path = folder, page: bool = False, **said: object) -> ReplayResult:
+        return replayed(options(folder, tmp_path / "out", force=True, **said), page, gpu)
+
+    return call
+
+
+def test_without_latency_the_frame_is_the_truth(run):
+    """Every frame is shown at its own instant, for its own pose: nothing is left to warp."""
+    result = run(latency=0.0, warp="none", fill="none")
+    assert result.summary["frames"] == COUNT
+    assert result.summary["quality"]["psnr_db"]["mean"] == 100  # identical pictures
+    assert result.summary["truth_offset"] == {
+        name: {"median": 0.0, "most": 0.0} for name in ("time_ms", "turn_deg", "move_m")
+    }
+
+
+def test_a_late_frame_is_the_one_taken_then_with_its_exact_pose(run, tmp_path):
+    result = run(page=True, images=2, against="none", video=True)
+    frames, rows = taken(COUNT, (60, 40)), rows_of(tmp_path / "out")
+    assert len(rows) == COUNT - 3 and {row["eye"] for row in rows} == {"0"}
+    for number, row in enumerate(rows):
+        drawn, shown = (
+            Pose([float(row[f"{what}_{axis}_m"]) for axis in "xyz"], [float(row[f"{what}_q{axis}"]) for axis in "xyzw"])
+            for what in ("drawn", "shown")
+        )
+        assert drawn.isclose(frames[number].pose, 1e-9) and shown.isclose(frames[number + 3].pose, 1e-9)
+        assert (row["drawn_origin"], row["pose_origin"]) == ("measured", "measured")
+        assert float(row["age_ms"]) == pytest.approx(LATE_MS, abs=1e-3)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (summary["eyes"], summary["scene"], summary["trace"], summary["headset"]) == (
+        1,
+        "walk-past",
+        "walk-past",
+        "camera",
+    )
+    assert summary["size"] == [60, 40] and summary["rendered"]["pixels"] == 1
+    # 6 cm and 3 degrees: 2 pixels or more everywhere, which a warp by exact depth undoes.
+    late, warped = summary["against"][0]["quality"], summary["quality"]
+    assert warped["psnr_db"]["mean"] > late["psnr_db"]["mean"] + 6
+    assert any("the recorded frame of the shown instant itself" in note for note in summary["notes"])
+    assert any("One eye is shown, the camera's" in note for note in summary["notes"])
+    names = sorted(path.name for path in (tmp_path / "out" / "images").iterdir())
+    assert names and all(name.endswith("-camera.png") for name in names)
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "One eye is shown" in page and "left eye" not in page
+    assert len(result.rows) == len(rows)
+
+
+def test_colour_without_depth_stays_for_warps_that_read_colour_alone(run):
+    """Pixel (0, 0) has no depth: a late picture shows it, a warp by depth leaves a hole there."""
+    assert run(latency=0.0, warp="rotation").summary["quality"]["hole_share"]["mean"] == 0
+    by_depth = run(latency=0.0, warp="iterative", fill="none").summary["quality"]["hole_share"]
+    assert by_depth["mean"] == pytest.approx(1 / (60 * 40))
+
+
+@pytest.mark.parametrize("warp", usable_warps())
+def test_every_warp_of_one_picture_runs(warp, run):
+    assert run(warp=warp, seconds=0.1).summary["frames"] == 3
+
+
+@pytest.mark.parametrize("fill", usable_fills())
+def test_every_fill_of_one_picture_runs(fill, run):
+    run(warp="forward", fill=fill, seconds=0.05)
+
+
+def test_older_frames_help_a_warp_of_several(run, folder):
+    run(warp="multi:eye=own,frames=1,spacing=30", seconds=0.1)
+    with pytest.raises(InputError, match="recorded frames have one eye.*multi:eye=own"):
+        set_up_replay(options(folder, warp="multi"))
+
+
+def test_a_quicker_display_is_told_how_far_its_truth_is(run, tmp_path):
+    """Between frames the nearest is up to half a step away: 17 ms, 1 cm and half a degree."""
+    offset = run(rate=90.0).summary["truth_offset"]
+    assert 1000 / 90 - 0.1 < offset["time_ms"]["most"] <= 1000 / 60 + 0.1
+    assert 0 < offset["turn_deg"]["most"] <= 0.51 and 0 < offset["move_m"]["most"] <= 0.0101
+    newest = {round(float(row["drawn_ns"])) for row in rows_of(tmp_path / "out")}
+    assert newest <= {one.time_ns for one in taken(COUNT)}
+
+
+def test_a_slower_server_sends_fewer_of_them(run):
+    frames = run(server_rate=10.0).summary["link"]["frames"]
+    assert frames["drawn"] == 4  # at 0, 100, 200 and 300 of 367 ms
+
+
+def test_another_head_begins_where_the_camera_does(run, tmp_path):
+    result = run(trace="walk", rate=30.0)
+    rows, trace, start = rows_of(tmp_path / "out"), load_trace("walk").track, taken(1)[0].pose
+    assert result.summary["trace"] == "walk"
+    shown_ns = int(float(rows[0]["shown_ns"]))
+    step = trace.at(trace.start_ns + shown_ns).pose.relative_to(trace.pose(0))
+    expected = start @ step
+    assert [float(rows[0][f"shown_{axis}_m"]) for axis in "xyz"] == pytest.approx(expected.position_m, abs=1e-6)
+    assert any("That is another view than the one shown" in note for note in result.summary["notes"])
+
+
+def test_another_size_is_averaged(run, folder):
+    summary = run(size="30x20").summary
+    assert summary["size"] == [30, 20] and summary["rendered"]["size"] == [30, 20]
+    full = run(latency=0.0, warp="none", fill="none", size="30x20", images=1)
+    strip = np.asarray(Image.open(next((full.folder / "images").iterdir())).convert("RGB"))
+    assert strip.shape[1] >= 4 * 30
+
+
+def test_part_of_a_recording(run, tmp_path):
+    rows = run(start=0.2, seconds=0.1) and rows_of(tmp_path / "out")
+    assert [round(int(row["shown_ns"]) / 1e9 * 30) for row in rows] == [6, 7, 8]
+
+
+def test_layouts_give_the_same_figures(run, tmp_path):
+    """But for depth in steps of 0.2 mm or 1 mm: a hundredth of a pixel."""
+    expected = run().summary["quality"]["psnr_db"]["mean"]
+    fx, fy, cx, cy = fov_of((60, 40)).intrinsics((60, 40))
+    for write in (write_tum, write_nerfstudio):
+        other = tmp_path / write.__name__
+        other.mkdir()
+        write(other, taken(COUNT, (60, 40)))
+        centre = 0.5 if write is write_nerfstudio else 0
+        if centre:
+            file = other / "transforms.json"
+            camera = {"fl_x": fx, "fl_y": fy, "cx": cx + centre, "cy": cy + centre}
+            file.write_text(json.dumps(json.loads(file.read_text()) | camera))
+        said = {} if centre else {"intrinsics": f"{fx},{fy},{cx},{cy}"}
+        assert run(other, **said).summary["quality"]["psnr_db"]["mean"] == pytest.approx(expected, abs=0.3)
+
+
+def test_over_a_link_with_a_codec(run):
+    summary = run(codec="h264", bandwidth="20").summary
+    assert summary["link"]["codec"] == "h264" and summary["quality"]["psnr_db"]["mean"] > 20
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ({"guard": "1.5"}, "--guard 1.5 with --frames: a recording is as wide as it was taken"),
+        ({"rendered_size": "90x60"}, "--rendered-size with --frames"),
+        ({"predict": "cautious"}, "--predict cautious with --frames: each frame was taken where the camera was"),
+        ({"lens": "radial"}, "--lens radial with --frames: the display is the camera"),
+        ({"proxy": True}, "--proxy with --frames"),
+        ({"scanout": 8.0}, "--scanout 8 ms with --frames: the truth of each row was not recorded"),
+        ({"scene": "gallery"}, "--scene with --frames: recorded frames take the place of a scene"),
+        ({"headset": "flat-90"}, "--headset with --frames: the display is the camera"),
+        ({"wide": True}, "--wide with --frames"),
+        ({"warp": "auto", "budget": 5.0}, "--warp auto with --frames"),
+    ],
+)
+def test_what_a_recording_cannot_do_is_refused(said, told, folder):
+    with pytest.raises(InputError) as caught:
+        options(folder, **said)
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ({"warp": "layered"}, "layer 'peeled'"),
+        ({"warp": "backward"}, "geometry"),
+        ({"strategy": "points"}, "layer 'points'"),
+        ({"fill": "wide"}, "layer 'wide'"),
+        ({"effects": "rigid_motion"}, "layer 'ids'"),
+        ({"effects": "soft_motion"}, "layer 'velocity'"),
+        ({"effects": "planar_reflections"}, "layer 'reflection'"),
+    ],
+)
+def test_layers_that_were_not_recorded_are_refused_by_the_plan(said, told, folder):
+    with pytest.raises(PlanError) as caught:
+        set_up_replay(options(folder, **said))
+    assert told in str(caught.value)
+    assert "recorded frames hold colour and depth of one eye, and no scene" in str(caught.value)
+
+
+def test_recordings_that_cannot_be_shown_are_refused(folder, tmp_path):
+    with pytest.raises(InputError, match="its 12 frames last 0.367 s.*none is left to show.*--frames-rate"):
+        set_up_replay(options(folder, latency=500.0))
+    with pytest.raises(InputError, match="no TRACE"):
+        RunOptions.of({})
+    write_npz(tmp_path, taken(1))
+    with pytest.raises(InputError, match="one frame; expected two or more"):
+        set_up_replay(options(tmp_path))
+    other = attrs.evolve(taken(2)[1], colour=taken(2)[1].colour)
+    with np.load(tmp_path / "frame-0.npz") as data:
+        facts = dict(data)
+    fov = facts["fov"] * 0.9
+    np.savez(tmp_path / "frame-1.npz", **{**facts, "fov": fov, "time_s": other.time_ns * 1e-9})
+    with pytest.raises(InputError, match="frame-0.npz and frame-1.npz have different fields of view"):
+        set_up_replay(options(tmp_path))
