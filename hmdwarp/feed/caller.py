@@ -10,7 +10,7 @@ from typing import Any
 
 import attrs
 
-from .clock import Alignment, Exchange
+from .alignment import Alignment, Exchange
 from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
 from .sockets import address_of, zmq_module
 

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.feed.clock import Alignment, Exchange
+from hmdwarp.feed.alignment import Alignment, Exchange
 
 MS = 1_000_000
 
