@@ -90,14 +90,15 @@ def pictures(monkeypatch, options) -> dict[int, tuple[int, list]]:
 
 @pytest.mark.parametrize("fill", ["none", "memory+pyramid"])
 def test_what_is_shown_equals_an_offline_replay_of_the_same_ages_bit_for_bit(serving, tmp_path, monkeypatch, fill):
-    asked = {"start_s": 0.4, "warp": "iterative", "fill": fill, "guard": 1.25, "rate_hz": 20.0}
+    asked = {"start_s": 0.4, "warp": "iterative", "fill": fill, "guard": 1.25, "rate_hz": 10.0}
     # A machine that was held up passes requests over; the fact is about runs in which it was not.
     for _ in range(20):
         here = small(tmp_path / "online", connect=serving.address, force=True, **asked)
         online, summary = pictures(monkeypatch, here)
         if not summary["link"]["feed"]["unanswered"]:
             break
-    assert not summary["link"]["feed"]["unanswered"] and summary["link"]["frames"]["shown"] > 1
+    assert not summary["link"]["feed"]["unanswered"], summary["link"]
+    assert summary["link"]["frames"]["shown"] > 1, summary["link"]
     trace = tmp_path / "online" / "delays.csv"
     network = LinkOptions.of({"delay_trace": trace})
     offline, _ = pictures(monkeypatch, small(tmp_path / "offline", network=network, **asked))
