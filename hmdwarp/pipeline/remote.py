@@ -51,6 +51,15 @@ class _Pending:
     size: tuple[int, int]
 
 
+@attrs.frozen(eq=False)
+class _Answer:
+    """A request and its frame, and how long after the request the loop had it."""
+
+    pending: _Pending
+    arrival: Arrival
+    took_ns: int
+
+
 class Remote:
     """The session with a server elsewhere.
 
@@ -68,6 +77,8 @@ class Remote:
         self._heard_ns, self._is_lost = time.monotonic_ns(), False
         self.unanswered = self.refused = 0
         self._paced: tuple[int, int] | None = None
+        # The last instant for which the loop was told what had arrived.
+        self._told_ns: int | None = None
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
         self.delays_ns: list[tuple[int, int]] = []
 
@@ -106,8 +117,8 @@ class Remote:
                 lines = self._caller.lines()
                 if lines and "refused" in lines[-1]:
                     raise InputError(f"--connect {lines[-1]}")
-                for _, arrival in self._known():
-                    return arrival.heard_ns - arrival.frame.asked_ns
+                for answer in self._known():
+                    return answer.took_ns
         raise MachineError(
             f"--connect {self._caller.address}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and "
             "check address and token"
@@ -125,7 +136,7 @@ class Remote:
                 clock_ns = due_ns
         self._paced = now_ns, clock_ns
 
-    def arrived(self, now_ns: int) -> list[tuple[_Pending, Arrival]]:
+    def arrived(self, now_ns: int) -> list[_Answer]:
         """Return what has arrived since the last call, oldest first.
 
         Where the loop holds, what has not arrived when this returns arrives later than `now_ns`.
@@ -137,10 +148,11 @@ class Remote:
                 break
             self._caller.wait_until(latest_ns)
             found += self._known()
+        self._told_ns = now_ns
         self._tell()
         return found
 
-    def _known(self) -> list[tuple[_Pending, Arrival]]:
+    def _known(self) -> list[_Answer]:
         """Return the arrivals that answer a request.
 
         Frames come in order, so requests before one that is answered never will be.
@@ -158,8 +170,12 @@ class Remote:
                 self.refused += 1
                 continue
             self._heard_ns = arrival.heard_ns
-            found.append((pending, arrival))
-            self.delays_ns.append((pending.drawn_ns, arrival.heard_ns - pending.sent_ns))
+            took_ns = arrival.heard_ns - pending.sent_ns
+            if self._told_ns is not None:
+                # It came in just before a refresh that was shown without it: handed over after.
+                took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
+            found.append(_Answer(pending, arrival, took_ns))
+            self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
 
     def _tell(self) -> None:
@@ -256,11 +272,10 @@ class RemoteChannel(Channel):
 
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
-        for pending, arrival in self._remote.arrived(now_ns):
-            took_ns = arrival.heard_ns - pending.sent_ns
-            self._render_ns = min(arrival.frame.render_ns, took_ns)
-            self._measured_ns = took_ns - self._render_ns
-            self.send(self._frames_of.made(pending, arrival), pending.drawn_ns)
+        for answer in self._remote.arrived(now_ns):
+            self._render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
+            self._measured_ns = answer.took_ns - self._render_ns
+            self.send(self._frames_of.made(answer.pending, answer.arrival), answer.pending.drawn_ns)
         return super().newest(now_ns)
 
     def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:

@@ -190,6 +190,24 @@ def answered(listener):
     raise AssertionError("no request came")
 
 
+def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
+    """A refresh was shown without it, so an offline replay of its delay must not show it there."""
+    listener = Listener("127.0.0.1:*")
+    remote = Remote(listener.address, holds=False)
+    eyes, head = load_headset("flat-90"), PoseSample(0, Pose(), Origin.MEASURED)
+    found, asked = [], None
+    while asked is None:  # until the connection is there
+        remote.ask(head, eyes.views(head.pose), 1.0, (4, 3), 0)
+        asked = listener.next(200)
+    assert remote.arrived(5_000_000_000) == []
+    listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, sent_ns=FRAME.received_ns))
+    while not found:
+        found = remote.arrived(6_000_000_000)
+    assert found[0].took_ns > 5_000_000_000
+    remote.close()
+    listener.close()
+
+
 def test_a_server_that_is_killed_and_comes_back_is_taken_up_again(tmp_path):
     with Serving() as first:
         port = first.address.rpartition(":")[2]
