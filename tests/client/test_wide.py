@@ -72,7 +72,7 @@ def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
 
 
 def test_its_bytes_count():
-    headset, options = load_headset("rift-dk1"), RunOptions(trace="", size=(480, 600))
+    headset, options = load_headset("rift-dk1"), RunOptions(trace="look-around", size=(480, 600))
     sizes = eye_sizes(options.guard_band, headset, options.size)
     wide, high = max(wide_size(view.fov, options.size) for view in headset.views(Pose()))
     assert frame_bytes(Needs(wide=True), sizes)["rendered.wide"] == 2 * 12 * wide * high
