@@ -170,8 +170,8 @@ def _auto_from_file(
         {"warp": r.warp, "fill": r.fill, "total_ms": r.total_ms, "flip": r.error, "psnr_db": r.psnr_db}
         for r in found.levels
     ]
-    data = {"budget_ms": options.budget_ms, "levels": levels, "begins_with": first, "notes": list(found.notes)}
-    return _About({**data, "frame": frame}, show)
+    data = {"budget_ms": options.budget_ms, "levels": levels, "begins_with": first, "frame": frame}
+    return _About(data, show, list(found.notes))
 
 
 def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dict[str, Any]:

@@ -33,6 +33,9 @@ def test_what_it_wants_and_what_plan_tells(command, tmp_path):
     assert data["levels"][data["begins_with"]] | {"psnr_db": 0} == {
         **{"warp": "rotation", "fill": "none", "total_ms": 3000.0, "flip": 0.2, "psnr_db": 0}
     }
+    elsewhere = (*usual, "5000", "--bench", str(path), "--latency", "300")
+    (note,) = json.loads(command(*elsewhere, "--json").done().out)["notes"]
+    assert "(this run: 300.0 ms)" in note and f"note: {note}" in " ".join(command(*elsewhere).done().out.split())
     tries = json.loads(command(*usual, "5000", "--json").done().out)["tries"]
     assert {"warp": "forward", "fill": "interpolate"} in tries
     # Frames carry what the best of them reads.
