@@ -15,12 +15,12 @@ from ..client.variants import (
     every_warp,
     fill_text,
     parse_fills,
-    parse_indirect,
     parse_warp,
 )
 from ..errors import InputError, MachineError, PlanError, listed
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
+from ..pipeline.planning import check_suited
 from ..poses import PoseTrack
 from ..run.combinations import Case, Combination
 from ..run.options import RunOptions
@@ -173,10 +173,7 @@ def plan_of(
     wanted = effect_names or options.effects
     selected = effects.selected(wanted, effects.of(scene) if scene is not None else (), scene)
     named = effects.forced(wanted)
-    if why := _unsuited(scene, warp):
-        raise PlanError(f"warp '{warp}' is not for scene '{scene.name if scene is not None else ''}': {why}")
-    if scene is not None and (light := parse_indirect(indirect)) is not None and (why := light.unsuited(scene)):
-        raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
+    check_suited(scene, parse_warp(warp), indirect)
     recorded = options.frames is not None
     brings = (*PICTURE, OTHERS) if recorded else None
     return build_plan(

@@ -122,6 +122,7 @@ class Compensator:
         ]
         self._rendered = [one for one in made if isinstance(one, RenderedPass)]
         self._shown = [one for one in made if isinstance(one, ShownPass)]
+        self._takers = [one for one in self._shown if one.takes_out]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
 
     def _canvases_of_one_eye(self) -> _Canvases:
@@ -144,10 +145,9 @@ class Compensator:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made = self._eyes[inputs.eye]
         inputs = inputs if self.plan.scanout else inputs.at_once()
-        for shown in self._shown:
-            if shown.takes_out:
-                with self._stage("effects"):
-                    inputs = shown.take_out(inputs)
+        for taker in self._takers:
+            with self._stage("effects"):
+                inputs = taker.take_out(inputs)
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
         for one in self._rendered:

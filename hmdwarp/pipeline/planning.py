@@ -11,9 +11,11 @@ from ..client.capability import check_client
 from ..client.effects import effects
 from ..client.plan import OTHERS, PICTURE, Plan, build_plan
 from ..client.variants import CONVERGED, parse_indirect
+from ..client.warps import Warp
 from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..headsets import Headset
+from ..options import Choice
 from ..scenes import Scene
 from .options import PipelineOptions
 from .proxy_options import ProxyOptions
@@ -62,14 +64,21 @@ def build_plan_for(
         if options.proxy.on
         else _plan_of_all(options, scene, shares_frames=shares_frames, distorts=distorts, takes_depth=takes_depth)
     )
-    if scene is not None and (why := plan.warp.unsuited(scene)):
-        raise PlanError(f"warp '{plan.choice}' is not for scene '{scene.name}': {why}")
-    voxels = parse_indirect(options.indirect)
-    if voxels is not None and scene is not None and (why := voxels.unsuited(scene)):
-        raise PlanError(f"indirect light '{options.indirect}' is not for scene '{scene.name}': {why}")
+    check_suited(scene, plan.choice, options.indirect)
     if options.client_name:
         check_client(plan, load_client(options.client_name))
     return plan
+
+
+def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None:
+    """Check that a scene calls for them. Errors: PlanError."""
+    if scene is None:
+        return
+    if why := warp.entry.unsuited(scene):
+        raise PlanError(f"warp '{warp}' is not for scene '{scene.name}': {why}")
+    light = parse_indirect(indirect)
+    if light is not None and (why := light.unsuited(scene)):
+        raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
 
 
 def _plan_of_all(

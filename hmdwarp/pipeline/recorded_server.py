@@ -21,7 +21,9 @@ from ..sequences import RecordedFrame, Sequence
 from ..server import Server, Target
 
 Size = tuple[int, int]
-_KEPT = 32  # decoded frames: those under way, and the truth beside them
+# Decoded frames that are kept: those under way, and the truth beside them; fewer of large ones.
+_KEPT, _LEAST_KEPT, _KEPT_BYTES = 32, 4, 500_000_000
+_PIXEL_BYTES = 8 + 4
 _NONE = -1.0
 AS_RECORDED = RepairChain()
 
@@ -38,15 +40,17 @@ class RecordedServer(Server):
 
     What it is asked to look at is ignored, and so is a guard band: a recording is as wide as it is.
     Pixels without depth keep their colour. The sequence's repair mends late frames, the truth stays
-    as it was recorded. One eye. Another size than the recording's is made by
-    averaging light and taking the nearest depth.
+    as it was recorded. One eye. Another size than the recording's is made by averaging light and
+    taking the nearest depth.
     """
 
     def __init__(self, gpu: Gpu, sequence: Sequence) -> None:
         super().__init__(gpu, empty_scene(sequence))
         self._sequence = sequence
         self._times = [frame.time_ns for frame in sequence.frames]
-        self._pixels = lru_cache(_KEPT)(_pixels)
+        wide, high = sequence.frames[0].size
+        fit = _KEPT_BYTES // (wide * high * _PIXEL_BYTES)
+        self._pixels = lru_cache(min(max(fit, _LEAST_KEPT), _KEPT))(_pixels)
 
     def taken_before(self, time_ns: int) -> RecordedFrame:
         """Return the last frame at or before an instant; the first one before all."""

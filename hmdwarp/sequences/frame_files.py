@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import reprlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -17,11 +16,13 @@ from ..errors import InputError
 from ..geometry import Fov, Pose, View
 from ..poses.track import UNIT_WITHIN
 from .camera import camera_of, refuse_distortion
+from .json_files import read_json
 from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 
 _FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}
 _VIEW = {**_FOV, **_POSE}
 _ARRAYS = ("colour", "depth_m")
+_WANTED = f"an object with {', '.join(_VIEW)}"
 _KEYS = (*_ARRAYS, *_VIEW)
 _SCALE, _ENCODING, INTRINSICS = "depth_scale", "encoding", "intrinsics"
 _FACTS = (*_VIEW, INTRINSICS, "centre", _SCALE, _ENCODING, "time_s", "time_ns")
@@ -119,7 +120,7 @@ def find_frame(
             f"it, or one of {', '.join((*PICTURES, EXR))}"
         )
     size, where = size_of(path), _camera_beside(path, camera, given)
-    own = {} if where is None else _object(where)
+    own = {} if where is None else read_json(where, _WANTED)
     facts, where = {**given, **{name: value for name, value in own.items() if value is not None}}, where or path
     refuse_distortion(where, facts)
     if depth is None and "depth" in facts:
@@ -222,25 +223,10 @@ def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
     size: (w, h) of the picture that the intrinsics are for, unless width and height say it. Errors:
     InputError.
     """
-    data = _object(path)
+    data = read_json(path, _WANTED)
     _check_keys(path, data, tuple(_VIEW))
     camera = None if "fov" in data else camera_of(path, data)
     return _view(path, data, size if camera is None or camera.size is None else camera.size)
-
-
-def _object(path: Path) -> dict[str, Any]:
-    try:
-        data = json.loads(_content(path).decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error})") from error
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    # A number of thousands of digits, or brackets nested without end.
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not JSON that can be read ({error})") from error
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: found a {type(data).__name__}; expected an object with {', '.join(_VIEW)}")
-    return data
 
 
 def _content(path: Path) -> bytes:

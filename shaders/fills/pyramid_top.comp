@@ -1,16 +1,16 @@
 // Compute all levels of the pyramid above a small one, and complete each from the one above it, in
 // one work group: as passes of their own these levels take a GPU 10 microseconds each and have
 // nothing to do.
-// In: level `start`, at most 64 x 64 texels, not the first. Out: the next level, completed.
+// In: a level of at most 64 x 64 texels (`start_size`), not the first. Out: the next one, completed.
 // Source: as of lib/pull.glsl and lib/push.glsl.
 #define THREADS 256
 layout(local_size_x = THREADS) in;
-layout(rgba16f) readonly uniform image2D start_colour;
-layout(rgba32f) readonly uniform image2D start_depth;
+layout(rgba16f) readonly uniform image2D below_colour;
+layout(rgba32f) readonly uniform image2D below_depth;
 layout(rgba16f) writeonly uniform image2D level_colour;
 layout(rgba32f) writeonly uniform image2D level_depth;
 uniform ivec2 start_size;
-uniform int levels;        // above `start`; the last one has one texel
+uniform int levels;        // above it; the last one has one texel
 uniform int local_levels;  // of those, as lib/push_pull.glsl has it
 // Of local levels, and of the others:
 uniform vec2 least_borders, least_shares;
@@ -24,7 +24,7 @@ shared float depths[3 * TEXELS];
 
 float least_border;
 ivec2 below_size, above_size;
-int below_first, above_first; // index of a level's first texel; -1: `start`
+int below_first, above_first; // index of a level's first texel; -1: in the image
 
 vec4 colour_of(int index) {
     uvec2 halves = colours[index];
@@ -47,12 +47,12 @@ bool is_below(ivec2 texel) {
 }
 
 vec4 colour_below(ivec2 texel) {
-    if (below_first < 0) return imageLoad(start_colour, texel);
+    if (below_first < 0) return imageLoad(below_colour, texel);
     return is_below(texel) ? colour_of(below_first + texel.y * below_size.x + texel.x) : vec4(0.0);
 }
 
 vec3 depth_below(ivec2 texel) {
-    if (below_first < 0) return imageLoad(start_depth, texel).rgb;
+    if (below_first < 0) return imageLoad(below_depth, texel).rgb;
     return is_below(texel) ? depth_of(below_first + texel.y * below_size.x + texel.x) : vec3(0.0);
 }
 

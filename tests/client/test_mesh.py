@@ -100,7 +100,8 @@ def test_a_grid_coarser_than_the_picture_equals_the_twin(gpu, spec, seed):
     world = World(gpu, seed + 40, (67, 53), SIZES[seed])
     got, wanted = world.warp(gpu, spec), world.reference(spec)
     decided = ~wanted.undecided
-    assert decided.mean() > 0.9 or decided.size < 1000
+    # A GPU moves corners by up to half of 1/256 pixel, so a picture of one pixel may be undecided.
+    assert decided.mean() > 0.9 or (decided.size == 1 and not gpu.is_software)
     assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
     assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
 

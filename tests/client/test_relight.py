@@ -11,9 +11,10 @@ import pytest
 from reference.relight import Relit, relight
 from worlds import read
 
+from hmdwarp.client import fill_parts as settings
 from hmdwarp.client import parse_fills
-from hmdwarp.client.fills import relight as settings
-from hmdwarp.client.fills.relight import sample_offsets
+from hmdwarp.client.fill_parts import sample_offsets
+from hmdwarp.client.fills.relight import MODEL_WEIGHT
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
@@ -34,7 +35,7 @@ def asked(shown: Shown, light: str, samples: int = 32, reach: float = 0.25) -> R
         settings.SAME_SURFACE,
         settings.NEAR,
         settings.OFF_PLANE,
-        settings.MODEL_WEIGHT[light],
+        MODEL_WEIGHT[light],
     )
     return Relit(VIEW.fov, shown.colour, shown.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 

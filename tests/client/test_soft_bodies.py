@@ -14,16 +14,9 @@ from worlds import read
 from hmdwarp.client import PassInputs, build_plan
 from hmdwarp.client.capability import lacking
 from hmdwarp.client.effects import Tools, effects
-from hmdwarp.client.effects.soft_bodies import SAME, SAMPLES, STEEPEST
-from hmdwarp.client.fills.relight import (
-    BLOCK,
-    MODEL_WEIGHT,
-    NEAR,
-    OFF_PLANE,
-    SAME_DEPTH,
-    SAME_SURFACE,
-    sample_offsets,
-)
+from hmdwarp.client.effects.soft_bodies import SAME, STEEPEST
+from hmdwarp.client.fill_parts import BLOCK, NEAR, OFF_PLANE, SAME_DEPTH, SAME_SURFACE, sample_offsets
+from hmdwarp.client.fills.relight import MODEL_WEIGHT, RelightSettings
 from hmdwarp.clients import load_client
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
@@ -36,6 +29,7 @@ from hmdwarp.server import Server
 from .modelled import picture_of
 
 NAME, SIZE, MS = "soft_bodies", (64, 48), 1_000_000
+RELIGHT = RelightSettings()
 HALF = 2.0**-10  # a half float's unit: some drivers cut off
 FOV = Fov.from_tangents([-0.7, 0.7, -0.55, 0.55])
 HERE = View(Pose((0.0, 1.5, 0.0)), FOV)
@@ -129,7 +123,7 @@ def test_the_pass_does_what_rays_do(gpu, now, age_ms, late):
         SoftAsked(
             mesh.deformation.positions(shown.then_ns)[corner], mesh.deformation.positions(shown.now_ns)[corner],
             np.float64(mesh.albedo)[corner], np.float64(mesh.light)[corner], shown.before, shown.before_depth, now,
-            shown.late, shown.late_depth, late, sample_offsets(SAMPLES, 0.25 * SIZE[0]), constants,
+            shown.late, shown.late_depth, late, sample_offsets(RELIGHT.samples, RELIGHT.reach * SIZE[0]), constants,
         )
     )  # fmt: skip
     off = np.abs(shown.out - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import attrs
-import numpy as np
 
 from ...frames import Needs
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all, tiles
-from ..fills.relight import BLOCK, LIGHT, MODEL_WEIGHT, NEAR, OFF_PLANE, PARTS, SAME_DEPTH, SAME_SURFACE, sample_offsets
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
+from ..fill_parts import NEAR, OFF_PLANE, BlockLights, tangents_of
+from ..fills.relight import MODEL_WEIGHT, RelightSettings
 from . import effects
 from ._base import Effect, ShownPass
 
 if TYPE_CHECKING:
     from ...frames import EyeImage
-    from ...geometry import View
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
 
@@ -25,7 +24,7 @@ PLACE = (4, "f4")
 SAME = 0.01
 # Tangent of the angle from facing up to which neighbouring pixels are one surface: 80 degrees.
 STEEPEST = 5.7
-SAMPLES, REACH = 32, 0.25  # as fill `relight` has them
+_RELIGHT = RelightSettings()
 
 
 class SoftBodiesPass(ShownPass):
@@ -47,14 +46,10 @@ class SoftBodiesPass(ShownPass):
         geometry, gl, rendered = self.tools.geometry, self.gpu.gl, self.rendered_size
         self._bodies = None if geometry is None else geometry.soft_bodies()
         self._take, self._light = (self.gpu.shaders.compute(f"effects/soft_{name}.comp") for name in ("take", "light"))
-        self._find = self.gpu.shaders.compute("fills/relight_blocks.comp")
         self._then = [allocate(gl, rendered, kind) for kind in (COLOUR, SCALAR)]
         self._now = [allocate(gl, self.shown_size, kind) for kind in (COLOUR, SCALAR, COLOUR, PLACE, COLOUR)]
         self._left = [[allocate(gl, rendered, kind) for kind in (COLOUR, SCALAR)] for _ in range(self.tools.images)]
-        self._blocks = tiles(rendered, BLOCK)
-        self._lights = allocate(gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT)
-        offsets = sample_offsets(SAMPLES, REACH * rendered[0])
-        self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
+        self._lights = BlockLights(self.gpu, rendered, _RELIGHT.samples, _RELIGHT.reach)
         if self._bodies is not None:
             self._bodies.reserve(rendered)
             self._bodies.reserve(self.shown_size)
@@ -84,46 +79,34 @@ class SoftBodiesPass(ShownPass):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         late = self._late
-        self._find_light(late)
+        self._lights.find(late.view, (late.colour, late.inverse_depth, *self._then))
+        self.gpu.barrier()
         assert self._bodies is not None, "take_out() has run"
         self._bodies.draw_with_past(inputs.middle, inputs.shown_ns, self._now, late.view, late.drawn_ns)
         self.gpu.barrier()
         names = (
             ("picture", picture.colour.texture), *zip(_NOW, self._now, strict=True), ("late_colour", late.colour),
             ("late_inverse_depth", late.inverse_depth), ("late_albedo", self._then[0]),
-            ("late_body_inverse_depth", self._then[1]), ("lights", self._lights),
+            ("late_body_inverse_depth", self._then[1]), ("lights", self._lights.texture),
         )  # fmt: skip
         for unit, (_, texture) in enumerate(names):
             texture.use(unit)
         picture.depth.bind_to_image(0, read=True, write=True)
         into.bind_for_writing(1)
-        self._samples.bind_to_storage_buffer(1)
-        first, pixel = _tangents(late.view, late.size)
+        self._lights.bind_samples()
+        first, pixel = tangents_of(late.view, late.size)
         self._light.uniforms.set(
             **{name: unit for unit, (name, _) in enumerate(names)},
             shown_inverse_depth=0, written=1, shown_size=self.shown_size, late_size=late.size, late_first=first,
-            late_pixel=pixel, same=SAME, steepest=STEEPEST * max(pixel), samples=SAMPLES, near=NEAR,
+            late_pixel=pixel, same=SAME, steepest=STEEPEST * max(pixel), samples=_RELIGHT.samples, near=NEAR,
             off_plane=OFF_PLANE, model_weight=MODEL_WEIGHT["none"],
         )  # fmt: skip
         self._light.run(*self.shown_size)
 
-    def _find_light(self, late: EyeImage) -> None:
-        """Find the light on blocks of what deforms in the late picture, as fill `relight` does."""
-        for unit, texture in enumerate((late.colour, late.inverse_depth, *self._then)):
-            texture.bind_to_image(unit, read=True, write=False)
-        self._lights.bind_to_image(4, read=False, write=True)
-        first, pixel = _tangents(late.view, late.size)
-        named: dict[str, Any] = {"warped": 0, "warped_inverse_depth": 1, "albedo": 2, "model_inverse_depth": 3}
-        self._find.uniforms.set(
-            **named, lights=4, shown_size=late.size, block_count=self._blocks, first_tangent=first,
-            pixel_tangent=pixel, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE,
-        )  # fmt: skip
-        self._find.run(*self._blocks)
-        self.gpu.barrier()
-
     def close(self) -> None:
         lefts = (texture for left in self._left for texture in left)
-        release_all(*self._then, *self._now, *lefts, self._lights, self._samples)
+        self._lights.close()
+        release_all(*self._then, *self._now, *lefts)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
@@ -132,12 +115,6 @@ class SoftBodiesPass(ShownPass):
 
 
 _NOW = ("albedo", "body_inverse_depth", "lit", "late_place", "late_normal")
-
-
-def _tangents(view: View, size: tuple[int, int]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the tangents of a picture's lower left corner, and those of one pixel."""
-    left, right, down, up = view.fov.tangents
-    return (left, down), ((right - left) / size[0], (up - down) / size[1])
 
 
 effects.register(

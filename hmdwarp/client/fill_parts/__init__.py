@@ -1,11 +1,31 @@
 """Passes and algorithms that several fills share."""
 
+from .block_lights import (
+    BLOCK,
+    NEAR,
+    OFF_PLANE,
+    PARTS,
+    SAME_DEPTH,
+    SAME_SURFACE,
+    BlockLights,
+    sample_offsets,
+    tangents_of,
+)
 from .hole_filler import HoleFiller
 from .hole_pieces import HolePieces
 from .keeper import BYTES_PER_PIXEL, Keeper, Slot, seeds_for
 from .keyframes import Keyframe, covered, is_new, most_redundant, most_useful, overlapping
 
 __all__ = [
+    "BLOCK",
+    "BlockLights",
+    "NEAR",
+    "OFF_PLANE",
+    "PARTS",
+    "SAME_DEPTH",
+    "SAME_SURFACE",
+    "sample_offsets",
+    "tangents_of",
     "BYTES_PER_PIXEL",
     "HoleFiller",
     "HolePieces",

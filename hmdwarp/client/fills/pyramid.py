@@ -27,6 +27,7 @@ NEVER = 1e6  # a threshold that no share of holes reaches
 TOP = 64  # texels a side of the level whose followers one work group computes
 _FIRST, _SECOND = (1, 2), (3, 4)  # image units of colour and depth of two levels, or of the picture
 _FILLED, _FILLED_DEPTH = 0, 5
+_PULLED = {"below_colour": _FIRST[0], "below_depth": _FIRST[1], "level_colour": _SECOND[0], "level_depth": _SECOND[1]}
 
 
 @attrs.frozen
@@ -151,12 +152,6 @@ class Pyramid(Fill):
     def _run_top(self, program: Compute, start: _Level, level: _Level) -> None:
         """Compute the last level that is a texture, and complete it from those that are not."""
         level.bind(_SECOND, read=False, write=True)
-        units = {
-            "start_colour": _FIRST[0],
-            "start_depth": _FIRST[1],
-            "level_colour": _SECOND[0],
-            "level_depth": _SECOND[1],
-        }
         program.uniforms.set(
             start_size=start.size,
             levels=1 + (max(level.size) - 1).bit_length(),
@@ -165,19 +160,13 @@ class Pyramid(Fill):
             least_shares=(self.settings.holes, NEVER),
             depth_tolerance=self.settings.tolerance,
             depth_floor=self.settings.floor,
-            **units,
+            **_PULLED,
         )
         program.program.run()
 
     def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
         level.bind(_SECOND, read=False, write=True)
-        units = {
-            "below_colour": _FIRST[0],
-            "below_depth": _FIRST[1],
-            "level_colour": _SECOND[0],
-            "level_depth": _SECOND[1],
-        }
-        program.uniforms.set(below_size=below_size, level_size=level.size, **units, **self._limits(level))
+        program.uniforms.set(below_size=below_size, level_size=level.size, **_PULLED, **self._limits(level))
 
     def _push_one(self, level: _Level, above: _Level) -> None:
         first = level is self._levels[0]

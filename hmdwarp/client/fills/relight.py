@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
-from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
+from ...gpu.textures import SCALAR, Canvas, allocate, release_all
+from ..fill_parts import NEAR, OFF_PLANE, BlockLights, tangents_of
 from ..settings import share_of
 from ..shown_picture import ShownPicture
 from . import fills
@@ -18,14 +17,6 @@ from .model import SHARE
 if TYPE_CHECKING:
     from ..inputs import PassInputs
 
-BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
-LIGHT = (4, "f4")  # rgba32f, PARTS texels a block
-PARTS = 3
-SEED = 0.5
-SAME_DEPTH = SAME_SURFACE = (
-    0.05  # the model's surfaces are off by a few hundredths; a smaller tolerance leaves curved objects unlit
-)
-NEAR, OFF_PLANE = 0.05, 0.06
 WORKERS = 1 << 14  # invocations that share the list of holes
 # Weight of the model's own light, by the light that the model is drawn with. Best by FLIP is 0.03
 # to 0.1 unlit and 0.003 baked (`room`, `walk` and `look-around`, 400 ms); ten times less or more
@@ -55,19 +46,6 @@ class RelightSettings:
             raise ValueError(f"reach is {self.reach:g}: expected more than 0 and at most 2")
 
 
-def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
-    """Return (count, 2) pixel offsets in a disc of that radius, denser towards the middle.
-
-    They are the same for every pixel and picture. A separate pattern for every pixel would be grain
-    that crawls when the head moves; with a common one, light changes only as its samples do.
-    Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R2).
-    """
-    plastic = 1.32471795724474602596
-    k = np.arange(1, count + 1)
-    ring, turn = (SEED + k / plastic) % 1, 2 * np.pi * ((SEED + k / plastic**2) % 1)
-    return np.rint(reach_pixels * ring[:, None] ** 2 * np.stack([np.cos(turn), np.sin(turn)], axis=1)).astype(np.int32)
-
-
 @fills.register
 class Relight(Fill):
     """Fill holes with the model, lit by the shown picture.
@@ -92,18 +70,15 @@ class Relight(Fill):
     variants = ("light=none",)
 
     def prepare(self) -> None:
-        gl, (wide, high) = self.gpu.gl, self.shown_size
-        self._lit = self.model(self.settings.share, lit=True)
-        self._base = self.model(self.settings.share, lit=self.settings.light == "baked")
+        gl, (wide, high), chosen = self.gpu.gl, self.shown_size, self.settings
+        self._lit = self.model(chosen.share, lit=True)
+        self._base = self.model(chosen.share, lit=chosen.light == "baked")
         for model in (self._lit, self._base):
             model.reserve(self.shown_size)
         self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
-        self._blocks = tiles(self.shown_size, BLOCK)
-        self._lights = allocate(gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT)
-        offsets = sample_offsets(self.settings.samples, self.settings.reach * wide)
-        self._samples = gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
+        self._lights = BlockLights(self.gpu, self.shown_size, chosen.samples, chosen.reach)
         self._holes = gl.buffer(reserve=16 + 4 * wide * high)
-        self._find, self._apply = (self.gpu.shaders.compute(f"fills/{name}.comp") for name in _PASSES)
+        self._apply = self.gpu.shaders.compute("fills/relight.comp")
         self._list = self.gpu.shaders.compute("fills/hole_list.comp", COPY=0)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
@@ -111,46 +86,29 @@ class Relight(Fill):
         self._lit.draw_holes(view, picture, into, inputs.shown_ns)
         self._base.draw(view, self._albedo, inputs.shown_ns)
         self.gpu.barrier()
-        self._bind(picture, into)
-        left, right, down, up = view.fov.tangents
-        per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
-        shared = {
-            "albedo": 2, "model_inverse_depth": 3, "first_tangent": (left, down), "pixel_tangent": per_pixel,
-            "shown_size": self.shown_size, "lights": 5,
-        }  # fmt: skip
-        limits = {"same_depth": SAME_DEPTH, "same_surface": SAME_SURFACE}
-        self._find.uniforms.set(**shared, **limits, warped=0, warped_inverse_depth=1, block_count=self._blocks)
-        self._find.run(*self._blocks)
+        seen = (picture.colour.texture, picture.depth, self._albedo.colour.texture, self._albedo.depth)
+        self._lights.find(view, seen)
+        self._lights.bind_samples()
+        into.colour.texture.bind_to_image(4, read=True, write=True)
+        self._holes.write(bytes(16))
+        self._holes.bind_to_storage_buffer(2)
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
         self.gpu.barrier()
-        weights = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT[self.settings.light]}
-        self._apply.uniforms.set(**shared, **weights, filled=4, samples=self.settings.samples)
+        first, pixel = tangents_of(view, self.shown_size)
+        self._apply.uniforms.set(
+            albedo=2, model_inverse_depth=3, lights=5, filled=4, first_tangent=first, pixel_tangent=pixel,
+            shown_size=self.shown_size, near=NEAR, off_plane=OFF_PLANE, model_weight=MODEL_WEIGHT[self.settings.light],
+            samples=self.settings.samples,
+        )  # fmt: skip
         self._apply.run(WORKERS)
 
-    def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
-        textures = (
-            picture.colour.texture,
-            picture.depth,
-            self._albedo.colour.texture,
-            self._albedo.depth,
-        )
-        for unit, texture in enumerate(textures):
-            texture.bind_to_image(unit, read=True, write=False)
-        into.colour.texture.bind_to_image(4, read=True, write=True)
-        self._lights.bind_to_image(5, read=True, write=True)
-        self._samples.bind_to_storage_buffer(1)
-        self._holes.write(bytes(16))
-        self._holes.bind_to_storage_buffer(2)
-
     def close(self) -> None:
-        release_all(self._albedo.colour, self._albedo.depth, self._lights, self._samples, self._holes)
+        self._lights.close()
+        release_all(self._albedo.colour, self._albedo.depth, self._holes)
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
         # Colour and inverse depth of the picture read and written, of the model written and read;
         # the lights of 64 pixels are 48 bytes.
         return (4 * (8 + 4) + 2) * shown_pixels
-
-
-_PASSES = ("relight_blocks", "relight")

@@ -1,5 +1,6 @@
 """Kinds of warps: base classes and passes that warps, fills and effects build on."""
 
+from .client_drawing import ClientDrawing
 from .composite import CompositeWarp, DepthPicture
 from .gather import GatherSettings, GatherWarp, bind_rendered_colour
 from .grid_mesh import GridMesh
@@ -19,6 +20,7 @@ __all__ = [
     "CompositeWarp",
     "DepthGuesses",
     "DepthPicture",
+    "ClientDrawing",
     "GatherSettings",
     "GatherWarp",
     "GridMesh",

@@ -6,19 +6,18 @@ from typing import TYPE_CHECKING, Literal
 
 import attrs
 
-from ...errors import PlanError
 from ...frames import Needs
 from ...frames.layers.scene_update import Delivery
-from ...gpu.textures import SCALAR, allocate
 from ..settings import share_of
 from ..shown_picture import ShownPicture
+from ..warp_kinds import ClientDrawing
 from . import warps
-from ._base import Warp
 
 if TYPE_CHECKING:
     import moderngl
 
     from ...gpu.textures import Canvas
+    from ..client_geometry import ClientGeometry
     from ..inputs import PassInputs
 
 
@@ -39,7 +38,7 @@ class ModelSettings:
 
 
 @warps.register
-class Model(Warp):
+class Model(ClientDrawing):
     """Draw the client's own scene for the shown view and instant; read nothing of the frame.
 
     Bodies and what deforms are drawn where they are at that instant: the client knows how they
@@ -48,8 +47,6 @@ class Model(Warp):
 
     name = "model"
     summary = "the client has the scene, or a reduced one, and draws it at the newest pose; no picture is sent"
-    kind = "draw"
-    needs_compute = False
     reads = ("client.model",)
     exact_when = "to the last bit, with all triangles and texels, lit, once all has arrived, in light that stands still"
     gets_wrong = (
@@ -59,8 +56,6 @@ class Model(Warp):
     source = "the 2014 thesis, section 3.1 (GLX, partial models); Garland and Heckbert 1997, 1998 (fewer triangles)"
     Settings = ModelSettings
     variants = ("share=0.2",)
-    depth_reads = ()
-    carries = False
 
     @classmethod
     def needs(cls, settings: ModelSettings) -> Needs:
@@ -72,26 +67,15 @@ class Model(Warp):
     def reads_for(cls, settings: ModelSettings) -> tuple[str, ...]:
         return cls.reads if settings.arrives == "whole" else (*cls.reads, "rendered.scene_update")
 
-    def prepare(self) -> None:
-        if self.geometry is None:
-            raise PlanError("warp 'model' needs the scene on the client; for frames without one use 'iterative'")
+    def prepare_scene(self, geometry: ClientGeometry) -> None:
         chosen = self.settings
         if chosen.arrives == "progressive":
-            self._scene = self.geometry.arriving(_delivery(chosen))
+            self._scene = geometry.arriving(_delivery(chosen))
         else:
-            self._scene = self.geometry.scene(chosen.share, lit=chosen.light == "baked", texture=chosen.texture)
-        # Where the depth goes that nobody reads; it keeps near surfaces before far ones.
-        self._own_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
-
-    def run(self, inputs: PassInputs, into: Canvas) -> None:
-        self.run_with_depth(inputs, into, self._own_depth)
+            self._scene = geometry.scene(chosen.share, lit=chosen.light == "baked", texture=chosen.texture)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         self._scene.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns)
-
-    def close(self) -> None:
-        super().close()
-        self._own_depth.release()
 
 
 def _delivery(settings: ModelSettings) -> Delivery:

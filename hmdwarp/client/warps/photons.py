@@ -6,21 +6,18 @@ from typing import TYPE_CHECKING
 
 import attrs
 
-from ...errors import PlanError
 from ...frames import Needs
 from ...frames.layers.photons import PhotonMap
 from ...frames.photon_bundles import LEAST_BUDGET
-from ...gpu.textures import SCALAR, allocate
 from ..shown_picture import ShownPicture
-from ..warp_kinds import Splats
+from ..warp_kinds import ClientDrawing, Splats
 from . import warps
-from ._base import Warp
 
 if TYPE_CHECKING:
     import moderngl
 
     from ...gpu.textures import Canvas
-    from ...scenes import Scene
+    from ..client_geometry import ClientGeometry
     from ..inputs import PassInputs
 
 _DEFAULT = PhotonMap()
@@ -44,7 +41,7 @@ class PhotonsSettings:
 
 
 @warps.register
-class Photons(Warp):
+class Photons(ClientDrawing):
     """Splat the photons at low resolution, and draw for the shown view and instant with that light.
 
     Lamps and their shadows are where they are at that instant: the client knows how they move.
@@ -52,8 +49,6 @@ class Photons(Warp):
 
     name = "photons"
     summary = "the client draws the scene with direct light at the newest pose, and splats photons as indirect light"
-    kind = "draw"
-    needs_compute = False
     reads = ("client.model", "rendered.photons")
     exact_when = "never: indirect light is spread over the photons' radius; direct light is exact, and never late"
     gets_wrong = (
@@ -63,29 +58,17 @@ class Photons(Warp):
     source = "Crassin et al. 2013, CloudLight (photons); Jensen 1996 (photon maps)"
     Settings = PhotonsSettings
     variants = ("scale=8",)
-    depth_reads = ()
-    carries = False
+    for_moving_light = True
 
     @classmethod
     def needs(cls, settings: PhotonsSettings) -> Needs:
         return Needs(photons=frozenset({_wanted(settings)}))
 
-    @classmethod
-    def unsuited(cls, scene: Scene) -> str:
-        return "" if scene.lamps else "its light stands still, so that 'model' with baked light is exact"
-
-    def prepare(self) -> None:
-        if self.geometry is None:
-            raise PlanError("warp 'photons' needs the scene on the client; for frames without one use 'iterative'")
+    def prepare_scene(self, geometry: ClientGeometry) -> None:
         chosen = self.settings
-        photons = self.geometry.photons(_wanted(chosen))
+        photons = geometry.photons(_wanted(chosen))
         self._scene = photons.scene
         self._splats = Splats(self.gpu, photons, self.shown_size, chosen.scale, chosen.radius)
-        # Where the depth goes that nobody reads; it keeps near surfaces before far ones.
-        self._own_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
-
-    def run(self, inputs: PassInputs, into: Canvas) -> None:
-        self.run_with_depth(inputs, into, self._own_depth)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         self._splats.draw(inputs.middle, inputs.shown_ns)
@@ -94,7 +77,6 @@ class Photons(Warp):
     def close(self) -> None:
         super().close()
         self._splats.close()
-        self._own_depth.release()
 
 
 def _wanted(settings: PhotonsSettings) -> PhotonMap:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterable
 from collections.abc import Sequence as Rows
@@ -18,6 +17,7 @@ from ...geometry import Pose
 from ...poses import PoseTrack
 from ...poses.reading.axes import Axes, parse_axes
 from ..camera import Camera, camera_of
+from ..json_files import read_json
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
@@ -232,21 +232,6 @@ def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Po
             f"{where}: the matrix does more than turn and move; expected a right-handed rotation without scale"
         )
     return pose_of(axes, given[:3, 3] * unit, turn)
-
-
-def read_json(path: Path) -> dict[str, Any]:
-    """Return the object in a JSON file. Errors: InputError."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not JSON that can be read ({error})") from error
-    if not isinstance(data, dict):
-        raise InputError(f"{path}: found a {type(data).__name__}; expected an object")
-    return data
 
 
 def rows_of(path: Path) -> list[tuple[int, list[str]]]:

@@ -10,11 +10,12 @@ import numpy as np
 from ...errors import InputError
 from ...geometry import Fov
 from ..frame_files import JSON, NPZ, FoundFrame, find_frame, is_depth
+from ..json_files import read_json
 from ..options import SequenceOptions
 from ..picture_files import EXR, PICTURES
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in, read_json
+from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in
 
 
 class FolderReader(SequenceReader):

@@ -11,11 +11,12 @@ from typing import Any
 from ...errors import InputError
 from ...poses.reading.axes import parse_axes
 from ..camera import camera_of
+from ..json_files import read_json
 from ..options import SequenceOptions
 from ..picture_files import PICTURES, size_of
 from ..recorded import RecordedFrame, Sequence
 from . import readers
-from ._base import SequenceReader, at_rate, made, pose_of_matrix, read_json, reading
+from ._base import SequenceReader, at_rate, made, pose_of_matrix, reading
 
 FILE = "transforms.json"
 # z up; the camera looks along -z, as in OpenGL.

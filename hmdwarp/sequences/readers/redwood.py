@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from ..camera import Camera, camera_of
+from ..json_files import read_json
 from ..options import SequenceOptions
 from ..recorded import Sequence
 from . import readers
@@ -19,7 +20,6 @@ from ._base import (
     optical,
     paired,
     pose_of_matrix,
-    read_json,
     rows_of,
     sequence_of,
 )
