@@ -2,14 +2,14 @@
 // The including shader declares shown_size.
 // Source: inverse depth is linear in the picture across a plane (docs/conventions.md).
 layout(r32f) readonly uniform image2D model_inverse_depth;
-uniform vec2 first_tangent, pixel_tangent; // of the picture's corner, of one pixel
+uniform vec2 tangent_start, tangent_step; // of the picture's corner, of one pixel
 const float FLOOR = 0.02; // 1/m: nothing is farther than 50 m, so that the sky has a position
 
 // The normal of a plane of inverse depth, away from the eye, in eye axes: of n.p = d, inverse depth
 // is (n.x x + n.y y - n.z) / d.
 vec3 normal_at(vec2 p, float depth, vec2 slope) {
-    vec2 across = slope / pixel_tangent;
-    vec3 away = vec3(across, dot(across, first_tangent + p * pixel_tangent) - depth);
+    vec2 across = slope / tangent_step;
+    vec3 away = vec3(across, dot(across, tangent_start + p * tangent_step) - depth);
     float size = length(away);
     return size > 1e-9 ? away / size : vec3(0.0, 0.0, -1.0);
 }

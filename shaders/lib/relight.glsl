@@ -12,5 +12,5 @@ const int BLOCK = 8;
 const int PARTS = 3;
 
 vec3 point_at(vec2 p, float depth) {
-    return vec3(first_tangent + p * pixel_tangent, -1.0) / (depth + FLOOR);
+    return vec3(tangent_start + p * tangent_step, -1.0) / (depth + FLOOR);
 }

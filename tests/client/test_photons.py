@@ -160,8 +160,8 @@ def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu
     baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
     stopped.close()
     late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))
-    # In sunroom the sun turns by 10 degrees, and what photons scatter is most of the error. Measured
-    # 0.41 and 0.71; paths have fixed random numbers, so only rounding moves them.
+    # In sunroom the sun turns by 10 degrees, and what photons scatter is most of the error.
+    # Measured 0.41 and 0.71; paths have fixed random numbers, so only rounding moves them.
     assert late_error < baked_error * {"lantern": 0.5, "sunroom": 0.9}[name]
 
 

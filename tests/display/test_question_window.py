@@ -68,7 +68,7 @@ class Asking:
         return self.told[-1][what]
 
     def waits(self, what: str, wanted: object) -> None:
-        until(lambda: self.now(what) == wanted, f"{what} == {wanted}, not {self.now(what)}")
+        until(lambda: self.now(what) == wanted, f"{what} == {wanted}", lambda: f"{what} is {self.now(what)}")
 
     def geometry(self) -> tuple[int, int, int, int]:
         lines = dict(
@@ -224,8 +224,13 @@ def test_beside_the_text_panel_the_mouse_does_nothing(asking):
 
 
 def stands_still(asking) -> bool:
+    """Whether two reports, each of a head two refreshes later, are of one place.
+
+    The program tells of changes only, and may not have been running since its last line.
+    """
+    asking.say("wait")
     before = asking.now("stands")
-    time.sleep(0.2)
+    asking.say("wait")
     return asking.now("stands") == before
 
 

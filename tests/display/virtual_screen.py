@@ -45,6 +45,9 @@ class VirtualScreen:
             "-nolisten",
             "tcp",
             "-noreset",
+            # A key that a busy machine keeps down for 0.7 s would be typed twice.
+            "-ardelay",
+            "3000",
         ]
         self._server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
@@ -97,12 +100,15 @@ class VirtualScreen:
         self._server.wait(PATIENCE_S)
 
 
-def until(holds: Callable[[], object], what: str):
-    """Waits for it; what it gave."""
+def until(holds: Callable[[], object], what: str, found_instead: Callable[[], str] = lambda: "it is not so"):
+    """Waits for it; what it gave.
+
+    found_instead: asked at the end of its patience, for the message.
+    """
     end = time.monotonic() + PATIENCE_S
     while time.monotonic() < end:
         found = holds()
         if found:
             return found
         time.sleep(0.05)
-    raise AssertionError(f"not within {PATIENCE_S:g} s: {what}")
+    raise AssertionError(f"not within {PATIENCE_S:g} s: {what}; {found_instead()}")

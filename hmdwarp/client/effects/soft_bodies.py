@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...frames import Needs
+from ...geometry.mirror import tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
-from ..fill_parts import NEAR, OFF_PLANE, BlockLights, tangents_of
+from ..fill_parts import NEAR, OFF_PLANE, BlockLights
 from ..fills.relight import MODEL_WEIGHT, RelightSettings
 from . import effects
 from ._base import Effect, ShownPass
@@ -94,12 +95,13 @@ class SoftBodiesPass(ShownPass):
         picture.depth.bind_to_image(0, read=True, write=True)
         into.bind_for_writing(1)
         self._lights.bind_samples()
-        first, pixel = tangents_of(late.view, late.size)
+        rays = tangents_of_pixels(late.view, late.size)
         self._light.uniforms.set(
             **{name: unit for unit, (name, _) in enumerate(names)},
-            shown_inverse_depth=0, written=1, shown_size=self.shown_size, late_size=late.size, late_first=first,
-            late_pixel=pixel, same=SAME, steepest=STEEPEST * max(pixel), samples=_RELIGHT.samples, near=NEAR,
-            off_plane=OFF_PLANE, model_weight=MODEL_WEIGHT["none"],
+            shown_inverse_depth=0, written=1, shown_size=self.shown_size, late_size=late.size,
+            late_first=rays["tangent_start"], late_pixel=rays["tangent_step"], same=SAME,
+            steepest=STEEPEST * max(rays["tangent_step"]), samples=_RELIGHT.samples, near=NEAR, off_plane=OFF_PLANE,
+            model_weight=MODEL_WEIGHT["none"],
         )  # fmt: skip
         self._light.run(*self.shown_size)
 

@@ -9,7 +9,6 @@ from .block_lights import (
     SAME_SURFACE,
     BlockLights,
     sample_offsets,
-    tangents_of,
 )
 from .hole_filler import HoleFiller
 from .hole_pieces import HolePieces
@@ -25,7 +24,6 @@ __all__ = [
     "SAME_DEPTH",
     "SAME_SURFACE",
     "sample_offsets",
-    "tangents_of",
     "BYTES_PER_PIXEL",
     "HoleFiller",
     "HolePieces",

@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.mirror import tangents_of_pixels
 from ...gpu.textures import allocate, release_all, tiles
 
 if TYPE_CHECKING:
@@ -39,12 +40,6 @@ def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
     return np.rint(reach_pixels * ring[:, None] ** 2 * np.stack([np.cos(turn), np.sin(turn)], axis=1)).astype(np.int32)
 
 
-def tangents_of(view: View, size: tuple[int, int]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the tangents of a picture's lower left corner, and those of one pixel."""
-    left, right, down, up = view.fov.tangents
-    return (left, down), ((right - left) / size[0], (up - down) / size[1])
-
-
 class BlockLights:
     """Finds light on blocks of a picture, and holds where a pixel looks for it.
 
@@ -69,11 +64,10 @@ class BlockLights:
         for unit, texture in enumerate(textures):
             texture.bind_to_image(unit, read=True, write=False)
         self.texture.bind_to_image(_LIGHTS, read=True, write=True)
-        first, pixel = tangents_of(view, self._size)
         self._find.uniforms.set(
             warped=0, warped_inverse_depth=1, albedo=2, model_inverse_depth=3, lights=_LIGHTS, shown_size=self._size,
-            block_count=self._blocks, first_tangent=first, pixel_tangent=pixel, same_depth=SAME_DEPTH,
-            same_surface=SAME_SURFACE,
+            block_count=self._blocks, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE,
+            **tangents_of_pixels(view, self._size),
         )  # fmt: skip
         self._find.run(*self._blocks)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import View, WarpMap
+from ...geometry.mirror import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..fill_parts import HolePieces
 from ..shown_picture import ShownPicture
@@ -113,13 +114,11 @@ class Composite(Fill):
         # a move, not a guard band or another size.
         was = View(inputs.rendered.view.pose, view.fov)
         back = WarpMap.between(view, self.shown_size, was, self.shown_size)
-        left, right, down, up = view.fov.tangents
-        per_pixel = ((right - left) / self.shown_size[0], (up - down) / self.shown_size[1])
         units = {"warped": _WARPED, "unlit": _UNLIT, "model_inverse_depth": _MODEL_DEPTH}
         units |= {"filled": _FILLED, "filled_depth": _FILLED_DEPTH}
         limits = {"same_depth": chosen.depth, "same_way": float(np.cos(np.deg2rad(chosen.normal)))}
         self._program.uniforms.set(
-            H=back.H, e=back.e, first_tangent=(left, down), pixel_tangent=per_pixel, shown_size=self.shown_size,
+            H=back.H, e=back.e, **tangents_of_pixels(view, self.shown_size), shown_size=self.shown_size,
             samples=chosen.samples, frame_seed=frame_seed(chosen.seed, inputs.shown_ns, inputs.eye), **units, **limits,
         )  # fmt: skip
         self._pieces.run(self._program)

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Literal
 
 import attrs
 
+from ...geometry.mirror import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
-from ..fill_parts import NEAR, OFF_PLANE, BlockLights, tangents_of
+from ..fill_parts import NEAR, OFF_PLANE, BlockLights
 from ..settings import share_of
 from ..shown_picture import ShownPicture
 from . import fills
@@ -95,9 +96,8 @@ class Relight(Fill):
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
         self.gpu.barrier()
-        first, pixel = tangents_of(view, self.shown_size)
         self._apply.uniforms.set(
-            albedo=2, model_inverse_depth=3, lights=5, filled=4, first_tangent=first, pixel_tangent=pixel,
+            albedo=2, model_inverse_depth=3, lights=5, filled=4, **tangents_of_pixels(view, self.shown_size),
             shown_size=self.shown_size, near=NEAR, off_plane=OFF_PLANE, model_weight=MODEL_WEIGHT[self.settings.light],
             samples=self.settings.samples,
         )  # fmt: skip
