@@ -6,6 +6,7 @@ than they do.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import math
 import struct
@@ -15,13 +16,15 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..colour import linear_from_srgb
+from ..errors import InputError, listed
 from ..geometry import Fov, Pose, View
 
 VERSION = 1
 MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL = 1, 2, 3
-RGBA16F, INVERSE_DEPTH = 1, 1
+RGBA16F, RGBA8 = 1, 2
+INVERSE_DEPTH = 1
 MOST_SIDE, MOST_EYES, MOST_TEXT = 8192, 2, 500
 MOST_BYTES = 1 << 29
 # Magic, version, kind, bytes of the whole message.
@@ -36,7 +39,9 @@ _REFUSAL = struct.Struct("<QI")
 _POSE = struct.Struct("<7d")
 # world_from_eye, head_from_eye, left, right, down, up.
 _EYE = struct.Struct("<18d")
-_COLOUR_BYTES, _DEPTH_BYTES = 8, 4
+# Of each format of colour: how numbers are stored, four a pixel.
+_COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
+_DEPTH_BYTES = 4
 LARGEST_ASK = _HEAD.size + _ASK.size + _POSE.size + MOST_EYES * _EYE.size
 _NO_TOKEN = bytes(32)
 Size = tuple[int, int]
@@ -81,8 +86,9 @@ class FrameMessage:
     render_ns: int
     time_ns: int
     views: tuple[View, ...]
-    # Of each eye, top row first: (h, w, 4) linear light, coverage in alpha.
-    colours: tuple[NDArray[np.float16], ...]
+    # Of each eye, top row first, (h, w, 4) with coverage in alpha: linear light as float16, or sRGB
+    # as uint8.
+    colours: tuple[NDArray[np.float16] | NDArray[np.uint8], ...]
     # (h, w) in 1/m, 0 for the sky, -1 where nothing was drawn.
     inverse_depths: tuple[NDArray[np.float32], ...]
 
@@ -91,6 +97,15 @@ class FrameMessage:
         """(w, h) of one eye."""
         height, width = self.inverse_depths[0].shape
         return width, height
+
+    def light(self, eye: int) -> NDArray[np.float16]:
+        """Return one eye's colour as linear light."""
+        colour = self.colours[eye]
+        if colour.dtype != np.uint8:
+            return colour.astype(np.float16, copy=False)
+        light = _light_of_byte()[colour]
+        light[..., 3] = colour[..., 3] > 0
+        return light
 
     @property
     def bytes(self) -> int:
@@ -109,6 +124,11 @@ class Refusal:
 Message = Ask | FrameMessage | Refusal
 
 
+@functools.cache
+def _light_of_byte() -> NDArray[np.float16]:
+    return linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16)
+
+
 def token_of(secret: str) -> bytes:
     """Return what a request carries of a shared secret; zeros for an empty one."""
     return hashlib.sha256(secret.encode()).digest() if secret else _NO_TOKEN
@@ -124,7 +144,8 @@ def encode(message: Message) -> bytes:
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
-        start = _FRAME.pack(*numbers, *it.size, len(it.views), RGBA16F, INVERSE_DEPTH)
+        colour = RGBA8 if it.colours[0].dtype == np.uint8 else RGBA16F
+        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, INVERSE_DEPTH)
         pictures = zip(it.colours, it.inverse_depths, strict=True)
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *(p.tobytes() for pair in pictures for p in pair)])
     text = message.text.encode()[:MOST_TEXT]
@@ -177,17 +198,21 @@ def _frame(data: bytes) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
     width, height, eyes, colour, depth = form
     _check_format(width, height, eyes)
-    if (colour, depth) != (RGBA16F, INVERSE_DEPTH):
-        raise Malformed(f"formats {colour} and {depth}: expected {RGBA16F} for colour and {INVERSE_DEPTH} for depth")
+    if colour not in _COLOURS or depth != INVERSE_DEPTH:
+        raise Malformed(
+            f"formats {colour} and {depth}: expected {listed([*map(str, _COLOURS)], 'or')} for colour and "
+            f"{INVERSE_DEPTH} for depth"
+        )
     if render_ns < 0:
         raise Malformed(f"drawn in {render_ns} ns: expected 0 or more")
-    at, pixels = _HEAD.size + _FRAME.size, width * height
-    _check_length(data, at + eyes * (_EYE.size + (_COLOUR_BYTES + _DEPTH_BYTES) * pixels))
+    at, pixels, of_colour = _HEAD.size + _FRAME.size, width * height, _COLOURS[colour]
+    colour_bytes = 4 * of_colour.itemsize * pixels
+    _check_length(data, at + eyes * (_EYE.size + colour_bytes + _DEPTH_BYTES * pixels))
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
     colours, depths = [], []
     for _ in range(eyes):
-        colours.append(np.frombuffer(data, "<f2", 4 * pixels, at).reshape(height, width, 4))
-        at += _COLOUR_BYTES * pixels
+        colours.append(np.frombuffer(data, of_colour, 4 * pixels, at).reshape(height, width, 4))
+        at += colour_bytes
         depths.append(np.frombuffer(data, "<f4", pixels, at).reshape(height, width))
         at += _DEPTH_BYTES * pixels
     return FrameMessage(

@@ -38,6 +38,7 @@ from .planning import proxy_plan_for
 from .proxy import GuardedEyes, KnownHead, Proxy
 from .recorded_server import RecordedServer
 from .remote import Remote, RemoteChannel, RemoteFrames
+from .remote_server import SERVER_SCENE, RemoteServer
 from .requested import PoseRequest
 from .sized import SizedCompensator
 from .sizes import check_room, eye_sizes, rendered_entry
@@ -197,7 +198,7 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = Server(gpu, scene, options.mirrors) if sequence is None else RecordedServer(gpu, sequence)
+        server = _server(options, gpu, scene, sequence, remote)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)
@@ -225,6 +226,16 @@ def build_pipeline(
         loop = Loop(requested, source, channel, history, compensator, target.eyes, changes)
         parts = (gpu, server, geometry, proxy, channel, loop, auto, lens_of, options)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
+
+
+def _server(
+    options: PipelineOptions, gpu: Gpu, scene: Scene, sequence: Sequence | None, remote: Remote | None
+) -> Server:
+    if sequence is not None:
+        return RecordedServer(gpu, sequence)
+    if remote is not None and options.scene == SERVER_SCENE:
+        return RemoteServer(gpu, remote.address, remote.secret)
+    return Server(gpu, scene, options.mirrors)
 
 
 def _channel(

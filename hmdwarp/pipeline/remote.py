@@ -17,12 +17,12 @@ from ..feed.caller import Arrival, Caller
 from ..feed.message import Ask
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import guarded_eyes
-from ..gpu.textures import upload
 from ..link import LinkOptions
 from ..link.codec import codecs
 from ..link.options import DROP
 from .channel import Channel
 from .layers_read import Reads
+from .remote_server import upload_eye
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,6 +72,7 @@ class Remote:
         self, address: str, secret: str = "", *, holds: bool, say: Callable[[str], None] = lambda text: None
     ) -> None:
         self._caller, self._holds, self._say = Caller(address, secret), holds, say
+        self.address, self.secret = address, secret
         self._number = 0
         self._pending: dict[int, _Pending] = {}
         self._heard_ns, self._is_lost = time.monotonic_ns(), False
@@ -223,10 +224,9 @@ class RemoteFrames:
     def made(self, pending: _Pending, arrival: Arrival) -> Frame:
         """Return the frame that arrived."""
         found, eyes = arrival.frame, []
-        for view, colour, inverse_depth in zip(found.views, found.colours, found.inverse_depths, strict=True):
+        for eye, view in enumerate(found.views):
             target = self.server.acquire(found.size)
-            upload(target.colour, colour)
-            upload(target.inverse_depth, inverse_depth)
+            upload_eye(target, found, eye)
             eyes.append(EyeImage(view, target.colour, target.inverse_depth, drawn_ns=pending.drawn_ns))
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)

@@ -13,6 +13,7 @@ from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
+from ..pipeline.remote_server import NoTruth
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
@@ -40,6 +41,8 @@ class Probe:
         self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
+        # Pictures that were to be measured.
+        self.without_truth = 0
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
 
@@ -66,9 +69,12 @@ class Probe:
         for eye in range(len(refresh.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
-            truth = draw_truth(
-                self._setup.server, refresh.inputs[eye], self._setup.size, depth=number % self._every == 0
-            )
+            measured = number % self._every == 0
+            try:
+                truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
+            except NoTruth:
+                self.without_truth += measured
+                continue
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
             result = self._before_lens(refresh, eye)
             self._take(number, eye, MAIN, rendered, result, picture, depth)

@@ -102,7 +102,9 @@ class RunOptions(PipelineOptions):
     trace_options: TraceOptions = group(TraceOptions)
     # "" for frames that are drawn here.
     connect: str = option(
-        "", "HOST:PORT of 'hmdwarp serve' that draws the frames: their latency is measured, --latency counts nothing."
+        "",
+        "HOST:PORT of the server that draws the frames: their latency is measured, --latency counts nothing; "
+        "--scene server: whatever it draws.",
     )
     token_file: Path | None = option(None, "File with the secret that the server at --connect wants.", kind=Path)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")

@@ -20,6 +20,7 @@ from ..metrics import Kept, QualityPool, pooled, worker_count
 from ..pipeline.build import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.remote import Remote
+from ..pipeline.remote_server import RemoteServer
 from ..report import OutputFolder, VideoWriter
 from .frame_rows import Row
 from .guard import settled
@@ -61,6 +62,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         ) as pool:
             probe = Probe(setup, pool, _keep_every(setup))
             log = _run(setup, probe, out, progress)
+        _note_truth(setup, probe)
         if setup.remote is not None:
             _write_delays(setup, setup.remote, out)
         log.measured(_figures(pool, MAIN))
@@ -69,6 +71,11 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         result = result_of(setup, log, compared, more)
         write_results(out, log, result, compared, pool, options.command)
     return result
+
+
+def _note_truth(setup: ReplaySetup, probe: Probe) -> None:
+    if isinstance(setup.server, RemoteServer):
+        setup.notes.append(setup.server.about(probe.without_truth))
 
 
 def _write_delays(setup: ReplaySetup, remote: Remote, out: OutputFolder) -> None:
@@ -87,6 +94,7 @@ def _write_delays(setup: ReplaySetup, remote: Remote, out: OutputFolder) -> None
         longest = max(delays)
         delays[:0] = [longest] * (refreshes_of(longest / 1e6, schedule.rate_hz) - ahead)
         out.write_text("delays.csv", "".join(["delay_ms\n", *(f"{delay / 1e6!r}\n" for delay in delays)]))
+    if delays and not isinstance(setup.server, RemoteServer):
         setup.notes.append(
             f"The same frames at the same ages, without the server: --start {start_s!r} --delay-trace delays.csv"
         )
@@ -123,8 +131,10 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         set_up_replay(options, alone=True) as setup,
         QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool,
     ):
-        log = _run(setup, Probe(setup, pool, _keep_every(setup)), None, progress)
+        probe = Probe(setup, pool, _keep_every(setup))
+        log = _run(setup, probe, None, progress)
         pool.wait()
+        _note_truth(setup, probe)
         log.measured(_figures(pool, MAIN))
         summary = result_of(setup, log, [], {}).summary
         return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..auto.levels import QualityLevel
 from ..client.plan import Plan, needs_of
+from ..errors import InputError
 from ..frames import Needs
 from ..geometry import Pose
 from ..gpu.context import Gpu
@@ -23,6 +24,7 @@ from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.recorded_server import empty_scene
 from ..pipeline.remote import Remote, check_carried, check_remote
+from ..pipeline.remote_server import SERVER_SCENE, scene_elsewhere
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..repairs import parse_repairs
@@ -135,7 +137,7 @@ def set_up_replay(
     guarded_size(options.guard_band, headset, size)
     if options.connect:
         check_remote(options, recorded=sequence is not None)
-    scene = load_scene(*options.scene_key) if sequence is None else empty_scene(sequence)
+    scene = _scene(options) if sequence is None else empty_scene(sequence)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
     refuse_one_eye(needs, len(headset.views(Pose())), ONE_EYE)
@@ -165,6 +167,14 @@ def set_up_replay(
         notes.extend(options.notes)
         parts = (options, trace, track, scene, headset, size, schedule, gpu, pipeline, remote, notes)
         return ReplaySetup(*parts, stack.pop_all())
+
+
+def _scene(options: RunOptions) -> Scene:
+    if options.scene != SERVER_SCENE:
+        return load_scene(*options.scene_key)
+    if not options.connect:
+        raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
+    return scene_elsewhere(options.connect)
 
 
 def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:

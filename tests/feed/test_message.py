@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 import pytest
 
+from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.feed.message import (
     MOST_BYTES,
     Ask,
@@ -36,6 +37,8 @@ FRAME = FrameMessage(
     tuple(RNG.random((3, 4)).astype(np.float32) for _ in VIEWS),
 )
 
+BYTES = attrs.evolve(FRAME, colours=tuple(RNG.integers(0, 256, (3, 4, 4), np.uint8) for _ in VIEWS))
+
 
 def same_view(a: View, b: View) -> bool:
     poses = ((a.pose, b.pose), (a.head_from_eye, b.head_from_eye))
@@ -62,6 +65,16 @@ def test_a_frame_comes_back_bit_for_bit():
     ):
         np.testing.assert_array_equal(ours, theirs)
     assert all(map(same_view, back.views, VIEWS))
+
+
+def test_bytes_of_colour_come_back_and_are_srgb():
+    colours = BYTES.colours
+    colours[0][0, 0, 3] = 0
+    back = decode(encode(BYTES))
+    assert isinstance(back, FrameMessage)
+    np.testing.assert_array_equal(back.colours[1], colours[1])
+    np.testing.assert_array_equal(srgb8_from_linear(back.light(0)[..., :3]), colours[0][..., :3])
+    assert back.light(0)[0, 0, 3] == 0 and (back.light(1)[..., 3] == (colours[1][..., 3] > 0)).all()
 
 
 def test_a_refusal_is_one_printable_line():
@@ -99,7 +112,7 @@ def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
 
 def test_a_hundred_thousand_broken_messages_are_read_or_refused():
     rng = random.Random(19)
-    whole = [encode(ASK), encode(attrs.evolve(FRAME, views=FRAME.views)), encode(Refusal(1, "why"))]
+    whole = [encode(ASK), encode(FRAME), encode(BYTES), encode(Refusal(1, "why"))]
     refused = 0
     for _ in range(100_000):
         data = bytearray(rng.choice(whole))

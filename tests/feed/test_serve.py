@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 
 import attrs
 import numpy as np
@@ -16,13 +17,16 @@ from hmdwarp.errors import InputError
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import Refusal, decode, encode
 from hmdwarp.geometry import Pose
-from hmdwarp.gpu import download
+from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.pipeline.remote import Remote
+from hmdwarp.pipeline.remote_server import RemoteServer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.log import ReplayLog
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
 
 from .test_message import ASK, FRAME
 
@@ -116,6 +120,48 @@ def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, 
     # One machine, one clock: apart by half the shortest round trip at most.
     assert abs(feed["clock"]["offset_ms"]) <= feed["clock"]["shortest_round_trip_ms"] / 2 + 1e-3
     assert feed["malformed"] == 0 and feed["clock"]["jumps"] == 0
+
+
+def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
+    headset, size = load_headset("flat-90"), (96, 80)
+    view = headset.views(Pose((0.2, 1.7, 0.1), (0.0, 0.1, 0.0, 0.995)))[0]
+    with Gpu() as gpu, closing(RemoteServer(gpu, serving.address)) as there:
+        with closing(Server(gpu, load_scene("planes"))) as here:
+            ours, theirs = here.draw(view, size), there.draw(view, size)
+            for name in ("colour", "inverse_depth"):
+                np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
+        assert there.about(0) == "The truth is what the server drew for the shown views."
+
+
+def test_a_server_that_draws_no_truth_is_replayed_without_figures(tmp_path, monkeypatch):
+    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest."""
+    listener, done = Listener("127.0.0.1:*"), threading.Event()
+
+    def work() -> None:
+        while not done.is_set():
+            asked = listener.next(20)
+            if asked is None:
+                continue
+            (wide, high), ask = asked.ask.size, asked.ask
+            if len(ask.views) == 1:
+                listener.refuse(asked, "there is one camera")
+                continue
+            grey, flat = np.full((high, wide, 4), 0.5, np.float16), np.full((high, wide), 0.5, np.float32)
+            frame = attrs.evolve(
+                FRAME, number=ask.number, views=ask.views, colours=(grey,) * 2, inverse_depths=(flat,) * 2
+            )
+            listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        _, summary = pictures(monkeypatch, small(tmp_path / "out", scene="server", connect=listener.address))
+    finally:
+        done.set()
+        thread.join()
+        listener.close()
+    assert summary["measured"]["psnr_db"] == 0 and summary["quality"]["psnr_db"]["mean"] is None
+    assert "It drew none for 12 pictures, which were not measured." in summary["notes"][-1]
 
 
 def test_hostile_messages_are_left_out_and_the_next_client_is_served(serving, tmp_path, monkeypatch):

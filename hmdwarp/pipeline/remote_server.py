@@ -1,0 +1,82 @@
+"""A renderer elsewhere in the place of this side's: it draws the truth, as it draws the frames."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..errors import HmdwarpError, counted
+from ..feed.message import FrameMessage
+from ..feed.viewer import Viewer
+from ..frames import EyeImage
+from ..geometry import View
+from ..gpu.context import Gpu
+from ..gpu.textures import upload
+from ..scenes import Scene
+from ..server import Server, Target
+
+# The scene's name where the server's own is shown, whatever it is.
+SERVER_SCENE = "server"
+# What rounding leaves of two equal poses.
+_SAME_DEG, _SAME_M = 1e-4, 1e-6
+
+
+class NoTruth(HmdwarpError):
+    """The server elsewhere has not drawn what an eye should see."""
+
+
+def scene_elsewhere(address: str) -> Scene:
+    """Return a scene without anything in it: what there is, the server knows."""
+    everywhere = np.array([[-np.inf] * 3, [np.inf] * 3])
+    return Scene(SERVER_SCENE, f"drawn by {address}", (), walk_bounds_m=everywhere)
+
+
+def upload_eye(target: Target, frame: FrameMessage, eye: int) -> None:
+    """Put one eye's pictures of a frame into textures."""
+    upload(target.colour, frame.light(eye))
+    upload(target.inverse_depth, frame.inverse_depths[eye])
+
+
+class RemoteServer(Server):
+    """A Server whose pictures are drawn elsewhere, each when it is asked for.
+
+    It is a client beside the one that the frames are for, so that neither passes the other over.
+    Errors: as Viewer.
+    """
+
+    def __init__(self, gpu: Gpu, address: str, secret: str = "") -> None:
+        super().__init__(gpu, scene_elsewhere(address))
+        self._viewer = Viewer(address, secret)
+        # How far the drawn views were from those that were asked for, at most.
+        self.turned_deg = self.moved_m = 0.0
+
+    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
+        found = self._viewer.fetch(view, size, time_ns)
+        if found is None:
+            raise NoTruth("the server has not drawn the truth")
+        drawn = found.views[0].pose
+        turn = (drawn.rotation.inv() * view.pose.rotation).magnitude()
+        self.turned_deg = max(self.turned_deg, math.degrees(turn))
+        self.moved_m = max(self.moved_m, float(np.linalg.norm(drawn.position_m - view.pose.position_m)))
+        target = into if into is not None else self.acquire(size)
+        upload_eye(target, found, 0)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns)
+
+    def about(self, untold: int) -> str:
+        """Return what the truth is, in a sentence or two; untold: pictures that lack it."""
+        told = "The truth is what the server drew for the shown views."
+        if self.turned_deg > _SAME_DEG or self.moved_m > _SAME_M:
+            told += (
+                f" Its views were up to {self.turned_deg:.2f} degrees and {self.moved_m:.3f} m off those: the figures "
+                "count that as error."
+            )
+        if untold:
+            told += f" It drew none for {counted(untold, 'picture')}, which were not measured."
+        return told
+
+    def close(self) -> None:
+        """Free what was uploaded, and hang up."""
+        self._viewer.close()
+        super().close()
