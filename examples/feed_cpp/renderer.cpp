@@ -20,8 +20,8 @@ using Bytes = std::vector<uint8_t>;
 
 static_assert(sizeof(double) == 8 && sizeof(float) == 4, "IEEE 754 is expected");
 
-constexpr uint16_t VERSION = 1, REQUEST = 1, FRAME = 2;
-constexpr size_t REQUEST_BYTES = 156, EYE_BYTES = 144, FRAME_BYTES = 76;
+constexpr uint16_t VERSION = 2, REQUEST = 1, FRAME = 2;
+constexpr size_t REQUEST_BYTES = 180, EYE_BYTES = 144, FRAME_BYTES = 76, LENGTHS_BYTES = 8;
 
 // The feed is little-endian, as all machines are that this example is for.
 template <typename T> T get(const uint8_t *from) { T value; std::memcpy(&value, from, sizeof value); return value; }
@@ -107,12 +107,14 @@ Bytes answer(const Request &request) {
     const uint8_t *asked = request.data.data();
     const size_t width = get<uint32_t>(asked + 84), height = get<uint32_t>(asked + 88), eyes = asked[92];
     const size_t pixels = width * height;
-    Bytes frame(FRAME_BYTES + eyes * (EYE_BYTES + 8 * pixels));
+    Bytes frame(FRAME_BYTES + eyes * (EYE_BYTES + LENGTHS_BYTES + 8 * pixels));
     uint8_t *to = frame.data();
     int64_t begun_ns = now_ns();
     std::memcpy(to + FRAME_BYTES, asked + REQUEST_BYTES, eyes * EYE_BYTES);  // drawn as requested
     for (size_t eye = 0; eye < eyes; ++eye) {
-        uint8_t *colour = to + FRAME_BYTES + eyes * EYE_BYTES + eye * 8 * pixels;
+        put<uint32_t>(to + FRAME_BYTES + eyes * EYE_BYTES + eye * LENGTHS_BYTES, 4 * pixels);
+        put<uint32_t>(to + FRAME_BYTES + eyes * EYE_BYTES + eye * LENGTHS_BYTES + 4, 4 * pixels);
+        uint8_t *colour = to + FRAME_BYTES + eyes * (EYE_BYTES + LENGTHS_BYTES) + eye * 8 * pixels;
         draw(asked + REQUEST_BYTES + eye * EYE_BYTES, width, height, colour, colour + 4 * pixels);
     }
     int64_t sent_ns = now_ns();

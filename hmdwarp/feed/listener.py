@@ -5,13 +5,13 @@ from __future__ import annotations
 import hmac
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import attrs
 
 from ..errors import InputError
-from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
+from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, OtherVersion, Refusal, decode, encode, token_of
 from .sockets import address_of, is_local, zmq_module
 
 # Frames and bytes that a client has been sent and has not said to have: as much as it may lag.
@@ -135,7 +135,11 @@ class Listener:
         now_ns = time.monotonic_ns()
         if len(parts) != 1:
             raise Malformed(f"{len(parts)} parts: expected one")
-        ask = decode(parts[0])
+        try:
+            ask = decode(parts[0])
+        except OtherVersion as error:
+            self._send(who, encode(Refusal(error.number, f"{error}: take programs of the same version")))
+            raise
         if not isinstance(ask, Ask):
             raise Malformed("a message for clients: expected a request")
         if not hmac.compare_digest(ask.token, self._token):
@@ -173,6 +177,11 @@ class Listener:
         client = self._clients.pop(who)
         self._turns.remove(who)
         self._say(f"{client.name}: gone ({why}), {client.passed_over} requests passed over")
+
+    @property
+    def clients(self) -> Collection[bytes]:
+        """The routing ids of those that are here."""
+        return self._clients.keys()
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
         """Send a frame; return whether it could be sent at once."""

@@ -11,44 +11,75 @@ import hashlib
 import math
 import struct
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
-from ..errors import InputError, listed
+from ..errors import InputError
 from ..geometry import Fov, Pose, View
 
-VERSION = 1
+VERSION = 2
 MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL = 1, 2, 3
-RGBA16F, RGBA8 = 1, 2
-INVERSE_DEPTH = 1
+# Formats of colour, and of depth; 0 in a request: the server's choice.
+RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
+INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
+ANY = 0
 MOST_SIDE, MOST_EYES, MOST_TEXT = 8192, 2, 500
 MOST_BYTES = 1 << 29
 # Magic, version, kind, bytes of the whole message.
 _HEAD = struct.Struct("<4sHHI")
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
-# width, height, eyes.
-_ASK = struct.Struct("<QqqqQ32sIIB7x")
+# width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew, frames a
+# second, Mbit/s of an eye's video, step of depth.
+_ASK = struct.Struct("<QqqqQ32sIIBBBBB3x3d")
 # Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
-# height, eyes, format of colour, format of depth.
-_FRAME = struct.Struct("<QqqqqqIIBBB5x")
+# height, eyes, format of colour, format of depth, whether the stream begins here, place in it.
+_FRAME = struct.Struct("<QqqqqqIIBBBBI")
+# Bytes of one eye's colour and depth.
+_LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
 _POSE = struct.Struct("<7d")
 # world_from_eye, head_from_eye, left, right, down, up.
 _EYE = struct.Struct("<18d")
-# Of each format of colour: how numbers are stored, four a pixel.
+# Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
-_DEPTH_BYTES = 4
+_DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
 LARGEST_ASK = _HEAD.size + _ASK.size + _POSE.size + MOST_EYES * _EYE.size
 _NO_TOKEN = bytes(32)
+_FINEST = 2.0**-20
 Size = tuple[int, int]
+
+
+@attrs.frozen
+class Wish:
+    """How a client would have its frames coded; a server may send another format."""
+
+    colour: int = ANY
+    depth: int = ANY
+    # CRF of the video, 0 (best) to 51; None for the codec's own.
+    crf: int | None = None
+    # Frames a second that are asked for; the rate control of a video reads it.
+    rate_hz: float = 60.0
+    # Of one eye's video in place of a quality; 0 for none.
+    bitrate_mbit: float = 0.0
+    # 1/m, of coded depth; 0 for the server's choice.
+    depth_step: float = 0.0
 
 
 class Malformed(ValueError):
     """Bytes that are no message of this version; the text says what is wrong with them."""
+
+
+class OtherVersion(Malformed):
+    """A request in another version; its id is where every version has it."""
+
+    def __init__(self, version: int, number: int) -> None:
+        super().__init__(f"version {version}: this program speaks version {VERSION}")
+        self.number = number
 
 
 @attrs.frozen(eq=False)
@@ -71,6 +102,9 @@ class Ask:
     views: tuple[View, ...]
     # SHA-256 of the shared secret; zeros for none.
     token: bytes = _NO_TOKEN
+    wish: Wish = Wish()
+    # Whether the pictures must be decodable without any before.
+    anew: bool = False
 
 
 @attrs.frozen(eq=False)
@@ -87,20 +121,31 @@ class FrameMessage:
     time_ns: int
     views: tuple[View, ...]
     # Of each eye, top row first, (h, w, 4) with coverage in alpha: linear light as float16, or sRGB
-    # as uint8.
-    colours: tuple[NDArray[np.float16] | NDArray[np.uint8], ...]
-    # (h, w) in 1/m, 0 for the sky, -1 where nothing was drawn.
-    inverse_depths: tuple[NDArray[np.float32], ...]
+    # as uint8; bytes where it is coded.
+    colours: tuple[NDArray[np.float16] | NDArray[np.uint8] | bytes, ...]
+    # (h, w) in 1/m, 0 for the sky, -1 where nothing was drawn; bytes where it is coded.
+    inverse_depths: tuple[NDArray[np.float32] | bytes, ...]
+    # Formats of those that are bytes, and (w, h) of one eye where both are.
+    colour: int = RGBA16F
+    depth: int = INVERSE_DEPTH
+    coded_size: Size = (0, 0)
+    # Of coded pictures: whether this one can be decoded without those before, and its place: the
+    # next one's is 1 more.
+    begins: bool = True
+    place: int = 0
 
     @property
     def size(self) -> Size:
         """(w, h) of one eye."""
-        height, width = self.inverse_depths[0].shape
-        return width, height
+        for one in (self.inverse_depths[0], self.colours[0]):
+            if not isinstance(one, bytes):
+                return one.shape[1], one.shape[0]
+        return self.coded_size
 
     def light(self, eye: int) -> NDArray[np.float16]:
-        """Return one eye's colour as linear light."""
+        """Return one eye's colour as linear light; it must not be coded."""
         colour = self.colours[eye]
+        assert not isinstance(colour, bytes)
         if colour.dtype != np.uint8:
             return colour.astype(np.float16, copy=False)
         light = _light_of_byte()[colour]
@@ -110,7 +155,7 @@ class FrameMessage:
     @property
     def bytes(self) -> int:
         """Bytes of the pictures."""
-        return sum(one.nbytes for one in self.colours) + sum(one.nbytes for one in self.inverse_depths)
+        return sum(map(length_of, (*self.colours, *self.inverse_depths)))
 
 
 @attrs.frozen
@@ -122,6 +167,11 @@ class Refusal:
 
 
 Message = Ask | FrameMessage | Refusal
+
+
+def length_of(picture: NDArray[Any] | bytes) -> int:
+    """Return the bytes of a picture."""
+    return len(picture) if isinstance(picture, bytes) else picture.nbytes
 
 
 @functools.cache
@@ -139,17 +189,32 @@ def encode(message: Message) -> bytes:
     if isinstance(message, Ask):
         one = message
         stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
-        body = [_ASK.pack(*stated, *one.size, len(one.views)), _packed(one.head), *map(_packed_eye, one.views)]
-        return _framed(ASK, body)
+        start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
+        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views)])
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
-        colour = RGBA8 if it.colours[0].dtype == np.uint8 else RGBA16F
-        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, INVERSE_DEPTH)
-        pictures = zip(it.colours, it.inverse_depths, strict=True)
-        return _framed(FRAME, [start, *map(_packed_eye, it.views), *(p.tobytes() for pair in pictures for p in pair)])
+        colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
+        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place)
+        pairs = list(zip(it.colours, it.inverse_depths, strict=True))
+        lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
+        pictures = [p if isinstance(p, bytes) else p.tobytes() for pair in pairs for p in pair]
+        return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *pictures])
     text = message.text.encode()[:MOST_TEXT]
     return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
+
+
+def _packed_wish(ask: Ask) -> tuple[float, ...]:
+    wish = ask.wish
+    quality = 0 if wish.crf is None else 1 + wish.crf
+    return wish.colour, wish.depth, quality, ask.anew, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+
+
+def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
+    if isinstance(picture, bytes):
+        return coded
+    formats: dict[str, int] = {"float16": RGBA16F, "uint8": RGBA8, "float32": INVERSE_DEPTH}
+    return formats[picture.dtype.name]
 
 
 def _framed(kind: int, body: Sequence[bytes]) -> bytes:
@@ -172,8 +237,8 @@ def decode(data: bytes) -> Message:
     magic, version, kind, length = _HEAD.unpack_from(data)
     if magic != MAGIC:
         raise Malformed(f"it begins with {magic!r}: expected {MAGIC!r}")
-    if version != VERSION:
-        raise Malformed(f"version {version}: this program speaks version {VERSION}")
+    if version != VERSION and kind != REFUSAL:
+        raise OtherVersion(version, int.from_bytes(data[_HEAD.size : _HEAD.size + 8], "little"))
     if length != len(data) or length > MOST_BYTES:
         raise Malformed(f"{len(data)} bytes, and it says {length}: expected the same, at most {MOST_BYTES}")
     readers: dict[int, Callable[[bytes], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal}
@@ -186,38 +251,61 @@ def decode(data: bytes) -> Message:
 
 
 def _ask(data: bytes) -> Ask:
-    number, sent_ns, time_ns, head_ns, received, token, width, height, eyes = _ASK.unpack_from(data, _HEAD.size)
+    number, sent_ns, time_ns, head_ns, received, token, width, height, eyes, *asked = _ASK.unpack_from(data, _HEAD.size)
     at = _HEAD.size + _ASK.size
     _check_format(width, height, eyes)
     _check_length(data, at + _POSE.size + eyes * _EYE.size)
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
-    return Ask(number, sent_ns, time_ns, head_ns, received, (width, height), head, views, token)
+    wish, anew = _wish(asked), asked[3] != 0
+    return Ask(number, sent_ns, time_ns, head_ns, received, (width, height), head, views, token, wish, anew)
+
+
+def _wish(asked: Sequence[float]) -> Wish:
+    colour, depth, quality, _, rate_hz, bitrate_mbit, step = asked
+    in_range = 1 <= rate_hz <= 1000 and 0 <= bitrate_mbit <= 1000 and (step == 0 or _FINEST <= step <= 1)
+    if quality > 52 or not in_range:
+        raise Malformed(
+            f"quality {quality}, {rate_hz:g} Hz, {bitrate_mbit:g} Mbit/s, steps of {step:g} 1/m: expected 0 to 52, 1 "
+            f"to 1000 Hz, 0 to 1000 Mbit/s, and 0 or {_FINEST:g} to 1"
+        )
+    return Wish(int(colour), int(depth), int(quality) - 1 if quality else None, rate_hz, bitrate_mbit, step)
 
 
 def _frame(data: bytes) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
-    width, height, eyes, colour, depth = form
+    width, height, eyes, colour, depth, begins, place = form
     _check_format(width, height, eyes)
-    if colour not in _COLOURS or depth != INVERSE_DEPTH:
+    if not (RGBA16F <= colour <= HEVC and INVERSE_DEPTH <= depth <= DEPTH_VIDEO):
         raise Malformed(
-            f"formats {colour} and {depth}: expected {listed([*map(str, _COLOURS)], 'or')} for colour and "
-            f"{INVERSE_DEPTH} for depth"
+            f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
+            f"{DEPTH_VIDEO} for depth"
         )
     if render_ns < 0:
         raise Malformed(f"drawn in {render_ns} ns: expected 0 or more")
-    at, pixels, of_colour = _HEAD.size + _FRAME.size, width * height, _COLOURS[colour]
-    colour_bytes = 4 * of_colour.itemsize * pixels
-    _check_length(data, at + eyes * (_EYE.size + colour_bytes + _DEPTH_BYTES * pixels))
+    at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
-    colours, depths = [], []
-    for _ in range(eyes):
-        colours.append(np.frombuffer(data, of_colour, 4 * pixels, at).reshape(height, width, 4))
-        at += colour_bytes
-        depths.append(np.frombuffer(data, "<f4", pixels, at).reshape(height, width))
-        at += _DEPTH_BYTES * pixels
-    return FrameMessage(
-        number, asked_ns, received_ns, sent_ns, render_ns, time_ns, views, tuple(colours), tuple(depths)
-    )
+    lengths = [_LENGTHS.unpack_from(data, at + eye * _LENGTHS.size) for eye in range(eyes)]
+    at += eyes * _LENGTHS.size
+    _check_length(data, at + sum(map(sum, lengths)))
+    colours: list[NDArray[Any] | bytes] = []
+    depths: list[NDArray[Any] | bytes] = []
+    for of_colour, of_depth in lengths:
+        colours.append(_picture(data, at, of_colour, _COLOURS.get(colour), (height, width, 4)))
+        depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
+        at += of_colour + of_depth
+    times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
+    rest = (colour, depth, (width, height), begins != 0, place)
+    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest)
+
+
+def _picture(data: bytes, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
+    """Return the numbers of a picture, or the bytes of a coded one: no kind."""
+    if kind is None:
+        return data[at : at + length]
+    count = math.prod(shape)
+    if length != count * kind.itemsize:
+        raise Malformed(f"a picture of {length} bytes: expected {count * kind.itemsize}")
+    return np.frombuffer(data, kind, count, at).reshape(shape)
 
 
 def _refusal(data: bytes) -> Refusal:

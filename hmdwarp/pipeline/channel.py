@@ -116,9 +116,7 @@ class Channel:
         """Send a frame from the server."""
         self._measure(frame)
         if self._coder is None:
-            coded, sizes = CodedFrame(frame), Counter[str]()
-            for (_, name), layer, data in self._reads.contents(frame):
-                sizes[name] += layer.sent_bytes(data)
+            coded, sizes = CodedFrame(frame), self._uncoded_bytes(frame)
         else:
             wants_key = self.link.needs_key(now_ns)
             coded = self._coder.encode(frame, self._reads, self._beside, wants_key=wants_key)
@@ -130,6 +128,13 @@ class Channel:
         self._slowest_ns = max(render_ns, encode_ns, self._decode_ns, transit.transfer_ns)
         if self._overload is not None:
             self._overload.sent(now_ns, transit.queue_ns, self._slowest_ns)
+
+    def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
+        """Return what a frame weighs that goes as it was drawn, by layer."""
+        sizes = Counter[str]()
+        for (_, name), layer, data in self._reads.contents(frame):
+            sizes[name] += layer.sent_bytes(data)
+        return sizes
 
     def _measure(self, frame: Frame) -> None:
         """Note the resolution of a frame; the first is a full one."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from statistics import median
 from typing import TYPE_CHECKING, Any, Protocol
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from ..frames import Frame
+    from ..geometry import Fov
     from .layers_read import Reads
 
 # At most so many samples are kept: half an hour at 60 Hz.
@@ -216,7 +217,7 @@ class Coder:
     def _depth_step(self, frame: Frame) -> float:
         if self._coding.depth == EXACT:
             return STEP
-        return depth_step(_pixels_per_tangent(frame), self._age_s)
+        return depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
 
     def _open(self, streams: dict[Key, Stream], contents: Mapping[Key, _Content], step: float) -> None:
         """Open the streams that are not open yet."""
@@ -261,11 +262,11 @@ def _depth_error(coding: Coding, step: float) -> float:
     return 2 * step if coding.depth == AS_VIDEO else step / 2
 
 
-def _pixels_per_tangent(frame: Frame) -> float:
-    """Return how densely the pictures are drawn: of both axes and eyes the most."""
+def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float:
+    """Return how densely pictures of a field of view and size are drawn: of both axes the most."""
     return max(
         max(size[0] / (right - left), size[1] / (up - down))
-        for size, (left, right, down, up) in ((eye.size, eye.view.fov.tangents) for eye in frame.eyes)
+        for size, (left, right, down, up) in ((size, fov.tangents) for fov, size in pictures)
     )
 
 

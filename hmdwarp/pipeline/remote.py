@@ -7,6 +7,7 @@ enters the link with the delay that was measured.
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +15,14 @@ import attrs
 
 from ..errors import InputError, MachineError
 from ..feed.caller import Arrival, Caller
-from ..feed.message import Ask
+from ..feed.message import ANY, Ask, FrameMessage, Wish, length_of
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import guarded_eyes
 from ..link import LinkOptions
-from ..link.codec import codecs
+from ..link.codec import Undecodable, check_codec
 from ..link.options import DROP
 from .channel import Channel
+from .feed_coding import FeedDecoder, codec_of, depth_error
 from .layers_read import Reads
 from .remote_server import upload_eye
 
@@ -56,8 +58,11 @@ class _Answer:
     """A request and its frame, and how long after the request the loop had it."""
 
     pending: _Pending
+    # Decoded.
     arrival: Arrival
     took_ns: int
+    # Bytes that crossed the feed, by layer.
+    layer_bytes: Counter[str]
 
 
 class Remote:
@@ -76,7 +81,10 @@ class Remote:
         self._number = 0
         self._pending: dict[int, _Pending] = {}
         self._heard_ns, self._is_lost = time.monotonic_ns(), False
-        self.unanswered = self.refused = 0
+        self.unanswered = self.refused = self.undecodable = 0
+        self._decoder, self._anew_number = FeedDecoder(), 0
+        # How frames are to be coded; raw until it is said.
+        self.wish, self._format = Wish(), ANY
         self._paced: tuple[int, int] | None = None
         # The last instant for which the loop was told what had arrived.
         self._told_ns: int | None = None
@@ -88,7 +96,12 @@ class Remote:
         fovs, grown = guarded_eyes(views, guard, size)
         wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
         self._number += 1
-        sent_ns = self._caller.ask(Ask(self._number, 0, now_ns, head.time_ns, 0, grown, head.pose, wide))
+        # Asked for once, and again only if that request will have no answer.
+        anew = self._decoder.wants_anew and self._anew_number not in self._pending
+        if anew:
+            self._anew_number = self._number
+        ask = Ask(self._number, 0, now_ns, head.time_ns, 0, grown, head.pose, wide, wish=self.wish, anew=anew)
+        sent_ns = self._caller.ask(ask)
         self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown)
         while len(self._pending) > _MOST_PENDING:
             del self._pending[next(iter(self._pending))]
@@ -105,6 +118,7 @@ class Remote:
         self._pending.clear()
         self.delays_ns.clear()
         self.unanswered = 0
+        self._decoder.wants_anew = True
         return max(took[1:])
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
@@ -170,12 +184,17 @@ class Remote:
             if arrival.frame.size != pending.size:
                 self.refused += 1
                 continue
-            self._heard_ns = arrival.heard_ns
+            self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
+            try:
+                decoded = self._decoder.decode(arrival.frame)
+            except Undecodable:
+                self.undecodable += 1
+                continue
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
                 took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
-            found.append(_Answer(pending, arrival, took_ns))
+            found.append(_Answer(pending, attrs.evolve(arrival, frame=decoded), took_ns, _bytes_of(arrival.frame)))
             self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
 
@@ -190,18 +209,29 @@ class Remote:
             self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.0f} s; the last one stays")
             self._is_lost = True
 
+    @property
+    def codec(self) -> str:
+        """The codec of the frames that came last."""
+        return codec_of(self._format)
+
     def summary(self) -> dict[str, Any]:
         """Return what summary.json has of the connection."""
         return {
             "address": self._caller.address,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
+            "undecodable": self.undecodable,
             "malformed": self._caller.malformed + self.refused,
         }
 
     def close(self) -> None:
         """End the session."""
         self._caller.close()
+
+
+def _bytes_of(frame: FrameMessage) -> Counter[str]:
+    layers = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
+    return Counter({name: sum(map(length_of, both)) for name, both in layers.items()})
 
 
 @attrs.frozen(eq=False)
@@ -227,7 +257,9 @@ class RemoteFrames:
         for eye, view in enumerate(found.views):
             target = self.server.acquire(found.size)
             upload_eye(target, found, eye)
-            eyes.append(EyeImage(view, target.colour, target.inverse_depth, drawn_ns=pending.drawn_ns))
+            error = depth_error(found, self.remote.wish)
+            made = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=pending.drawn_ns, depth_error=error)
+            eyes.append(made)
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
 
@@ -259,6 +291,7 @@ class RemoteChannel(Channel):
         super().__init__(network, latency_ns, None, reads, offer, frames.recycle, rate_hz, settled)
         self._remote, self._frames_of = frames.remote, frames
         self._measured_ns = self._render_ns = 0
+        self._sent: Counter[str] = Counter()
         self.link.delay_by(self._delays())
 
     def _delays(self) -> Iterator[int]:
@@ -275,11 +308,15 @@ class RemoteChannel(Channel):
         for answer in self._remote.arrived(now_ns):
             self._render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
             self._measured_ns = answer.took_ns - self._render_ns
+            self._sent = answer.layer_bytes
             self.send(self._frames_of.made(answer.pending, answer.arrival), answer.pending.drawn_ns)
         return super().newest(now_ns)
 
     def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
         return self._render_ns, 0
+
+    def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
+        return self._sent
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame; skipped: requests that the server passed over."""
@@ -287,7 +324,7 @@ class RemoteChannel(Channel):
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json, with the connection."""
-        return {**super().summary(rate_hz), "feed": self._remote.summary()}
+        return {**super().summary(rate_hz), "codec": self._remote.codec, "feed": self._remote.summary()}
 
 
 def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
@@ -302,8 +339,9 @@ def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
             "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
             "leave them out"
         )
-    if not codecs.get(options.coding.codec).is_none or options.proxy.on or options.chooses_warp:
-        raise InputError("--connect with --codec, --proxy or --warp auto: not supported, leave them out")
+    check_codec(options.coding.codec)
+    if options.proxy.on or options.chooses_warp:
+        raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
 
 
 def check_carried(needs: Needs) -> None:

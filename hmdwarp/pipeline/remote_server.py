@@ -35,7 +35,9 @@ def scene_elsewhere(address: str) -> Scene:
 def upload_eye(target: Target, frame: FrameMessage, eye: int) -> None:
     """Put one eye's pictures of a frame into textures."""
     upload(target.colour, frame.light(eye))
-    upload(target.inverse_depth, frame.inverse_depths[eye])
+    inverse_depth = frame.inverse_depths[eye]
+    assert not isinstance(inverse_depth, bytes), "it is decoded before"
+    upload(target.inverse_depth, inverse_depth)
 
 
 class RemoteServer(Server):

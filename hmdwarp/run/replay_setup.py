@@ -19,6 +19,7 @@ from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
+from ..pipeline.feed_coding import wish_of
 from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
@@ -149,7 +150,7 @@ def set_up_replay(
             check_carried(needs)
             remote = Remote(options.connect, secret_in(options.token_file), holds=True, say=_both(say, notes.append))
             stack.callback(remote.close)
-            options = _with_latency_to(remote, options, headset, size, track)
+            options = _with_latency_to(remote, options, headset, size, track, rate_hz)
         if schedule is None:
             schedule = schedule_of(trace.track, options, rate_hz)
         say(f"making ready: {_seen(scene, sequence)}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
@@ -186,11 +187,14 @@ def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
 
 
 def _with_latency_to(
-    remote: Remote, options: RunOptions, headset: Headset, size: tuple[int, int], track: PoseTrack
+    remote: Remote, options: RunOptions, headset: Headset, size: tuple[int, int], track: PoseTrack, rate_hz: float
 ) -> RunOptions:
     """Return the options with the latency that is measured, in place of the one that is set."""
     head = track.at(track.start_ns)
-    longest_ns = remote.measure(head, headset.views(head.pose), options.guard_band, size)
+    views = headset.views(head.pose)
+    remote.wish = wish_of(options.coding, rate_hz, views, size, options.latency_ms * 1e-3)
+    longest_ns = remote.measure(head, views, options.guard_band, size)
+    remote.wish = wish_of(options.coding, rate_hz, views, size, longest_ns * 1e-9 + 1 / rate_hz)
     return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
 

@@ -10,11 +10,18 @@ import pytest
 
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.feed.message import (
+    DEPTH_EXACT,
+    DEPTH_VIDEO,
+    H264,
+    HEVC,
+    INVERSE_DEPTH,
     MOST_BYTES,
     Ask,
     FrameMessage,
     Malformed,
+    OtherVersion,
     Refusal,
+    Wish,
     decode,
     encode,
     token_of,
@@ -38,6 +45,17 @@ FRAME = FrameMessage(
 )
 
 BYTES = attrs.evolve(FRAME, colours=tuple(RNG.integers(0, 256, (3, 4, 4), np.uint8) for _ in VIEWS))
+
+CODED = attrs.evolve(
+    FRAME,
+    colours=(b"colour", b"of two"),
+    inverse_depths=(b"depth", b""),
+    colour=HEVC,
+    depth=DEPTH_EXACT,
+    coded_size=(4, 3),
+    begins=False,
+    place=9,
+)
 
 
 def same_view(a: View, b: View) -> bool:
@@ -77,6 +95,31 @@ def test_bytes_of_colour_come_back_and_are_srgb():
     assert back.light(0)[0, 0, 3] == 0 and (back.light(1)[..., 3] == (colours[1][..., 3] > 0)).all()
 
 
+def test_coded_pictures_and_the_wish_for_them_come_back_bit_for_bit():
+    wish = Wish(H264, DEPTH_VIDEO, 0, 72.0, 12.5, 2.0**-10)
+    back = decode(encode(attrs.evolve(ASK, wish=wish, anew=True)))
+    assert (back.wish, back.anew) == (wish, True)
+    assert decode(encode(attrs.evolve(ASK, wish=attrs.evolve(wish, crf=None)))).wish.crf is None
+    coded = decode(encode(CODED))
+    plain = ("colours", "inverse_depths", "colour", "depth", "size", "begins", "place")
+    assert [getattr(coded, name) for name in plain] == [getattr(CODED, name) for name in plain]
+    # One of the two coded: an engine with a video encoder and raw depth.
+    mixed = decode(encode(attrs.evolve(CODED, inverse_depths=FRAME.inverse_depths)))
+    assert mixed.colours == CODED.colours and mixed.depth == INVERSE_DEPTH
+    np.testing.assert_array_equal(mixed.inverse_depths[1], FRAME.inverse_depths[1])
+
+
+def test_a_request_in_another_version_is_told_with_its_id_and_a_refusal_is_read_in_any():
+    data = bytearray(encode(ASK))
+    data[4:6] = struct.pack("<H", 3)
+    with pytest.raises(OtherVersion, match="version 3") as told:
+        decode(bytes(data))
+    assert told.value.number == ASK.number
+    data = bytearray(encode(Refusal(7, "no")))
+    data[4:6] = struct.pack("<H", 3)
+    assert decode(bytes(data)) == Refusal(7, "no")
+
+
 def test_a_refusal_is_one_printable_line():
     back = decode(encode(Refusal(3, "no\n\x1b[31m room" + "é" * 10)))
     assert back == Refusal(3, "no  [31m room" + "é" * 10)
@@ -86,7 +129,7 @@ def test_a_refusal_is_one_printable_line():
     ("at", "value", "told"),
     [
         (0, b"NOPE", "begins with"),
-        (4, struct.pack("<H", 2), "version 2"),
+        (4, struct.pack("<H", 1), "version 1"),
         (6, struct.pack("<H", 9), "kind 9"),
         (8, struct.pack("<I", 12), "it says 12"),
         (8, struct.pack("<I", MOST_BYTES + 1), "it says"),
@@ -112,7 +155,7 @@ def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
 
 def test_a_hundred_thousand_broken_messages_are_read_or_refused():
     rng = random.Random(19)
-    whole = [encode(ASK), encode(FRAME), encode(BYTES), encode(Refusal(1, "why"))]
+    whole = [encode(ASK), encode(FRAME), encode(BYTES), encode(CODED), encode(Refusal(1, "why"))]
     refused = 0
     for _ in range(100_000):
         data = bytearray(rng.choice(whole))

@@ -17,6 +17,8 @@ from .depth_video import DepthVideoEncoder as DepthVideoEncoder
 from .packed_layers import pack as pack
 from .packed_layers import unpack as unpack
 from .packet import Packet as Packet
+from .stream import ColourDecoder as ColourDecoder
+from .stream import ColourEncoder as ColourEncoder
 from .undecodable import Undecodable as Undecodable
 from .vector_codec import VectorDecoder as VectorDecoder
 from .vector_codec import VectorEncoder as VectorEncoder

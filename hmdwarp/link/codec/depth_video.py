@@ -29,6 +29,7 @@ from .grey_codec import GreyDecoder, GreyEncoder
 from .holes import covered
 from .packet import Packet, from_two_parts, two_parts
 from .stream import VideoDecoder, VideoEncoder, padded
+from .undecodable import Undecodable
 
 _FORMAT, _MOST = "gray10le", 1023
 _CODEC = Codec(
@@ -115,6 +116,8 @@ class DepthVideoDecoder:
         """
         self._video.begin(packet.number, packet.key)
         (step, nearest), told, video = from_two_parts(_HEADER, packet.data, "depth")
+        if not (2.0**-30 <= step <= 2.0**30 and 0 <= nearest <= 2.0**128):
+            raise Undecodable(f"damaged depth (steps of {step:g}, up to {nearest:g})")
         kinds, _ = self._kinds.decode(told)
         out = _values(step, nearest)[_first_plane(self._video.decode(video, packet.number), self._size)]
         out[kinds == _FAR] = 0

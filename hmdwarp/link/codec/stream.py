@@ -112,6 +112,8 @@ class VideoDecoder:
         context = av.CodecContext.create(codec.decoder, "r")
         # Frame threads would delay pictures.
         context.thread_type, context.thread_count = "SLICE", 2
+        # Whatever size hostile bytes claim, no more memory than whole blocks take.
+        context.options = {"max_pixels": str((self._size[0] + _SMALLEST) * (self._size[1] + _SMALLEST))}
         self._context: Any = context
         # Of the next picture; None: wait for a key frame.
         self._next: int | None = None

@@ -1,0 +1,173 @@
+"""Pictures of the feed through a codec, as the client would have them: both ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..colour import srgb8_from_linear
+from ..feed.message import (
+    DEPTH_EXACT,
+    DEPTH_VIDEO,
+    H264,
+    HEVC,
+    INVERSE_DEPTH,
+    RGBA8,
+    RGBA16F,
+    Ask,
+    FrameMessage,
+    Wish,
+)
+from ..geometry import View
+from ..link.codec import (
+    AS_VIDEO,
+    EXACT,
+    STEP,
+    Coding,
+    ColourDecoder,
+    ColourEncoder,
+    DepthDecoder,
+    DepthEncoder,
+    DepthVideoDecoder,
+    DepthVideoEncoder,
+    Packet,
+    Undecodable,
+    codecs,
+    depth_step,
+)
+from .frame_coder import pixels_per_tangent
+
+_CODECS = {H264: "h264", HEVC: "hevc"}
+_FORMATS = {name: number for number, name in _CODECS.items()}
+
+
+def wish_of(coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[int, int], age_s: float) -> Wish:
+    """Return what to ask the server for, so that frames are coded as a run here would.
+
+    views, size: of the display; a guard band leaves the pixels as dense.
+    """
+    if codecs.get(coding.codec).is_none:
+        return Wish(rate_hz=rate_hz)
+    step = STEP if coding.depth == EXACT else depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
+    return Wish(
+        _FORMATS[coding.codec],
+        DEPTH_VIDEO if coding.depth == AS_VIDEO else DEPTH_EXACT,
+        coding.crf,
+        rate_hz,
+        coding.bitrate_mbit or 0.0,
+        step,
+    )
+
+
+def depth_error(frame: FrameMessage, wish: Wish) -> float:
+    """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
+    return {DEPTH_EXACT: wish.depth_step / 2, DEPTH_VIDEO: 2 * wish.depth_step}.get(frame.depth, 0.0)
+
+
+def codec_of(colour: int) -> str:
+    """Return the name of the codec of a format of colour."""
+    return _CODECS.get(colour, "none")
+
+
+class FeedEncoder:
+    """Code the frames of one client, of one size, as it asked. Errors: as VideoEncoder."""
+
+    def __init__(self, ask: Ask) -> None:
+        self.wish, self.size, self._place = ask.wish, ask.size, 0
+        self._eyes = [_EyeEncoder(ask.wish, ask.size) for _ in ask.views]
+
+    def suits(self, ask: Ask) -> bool:
+        """Return whether the next frame may follow on the ones before."""
+        return not ask.anew and (ask.wish, ask.size, len(ask.views)) == (self.wish, self.size, len(self._eyes))
+
+    def encode(self, frame: FrameMessage) -> FrameMessage:
+        """Return the frame, coded: the next of its stream."""
+        pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+        coded = [eye.encode(colour, depth) for eye, colour, depth in pairs]
+        place, self._place = self._place, self._place + 1
+        colours, depths = (tuple(one) for one in zip(*coded, strict=True))
+        return attrs.evolve(
+            frame,
+            colours=colours,
+            inverse_depths=depths,
+            colour=self.wish.colour or RGBA16F,
+            depth=self.wish.depth or INVERSE_DEPTH,
+            coded_size=self.size,
+            begins=place == 0,
+            place=place,
+        )
+
+
+class _EyeEncoder:
+    def __init__(self, wish: Wish, size: tuple[int, int]) -> None:
+        self._colour: ColourEncoder | None = None
+        self._video: DepthVideoEncoder | None = None
+        self._depth: DepthEncoder | None = None
+        if wish.colour in _CODECS:
+            codec, mbit = codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
+            self._colour = ColourEncoder(codec, size, wish.rate_hz, wish.crf, mbit)
+        if wish.depth == DEPTH_VIDEO:
+            self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP)
+        elif wish.depth == DEPTH_EXACT:
+            self._depth = DepthEncoder(size, wish.depth_step or STEP)
+        self._first, self._is_bytes = True, wish.colour == RGBA8
+
+    def encode(self, colour: Any, depth: Any) -> tuple[Any, Any]:
+        first, self._first = self._first, False
+        if self._colour is not None:
+            colour, _ = self._colour.encode(srgb8_from_linear(colour[..., :3]), first)
+        elif self._is_bytes:
+            coverage = np.where(colour[..., 3] > 0, 255, 0).astype(np.uint8)
+            colour = np.dstack([srgb8_from_linear(colour[..., :3]), coverage])
+        if self._video is not None:
+            return colour, self._video.encode(depth).data
+        return colour, depth if self._depth is None else self._depth.encode(depth)
+
+
+class FeedDecoder:
+    """Decode the frames of a server, which may change their formats and size."""
+
+    def __init__(self) -> None:
+        self._eyes: list[_EyeDecoder] = []
+        self._coded_as: tuple[Any, ...] = ()
+        self.wants_anew = True
+
+    def decode(self, frame: FrameMessage) -> FrameMessage:
+        """Return the frame with pictures. Errors: Undecodable, until one begins the stream anew."""
+        if not any(isinstance(one, bytes) for one in (*frame.colours, *frame.inverse_depths)):
+            self.wants_anew = False
+            return frame
+        coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
+        if frame.begins and self._coded_as != coded_as:
+            self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
+        self.wants_anew = True
+        if self._coded_as != coded_as:
+            raise Undecodable("another format, size or number of eyes than where the stream began")
+        pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+        found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
+        self.wants_anew = False
+        colours, depths = (tuple(one) for one in zip(*found, strict=True))
+        return attrs.evolve(frame, colours=colours, inverse_depths=depths)
+
+
+class _EyeDecoder:
+    def __init__(self, frame: FrameMessage) -> None:
+        self._colour = ColourDecoder(codecs.get(_CODECS[frame.colour]), frame.size) if frame.colour in _CODECS else None
+        self._video = DepthVideoDecoder(frame.size) if frame.depth == DEPTH_VIDEO else None
+        self._depth = DepthDecoder(frame.size)
+
+    def decode(self, frame: FrameMessage, colour: Any, depth: Any) -> tuple[NDArray[Any], NDArray[np.float32]]:
+        if self._video is not None:
+            depth = self._video.decode(Packet(frame.place, frame.begins, depth))
+        elif isinstance(depth, bytes):
+            depth = self._depth.decode(depth)
+        if self._colour is not None:
+            self._colour.begin(frame.place, frame.begins)
+            light = self._colour.decode(colour, frame.place)
+            # A video has no coverage: what has no depth was not drawn.
+            colour = np.dstack([light, np.where(depth < 0, 0, 255).astype(np.uint8)])
+        return colour, depth
