@@ -18,11 +18,11 @@ from pathlib import Path
 import attrs
 from pages import ROOT
 
-ROUNDS = 3
+ROUNDS = 2
 TRACES = ("look-around", "walk")
 BENCH = (
     *("bench", *TRACES, "--warp", "forward,iterative,backward", "--fill", "none,interpolate,pyramid,memory+pyramid"),
-    *("--no-grid", "--no-fused", "--instants", "4", "--quiet"),
+    *("--no-grid", "--no-fused", "--instants", "2", "--quiet"),
 )
 REPLAY = ("replay", "look-around", "--seconds", "3", "--quiet", "--images", "0")
 THESIS = ("--warp", "forward", "--fill", "interpolate", "--guard", "1", "--predict", "none")
