@@ -15,7 +15,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..registry import unknown_name
 from ..scenes import Scene
-from .moving import moving_parts, stands_still
+from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import ScenePasses
 from .targets import Framebuffers, Target, TargetPool
@@ -40,7 +40,7 @@ class Server:
     def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY) -> None:
         self.gpu, self.scene, self._marched = gpu, scene, _is_marched(mirrors)
         self._textures = SceneTextures(gpu, scene)
-        still = [mesh for mesh in scene.meshes if mesh.is_surface and stands_still(mesh)]
+        still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
         self._buffers = SceneBuffers(gpu, still, self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._framebuffers = Framebuffers(gpu.gl)
