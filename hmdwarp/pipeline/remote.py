@@ -12,21 +12,25 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from ..client.plan import needs_of
 from ..errors import InputError, MachineError
 from ..feed.caller import Arrival, Caller
 from ..feed.message import Ask
+from ..feed.options import FeedOptions, secret_in
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import guarded_eyes
 from ..gpu.textures import upload
 from ..link import LinkOptions
 from ..link.codec import codecs
-from ..link.options import DROP
+from ..link.options import ALL, DROP
+from ..scenes import Scene
 from .channel import Channel
 from .layers_read import Reads
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..client.plan import Plan
     from ..geometry import Eyes, Guard, View
     from ..poses import PoseSample
     from ..server import Server
@@ -64,22 +68,28 @@ class Remote:
     """The session with a server elsewhere.
 
     holds: the loop waits, at each refresh, until it is known what has arrived by then; for loops
-    that run on a clock of their own. say: called with each line about the connection.
-    Errors: as Caller.
+    that run on a clock of their own. keeps: delays_ns has every frame's. say: called with each line
+    about the connection.
+    Errors: as Caller, and InputError for a secret that cannot be read.
     """
 
     def __init__(
-        self, address: str, secret: str = "", *, holds: bool, say: Callable[[str], None] = lambda text: None
+        self, feed: FeedOptions, *, holds: bool, keeps: bool = False, say: Callable[[str], None] = lambda text: None
     ) -> None:
-        self._caller, self._holds, self._say = Caller(address, secret), holds, say
+        self._caller = Caller(feed.connect, secret_in(feed.token_file))
+        self._holds, self._keeps, self._say = holds, keeps, say
         self._number = 0
         self._pending: dict[int, _Pending] = {}
-        self._heard_ns, self._is_lost = time.monotonic_ns(), False
+        self._heard_ns = time.monotonic_ns()
+        # When frames stopped coming; None while they come.
+        self._lost_ns: int | None = None
+        self._losses, self._away_ns = 0, 0
         self.unanswered = self.refused = 0
         self._paced: tuple[int, int] | None = None
         # The last instant for which the loop was told what had arrived.
         self._told_ns: int | None = None
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
+        # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
 
     def ask(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], now_ns: int) -> None:
@@ -101,10 +111,14 @@ class Remote:
         took = []
         for _ in range(_TRIALS):
             took.append(self._trial(head, views, guard, size))
-        self._pending.clear()
+        self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
         return max(took[1:])
+
+    def forget(self) -> None:
+        """Leave out the answers to all requests so far: they are for another loop."""
+        self._pending.clear()
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
@@ -175,24 +189,34 @@ class Remote:
                 # It came in just before a refresh that was shown without it: handed over after.
                 took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
             found.append(_Answer(pending, arrival, took_ns))
-            self.delays_ns.append((pending.drawn_ns, took_ns))
+            if self._keeps:
+                self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
 
     def _tell(self) -> None:
         for line in self._caller.lines():
             self._say(line)
         silent_ns = time.monotonic_ns() - self._heard_ns
-        if self._is_lost and silent_ns < _TELL_NS:
+        if self._lost_ns is not None and silent_ns < _TELL_NS:
             self._say(f"{self._caller.address}: frames come again")
-            self._is_lost = False
-        elif not self._is_lost and self._pending and silent_ns >= _TELL_NS:
+            self._away_ns += self._heard_ns - self._lost_ns
+            self._lost_ns = None
+        elif self._lost_ns is None and self._pending and silent_ns >= _TELL_NS:
             self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.0f} s; the last one stays")
-            self._is_lost = True
+            self._lost_ns = self._heard_ns
+            self._losses += 1
+
+    @property
+    def notice(self) -> str:
+        """What is shown over the picture: that frames do not come; "" while they do."""
+        return "" if self._lost_ns is None else f"no frames from {self._caller.address}: the last one stays"
 
     def summary(self) -> dict[str, Any]:
         """Return what summary.json has of the connection."""
         return {
             "address": self._caller.address,
+            "lost": self._losses,
+            "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "malformed": self._caller.malformed + self.refused,
@@ -259,6 +283,8 @@ class RemoteChannel(Channel):
         super().__init__(network, latency_ns, None, reads, offer, frames.recycle, rate_hz, settled)
         self._remote, self._frames_of = frames.remote, frames
         self._measured_ns = self._render_ns = 0
+        self._unanswered = self._remote.unanswered
+        self._remote.forget()
         self.link.delay_by(self._delays())
 
     def _delays(self) -> Iterator[int]:
@@ -283,7 +309,7 @@ class RemoteChannel(Channel):
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame; skipped: requests that the server passed over."""
-        return {**super().fates(), "skipped": self._remote.unanswered}
+        return {**super().fates(), "skipped": self._remote.unanswered - self._unanswered}
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json, with the connection."""
@@ -302,8 +328,28 @@ def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
             "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
             "leave them out"
         )
+    if options.network.send != ALL:
+        raise InputError(
+            f"--connect with --send {options.network.send}: the server sends what is asked for; leave it out"
+        )
     if not codecs.get(options.coding.codec).is_none or options.proxy.on or options.chooses_warp:
         raise InputError("--connect with --codec, --proxy or --warp auto: not supported, leave them out")
+
+
+def scene_elsewhere(address: str) -> Scene:
+    """Return a scene without anything in it, for a loop whose frames are drawn at that address."""
+    return Scene(address, "what a server elsewhere draws", ())
+
+
+def check_shown_elsewhere(plans: Sequence[Plan]) -> None:
+    """Check that plans get by without the scene, with what the feed carries. Errors: InputError."""
+    check_carried(needs_of(plans))
+    steps = [step for plan in plans for step in plan.steps]
+    if any(name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)):
+        raise InputError(
+            "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: use "
+            "another one"
+        )
 
 
 def check_carried(needs: Needs) -> None:

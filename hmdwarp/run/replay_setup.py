@@ -31,7 +31,6 @@ from .options import RunOptions
 from .pose_request import check_names, pose_request
 from .recorded_frames import ONE_EYE, about, beside, display_of, own_trace, schedule_at_frames
 from .schedule import Schedule, schedule_of
-from .serve_options import secret_in
 
 if TYPE_CHECKING:
     from ..auto.adaptive import AdaptiveCompensator
@@ -125,10 +124,10 @@ def set_up_replay(
     against = _needs_of_against(options)
     trace = _trace(options, sequence)
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = None if options.connect else schedule_for(options, sequence, trace, rate_hz)
+    schedule = None if options.feed.is_used else schedule_for(options, sequence, trace, rate_hz)
     size = options.size or headset.eye_size_px
     guarded_size(options.guard_band, headset, size)
-    if options.connect:
+    if options.feed.is_used:
         check_remote(options, recorded=sequence is not None)
     scene = load_scene(*options.scene_key) if sequence is None else empty_scene(sequence)
     plans = plans_for(options, headset, scene, levels)
@@ -138,9 +137,9 @@ def set_up_replay(
     name = track.name or trace.path.stem
     with ExitStack() as stack:
         remote = None
-        if options.connect:
+        if options.feed.is_used:
             check_carried(needs)
-            remote = Remote(options.connect, secret_in(options.token_file), holds=True, say=_both(say, notes.append))
+            remote = Remote(options.feed, holds=True, keeps=True, say=_both(say, notes.append))
             stack.callback(remote.close)
             options = _with_latency_to(remote, options, headset, size, track)
         if schedule is None:

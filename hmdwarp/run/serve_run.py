@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 from ..errors import InputError
 from ..feed.listener import Asked, Listener
 from ..feed.message import MOST_BYTES, FrameMessage
+from ..feed.options import secret_in
 from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..scenes import load_scene
 from ..server import Server
-from .serve_options import ServeOptions, secret_in
+from .serve_options import ServeOptions
 
 if TYPE_CHECKING:
     from ..frames import Frame

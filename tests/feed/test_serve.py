@@ -1,10 +1,5 @@
 """A server and its client in two processes: what crosses the feed is what would be drawn here."""
 
-import os
-import queue
-import subprocess
-import sys
-import threading
 import time
 
 import attrs
@@ -15,6 +10,7 @@ from replays import small
 from hmdwarp.errors import InputError
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import Refusal, decode, encode
+from hmdwarp.feed.options import FeedOptions
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import download
 from hmdwarp.headsets import load_headset
@@ -24,46 +20,10 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.log import ReplayLog
 
+from .serving import Serving
 from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
-
-
-class Serving:
-    """`hmdwarp serve` in a process of its own, at a port that was free."""
-
-    def __init__(self, *options: str) -> None:
-        where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
-        command = [sys.executable, "-m", "hmdwarp", "serve", "--scene", "planes", *where, *options]
-        self.process = subprocess.Popen(
-            command, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
-        )
-        self.lines: queue.Queue[str] = queue.Queue()
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-        self.address = self.line("listening at").split()[2].rstrip(":")
-
-    def _read(self) -> None:
-        assert self.process.stderr is not None
-        for line in self.process.stderr:
-            self.lines.put(line)
-
-    def line(self, start: str) -> str:
-        """Wait for a line of the log; the limit is a fail-safe."""
-        while True:
-            line = self.lines.get(timeout=300)
-            if start in line:
-                return line
-
-    def __enter__(self) -> "Serving":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.terminate()
-        self.process.wait()
-        self._reader.join()
-        assert self.process.stderr is not None
-        self.process.stderr.close()
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +53,7 @@ def test_what_is_shown_equals_an_offline_replay_of_the_same_ages_bit_for_bit(ser
     asked = {"start_s": 0.4, "warp": "iterative", "fill": fill, "guard": 1.25, "rate_hz": 10.0}
     # A machine that was held up passes requests over; the fact is about runs in which it was not.
     for _ in range(20):
-        here = small(tmp_path / "online", connect=serving.address, force=True, **asked)
+        here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), force=True, **asked)
         online, summary = pictures(monkeypatch, here)
         if not summary["link"]["feed"]["unanswered"]:
             break
@@ -110,7 +70,9 @@ def test_what_is_shown_equals_an_offline_replay_of_the_same_ages_bit_for_bit(ser
 
 
 def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, monkeypatch):
-    _, summary = pictures(monkeypatch, small(tmp_path / "out", connect=serving.address, latency_ms=900.0))
+    _, summary = pictures(
+        monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), latency_ms=900.0)
+    )
     feed = summary["link"]["feed"]
     assert 0 < summary["latency_ms"] < 900
     # One machine, one clock: apart by half the shortest round trip at most.
@@ -128,7 +90,7 @@ def test_hostile_messages_are_left_out_and_the_next_client_is_served(serving, tm
         socket.send_multipart([b"a", b"b"])
     context.term()
     assert "left out" in serving.line("left out")
-    shown, _ = pictures(monkeypatch, small(tmp_path / "out", connect=serving.address))
+    shown, _ = pictures(monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address)))
     assert shown and serving.process.poll() is None
 
 
@@ -138,8 +100,10 @@ def test_a_wrong_token_is_refused_and_the_right_one_let_in(tmp_path, monkeypatch
     wrong.write_text("open barley\n")
     with Serving("--token-file", str(right)) as one:
         with pytest.raises(InputError, match="token"):
-            replay(small(tmp_path / "out", connect=one.address, token_file=wrong))
-        shown, _ = pictures(monkeypatch, small(tmp_path / "out", connect=one.address, token_file=right))
+            replay(small(tmp_path / "out", feed=FeedOptions(connect=one.address, token_file=wrong)))
+        shown, _ = pictures(
+            monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=one.address, token_file=right))
+        )
         assert shown
 
 
@@ -193,7 +157,7 @@ def answered(listener):
 def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     """A refresh was shown without it, so an offline replay of its delay must not show it there."""
     listener = Listener("127.0.0.1:*")
-    remote = Remote(listener.address, holds=False)
+    remote = Remote(FeedOptions(connect=listener.address), holds=False)
     eyes, head = load_headset("flat-90"), PoseSample(0, Pose(), Origin.MEASURED)
     found, asked = [], None
     while asked is None:  # until the connection is there
@@ -212,7 +176,7 @@ def test_a_server_that_is_killed_and_comes_back_is_taken_up_again(tmp_path):
     with Serving() as first:
         port = first.address.rpartition(":")[2]
         lines: list[str] = []
-        remote = Remote(first.address, holds=False, say=lines.append)
+        remote = Remote(FeedOptions(connect=first.address), holds=False, say=lines.append)
         eyes, head = load_headset("flat-90"), PoseSample(0, Pose((0, 1.6, 0)), Origin.MEASURED)
         ask = (head, eyes.views(head.pose), 1.0, (32, 24))
         remote.measure(*ask)
