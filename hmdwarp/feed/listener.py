@@ -11,8 +11,9 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
+from .keys import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
-from .sockets import address_of, is_local, zmq_module
+from .sockets import SEAL_BYTES, address_of, is_local, zmq_module
 
 # Frames and bytes that a client has been sent and has not said to have: as much as it may lag.
 _MOST_FRAMES, _MOST_BYTES = 64, 256 << 20
@@ -59,24 +60,26 @@ class Listener:
     Of each client the newest request counts; it waits while the client has frames to take, and one
     that is replaced before it was drawn is passed over. No client waits for another: a frame that
     cannot be sent at once is dropped.
-    say: called with each line for the log.
+    pair: encrypts; clients without its public key are not heard. say: called with each line for the
+    log.
     Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
-    without a token, unless is_open; MachineError without the library.
+    without a secret or a pair, unless is_open; MachineError without the library.
     """
 
     def __init__(
         self,
         address: str,
         secret: str = "",
+        pair: KeyPair | None = None,
         *,
         is_open: bool = False,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         where = address_of(address)
-        if not (is_local(where) or secret or is_open):
+        if not (is_local(where) or secret or pair or is_open):
             raise InputError(
-                f"--listen {address}: beyond this machine it wants a shared secret: give --token-file FILE, or --open "
-                "to let anybody in"
+                f"--listen {address}: beyond this machine it wants a key pair or a shared secret: give --key-pair NAME "
+                "or --token-file FILE, or --open to let anybody in"
             )
         self._zmq: Any = zmq_module()
         self._token, self._say = token_of(secret), say
@@ -90,12 +93,15 @@ class Listener:
             ("LINGER", 0),
             ("SNDHWM", _MOST_FRAMES),
             ("RCVHWM", 256),
-            ("MAXMSGSIZE", LARGEST_ASK),
+            ("MAXMSGSIZE", LARGEST_ASK + SEAL_BYTES),
             ("ROUTER_MANDATORY", 1),
             ("ROUTER_HANDOVER", 0),
             ("IPV6", "[" in where),
         ):
             self._socket.setsockopt(getattr(self._zmq, name), value)
+        if pair is not None:
+            self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
+            self._socket.curve_server = True
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:

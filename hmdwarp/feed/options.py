@@ -16,7 +16,7 @@ _STUDY = "a study shows scenes that it draws itself, with a latency that it sets
 class FeedOptions(Declared):
     """Where frames come from, if not from here.
 
-    Errors: InputError for a secret without a server.
+    Errors: InputError for a secret or a key without a server.
     """
 
     # "" for frames that are drawn here.
@@ -25,13 +25,20 @@ class FeedOptions(Declared):
         "HOST:PORT of 'hmdwarp serve' that draws the frames: their latency is measured, --latency counts nothing.",
         study=_STUDY,
     )
+    server_key: Path | None = option(
+        None,
+        "File with the public key of the server at --connect, its NAME.key; encrypts both ways.",
+        kind=Path,
+        study=_STUDY,
+    )
     token_file: Path | None = option(
         None, "File with the secret that the server at --connect wants.", kind=Path, study=_STUDY
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.token_file is not None and not self.connect:
-            raise InputError(f"--token-file {self.token_file}: it is for --connect; name the server, or leave it out")
+        for name, path in (("--server-key", self.server_key), ("--token-file", self.token_file)):
+            if path is not None and not self.connect:
+                raise InputError(f"{name} {path}: it is for --connect; name the server, or leave it out")
 
     @property
     def is_used(self) -> bool:

@@ -10,6 +10,8 @@ from ..errors import InputError
 from ..extra import import_extra
 from . import EXTRA
 
+# What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
+SEAL_BYTES = 8 + 8 + 16 + 1
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
 
 

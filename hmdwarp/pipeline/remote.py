@@ -15,6 +15,7 @@ import attrs
 from ..client.plan import needs_of
 from ..errors import InputError, MachineError
 from ..feed.caller import Arrival, Caller
+from ..feed.keys import public_key
 from ..feed.message import Ask
 from ..feed.options import FeedOptions, secret_in
 from ..frames import EyeImage, Frame, Needs
@@ -76,7 +77,7 @@ class Remote:
     def __init__(
         self, feed: FeedOptions, *, holds: bool, keeps: bool = False, say: Callable[[str], None] = lambda text: None
     ) -> None:
-        self._caller = Caller(feed.connect, secret_in(feed.token_file))
+        self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         self._holds, self._keeps, self._say = holds, keeps, say
         self._number = 0
         self._pending: dict[int, _Pending] = {}
@@ -135,7 +136,7 @@ class Remote:
                     return answer.took_ns
         raise MachineError(
             f"--connect {self._caller.address}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and "
-            "check address and token"
+            "check the address"
         )
 
     def pace(self, now_ns: int) -> None:

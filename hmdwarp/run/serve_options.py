@@ -21,7 +21,15 @@ class ServeOptions(Declared):
     scene_options: SceneOptions = group(SceneOptions)
     mirrors: str = same_as(_PIPELINE.mirrors)
     listen: str = option(
-        "127.0.0.1:5570", "HOST:PORT to listen at, * for a free port; beyond this machine it wants a token."
+        "127.0.0.1:5570",
+        "HOST:PORT to listen at, * for a free port; beyond this machine it wants a key pair or a token.",
+    )
+    key_pair: Path | None = option(
+        None,
+        "Encrypt, with the keys in NAME.key_secret and NAME.key, which are made where they are not there; clients "
+        "need NAME.key.",
+        kind=Path,
+        metavar="NAME",
     )
     token_file: Path | None = option(None, "File with the secret that clients must share.", kind=Path)
-    open: bool = option(False, "Let anybody in from beyond this machine, without a token.")
+    open: bool = option(False, "Let anybody in from beyond this machine, without a key or a token.")

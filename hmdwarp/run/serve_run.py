@@ -8,6 +8,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
+from ..feed.keys import key_pair
 from ..feed.listener import Asked, Listener
 from ..feed.message import MOST_BYTES, FrameMessage
 from ..feed.options import secret_in
@@ -33,8 +34,12 @@ def serve(
     say: called with each line for the log, first with the address.
     Errors: InputError for wrong options, MachineError for missing hardware or software.
     """
-    secret = secret_in(options.token_file)
-    with closing(Listener(options.listen, secret, is_open=options.open, say=say)) as listener:
+    secret, pair = secret_in(options.token_file), None
+    if options.key_pair is not None:
+        pair, is_new = key_pair(options.key_pair)
+        if is_new:
+            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
+    with closing(Listener(options.listen, secret, pair, is_open=options.open, say=say)) as listener:
         scene = load_scene(options.scene, options.scene_options)
         with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors)) as server:
             say(f"listening at {listener.address}: scene '{scene.name}'")
