@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from .keys import KeyPair
+from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
 from .sockets import SEAL_BYTES, address_of, is_local, zmq_module
 

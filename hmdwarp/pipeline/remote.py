@@ -15,7 +15,7 @@ import attrs
 from ..client.plan import needs_of
 from ..errors import InputError, MachineError
 from ..feed.caller import Arrival, Caller
-from ..feed.keys import public_key
+from ..feed.key_pairs import public_key
 from ..feed.message import Ask
 from ..feed.options import FeedOptions, secret_in
 from ..frames import EyeImage, Frame, Needs

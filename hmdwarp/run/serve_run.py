@@ -8,7 +8,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..feed.keys import key_pair
+from ..feed.key_pairs import key_pair
 from ..feed.listener import Asked, Listener
 from ..feed.message import MOST_BYTES, FrameMessage
 from ..feed.options import secret_in

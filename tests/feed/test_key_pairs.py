@@ -8,7 +8,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.feed.caller import Caller
-from hmdwarp.feed.keys import key_pair, public_key
+from hmdwarp.feed.key_pairs import key_pair, public_key
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import encode
 from hmdwarp.feed.options import FeedOptions
