@@ -10,7 +10,8 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, counted
+from .intake import KERNEL_BYTES, Intake
 from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
 from .sockets import SEAL_BYTES, address_of, is_local, zmq_module
@@ -93,6 +94,7 @@ class Listener:
             ("LINGER", 0),
             ("SNDHWM", _MOST_FRAMES),
             ("RCVHWM", 256),
+            ("RCVBUF", KERNEL_BYTES),
             ("MAXMSGSIZE", LARGEST_ASK + SEAL_BYTES),
             ("ROUTER_MANDATORY", 1),
             ("ROUTER_HANDOVER", 0),
@@ -102,17 +104,20 @@ class Listener:
         if pair is not None:
             self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
             self._socket.curve_server = True
+        self._intake = Intake(self._zmq, self._socket)
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:
             self._close()
             raise InputError(f"--listen {address}: {error}: take another port or stop what listens there") from error
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
+        self._told_cut = 0
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time."""
         self._hear(0 if self._has_turn() else wait_ms)
         self._forget_silent()
+        self._tell_cut()
         for _ in range(len(self._turns)):
             who = self._turns[0]
             self._turns.rotate(-1)
@@ -131,7 +136,9 @@ class Listener:
             if not self._socket.poll(wait_ms):
                 return
             wait_ms = 0
-            who, *parts = self._socket.recv_multipart()
+            frames = self._socket.recv_multipart(copy=False)
+            self._intake.took(frames)
+            who, *parts = (frame.bytes for frame in frames)
             try:
                 self._take(who, parts)
             except Malformed as error:
@@ -168,6 +175,12 @@ class Listener:
                 f"left out {self._bad} messages that are none: {error}" if self._bad > 1 else f"left out: {error}"
             )
             self._bad, self._told_ns = 0, now_ns
+
+    def _tell_cut(self) -> None:
+        cut = self._intake.cut
+        if cut > self._told_cut:
+            self._say(f"{counted(cut - self._told_cut, 'connection')} cut: a message without an end, or too many")
+            self._told_cut = cut
 
     def _forget_silent(self) -> None:
         now_ns = time.monotonic_ns()
@@ -210,5 +223,7 @@ class Listener:
         self._close()
 
     def _close(self) -> None:
+        self._socket.disable_monitor()
+        self._intake.close()
         self._socket.close(0)
         self._context.term()
