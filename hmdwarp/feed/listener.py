@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError, counted
-from .intake import KERNEL_BYTES, Intake
+from .connection_limits import KERNEL_BYTES, Connections
 from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
 from .sockets import SEAL_BYTES, address_of, is_local, zmq_module
@@ -104,7 +104,7 @@ class Listener:
         if pair is not None:
             self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
             self._socket.curve_server = True
-        self._intake = Intake(self._zmq, self._socket)
+        self._connections = Connections(self._zmq, self._socket)
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:
@@ -137,7 +137,7 @@ class Listener:
                 return
             wait_ms = 0
             frames = self._socket.recv_multipart(copy=False)
-            self._intake.took(frames)
+            self._connections.took(frames)
             who, *parts = (frame.bytes for frame in frames)
             try:
                 self._take(who, parts)
@@ -177,7 +177,7 @@ class Listener:
             self._bad, self._told_ns = 0, now_ns
 
     def _tell_cut(self) -> None:
-        cut = self._intake.cut
+        cut = self._connections.cut
         if cut > self._told_cut:
             self._say(f"{counted(cut - self._told_cut, 'connection')} cut: a message without an end, or too many")
             self._told_cut = cut
@@ -224,6 +224,6 @@ class Listener:
 
     def _close(self) -> None:
         self._socket.disable_monitor()
-        self._intake.close()
+        self._connections.close()
         self._socket.close(0)
         self._context.term()

@@ -12,9 +12,9 @@ import threading
 class Serving:
     """`hmdwarp serve` in a process of its own, at a port that was free."""
 
-    def __init__(self, *options: str) -> None:
+    def __init__(self, *options: str, inside: tuple[str, ...] = ()) -> None:
         where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
-        command = [sys.executable, "-m", "hmdwarp", "serve", "--scene", "planes", *where, *options]
+        command = [*inside, sys.executable, "-m", "hmdwarp", "serve", "--scene", "planes", *where, *options]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
         )

@@ -24,7 +24,7 @@ _EVERY_MS = 20
 _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
 
 
-class Intake:
+class Connections:
     """Cut connections that send on without finishing a message, and those beyond the most.
 
     Watches from a thread of its own, as the server may be drawing. On Linux, for TCP; elsewhere
@@ -38,7 +38,7 @@ class Intake:
         self.cut = 0
         self._ended = threading.Event()
         self._accepted = router.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED)
-        self._thread = threading.Thread(target=self._watch, name="intake", daemon=True)
+        self._thread = threading.Thread(target=self._watch, name="connections", daemon=True)
         self._thread.start()
 
     def took(self, parts: list[Any]) -> None:
