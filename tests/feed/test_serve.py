@@ -6,6 +6,7 @@ import pytest
 from replays import small
 
 from hmdwarp.errors import InputError
+from hmdwarp.feed.caller import Caller
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import Refusal, decode, encode
 from hmdwarp.feed.options import FeedOptions
@@ -18,6 +19,7 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.log import ReplayLog
 
+from .exchange import answered, exchanged
 from .serving import Serving
 from .test_message import ASK, FRAME
 
@@ -121,10 +123,10 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
             one.connect(listener.address)
         for number in (1, 2, 3):
             slow.send(encode(attrs.evolve(ASK, number=number, received=0, token=bytes(32))))
-        slow_asked = answered(listener)
+        slow_asked = next_asked(listener)
         # Requests 1 and 2 may have been taken before 3 was there; the newest comes last.
         while slow_asked.ask.number < 3:
-            slow_asked = answered(listener)
+            slow_asked = next_asked(listener)
         sent = 0
         for number in range(4, 200):
             slow.send(encode(attrs.evolve(ASK, number=number, received=0, token=bytes(32))))
@@ -135,7 +137,7 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
             sent += 1
         assert 0 < sent <= 64
         quick.send(encode(attrs.evolve(ASK, number=1, received=0, token=bytes(32))))
-        asked = answered(listener)
+        asked = next_asked(listener)
         assert asked.client != slow_asked.client
         listener.answer(asked, attrs.evolve(FRAME, number=1))
         assert quick.poll(60_000) and decode(quick.recv()).number == 1
@@ -143,7 +145,7 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
     listener.close()
 
 
-def answered(listener):
+def next_asked(listener):
     """Return the next request; the limit is a fail-safe."""
     for _ in range(600):
         asked = listener.next(200)
@@ -168,3 +170,39 @@ def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     assert found[0].took_ns > 5_000_000_000
     remote.close()
     listener.close()
+
+
+def test_every_client_has_its_own_rate():
+    """One asks three times as often as the other, and each gets what it asks for."""
+    listener = Listener("127.0.0.1:*")
+    often, seldom = Caller(listener.address), Caller(listener.address)
+    got = {often: 0, seldom: 0}
+    for one in got:
+        exchanged(one, listener)
+    for step in range(30):
+        asking = [often, seldom] if step % 3 == 0 else [often]
+        for one in asking:
+            one.ask(attrs.evolve(ASK, number=1_000_000 + step, token=bytes(32)))
+        waiting = set(asking)
+        while waiting:
+            answered(listener, 5)
+            for one in list(waiting):
+                frames = [arrival for arrival in one.take() if arrival.frame.number == 1_000_000 + step]
+                if frames:
+                    waiting.discard(one)
+                    got[one] += 1
+    assert got == {often: 30, seldom: 10}
+    for one in got:
+        one.close()
+    listener.close()
+
+
+def test_a_path_on_this_machine_is_an_address(tmp_path):
+    listener = Listener(f"ipc://{tmp_path}/frames")
+    caller = Caller(listener.address)
+    arrival, _ = exchanged(caller, listener)
+    np.testing.assert_array_equal(arrival.frame.colours[0], FRAME.colours[0])
+    caller.close()
+    listener.close()
+    with pytest.raises(InputError, match="shorter"):
+        Caller(f"ipc:///{'a' * 200}")
