@@ -20,13 +20,15 @@ OPTIONS =
 # Of test-kill: how many sessions are killed, and a seed for when.
 KILLS = 500
 SEED = 1
+# Of test-soak.
+SOAK_SECONDS = 3600
 # Two workers even on two cores, which llvmpipe alone cannot keep busy. Whichever is done first takes
 # half of what the other has left, so neither works alone at the end.
 PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill test-soak bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -62,6 +64,9 @@ test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root a
 
 test-kill: setup  ## kill sessions of a study at 500 random moments instead of 40 (KILLS=, SEED=): about five minutes
 	@STUDY_KILLS=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py -q $(OPTIONS)
+
+test-soak: setup  ## the feed for an hour over a link that is cut now and then (SOAK_SECONDS=): nothing may grow
+	@.venv/bin/python tests/soak_feed.py --seconds $(SOAK_SECONDS)
 
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)

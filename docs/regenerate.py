@@ -470,6 +470,11 @@ def on_a_gpu(_: Path, *ready: str) -> None:
         gpu_tables.file_section(json.loads(Path(name).read_text(encoding="utf-8")))
 
 
+def feed_ways(_: Path) -> None:
+    """Measure what a frame costs between two processes of one machine."""
+    replace("feed", printed("bench_feed.py", markdown=True))
+
+
 def speed(_: Path) -> None:
     """Measure the passes against OpenCV; needs an otherwise idle machine."""
     replace("speed", printed("bench_quick.py"))
@@ -612,6 +617,7 @@ PARTS = {
     "server-rates": server_rates,
     "proxy": proxies,
     "views": chosen_views,
+    "feed": feed_ways,
     "readme": readme,
 }
 

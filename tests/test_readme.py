@@ -79,7 +79,8 @@ def smaller(block: str) -> str:
 
 def _plain_scene(line: str) -> str:
     """Return the option of a scene that is ready at once, where the command does not name one."""
-    return "" if "--scene" in line or "--frames" in line else " --scene planes"
+    elsewhere = "--frames" in line or line.startswith("hmdwarp live ") and "--connect" in line
+    return "" if "--scene" in line or elsewhere else " --scene planes"
 
 
 @pytest.mark.slow(25)

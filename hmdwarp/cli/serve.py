@@ -11,7 +11,8 @@ from ._show import sayer
 def serve(said: Said) -> None:
     """Draw a scene for clients in other processes or on other machines, until Ctrl-C.
 
-    They are 'hmdwarp replay --connect' and programs that speak docs/feed.md.
+    They are 'hmdwarp live --connect', 'hmdwarp replay --connect', and programs that speak
+    docs/feed.md.
     """
     from ..run import serve as go
 

@@ -12,7 +12,7 @@ import attrs
 
 from .alignment import Alignment, Exchange
 from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
-from .sockets import address_of, zmq_module
+from .sockets import SEAL_BYTES, address_of, zmq_module
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
@@ -30,12 +30,14 @@ class Caller:
     """One client of a server, with a thread of its own so that arrivals are noted as they happen.
 
     A server that goes away is called again until it is back; requests without a connection are
-    dropped. Errors: InputError for an address that is none; MachineError without the library.
+    dropped. server_key: its public key, to encrypt; b"" for none. Errors: InputError for an address
+    that is none; MachineError without the library.
     """
 
-    def __init__(self, address: str, secret: str = "") -> None:
+    def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
         self._zmq: Any = zmq_module()
         self.address, self._token = address_of(address), token_of(secret)
+        self._server_key = server_key
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
@@ -94,23 +96,33 @@ class Caller:
             "LINGER": 0,
             "SNDHWM": 64,
             "RCVHWM": 4,
-            "MAXMSGSIZE": MOST_BYTES,
+            "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES,
             "IMMEDIATE": 1,
             "IPV6": "[" in self.address,
         }
         options |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000}
         for name, value in options.items():
             socket.setsockopt(getattr(self._zmq, name), value)
+        if self._server_key:
+            socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
+            socket.curve_serverkey = self._server_key
+        failures = socket.get_monitor_socket(
+            self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+        )
         socket.connect(self.address)
         poller = self._zmq.Poller()
         poller.register(socket, self._zmq.POLLIN)
         poller.register(orders, self._zmq.POLLIN)
+        poller.register(failures, self._zmq.POLLIN)
         try:
             while True:
                 ready = dict(poller.poll())
                 if socket in ready:
                     parts = socket.recv_multipart()
                     self._hear(parts, time.monotonic_ns())
+                if failures in ready:
+                    failures.recv_multipart()
+                    self._tell(f"{self.address}: refused: {self._no_handshake()}")
                 if orders in ready:
                     data = orders.recv()
                     if not data:
@@ -119,8 +131,15 @@ class Caller:
                     with contextlib.suppress(self._zmq.Again):
                         socket.send(data, self._zmq.NOBLOCK)
         finally:
+            socket.disable_monitor()
+            failures.close(0)
             socket.close(0)
             orders.close(0)
+
+    def _no_handshake(self) -> str:
+        if self._server_key:
+            return "no handshake: --server-key is another server's, or there is none with a key pair"
+        return "no handshake: a server with a key pair wants --server-key FILE, or there is no 'hmdwarp serve'"
 
     def _hear(self, parts: list[bytes], heard_ns: int) -> None:
         try:

@@ -10,9 +10,11 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, counted
+from .connection_limits import KERNEL_BYTES, Connections
+from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, OtherVersion, Refusal, decode, encode, token_of
-from .sockets import address_of, is_local, zmq_module
+from .sockets import SEAL_BYTES, address_of, is_local, zmq_module
 
 # Frames and bytes that a client has been sent and has not said to have: as much as it may lag.
 _MOST_FRAMES, _MOST_BYTES = 64, 256 << 20
@@ -59,24 +61,26 @@ class Listener:
     Of each client the newest request counts; it waits while the client has frames to take, and one
     that is replaced before it was drawn is passed over. No client waits for another: a frame that
     cannot be sent at once is dropped.
-    say: called with each line for the log.
+    pair: encrypts; clients without its public key are not heard. say: called with each line for the
+    log.
     Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
-    without a token, unless is_open; MachineError without the library.
+    without a secret or a pair, unless is_open; MachineError without the library.
     """
 
     def __init__(
         self,
         address: str,
         secret: str = "",
+        pair: KeyPair | None = None,
         *,
         is_open: bool = False,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         where = address_of(address)
-        if not (is_local(where) or secret or is_open):
+        if not (is_local(where) or secret or pair or is_open):
             raise InputError(
-                f"--listen {address}: beyond this machine it wants a shared secret: give --token-file FILE, or --open "
-                "to let anybody in"
+                f"--listen {address}: beyond this machine it wants a key pair or a shared secret: give --key-pair NAME "
+                "or --token-file FILE, or --open to let anybody in"
             )
         self._zmq: Any = zmq_module()
         self._token, self._say = token_of(secret), say
@@ -90,23 +94,30 @@ class Listener:
             ("LINGER", 0),
             ("SNDHWM", _MOST_FRAMES),
             ("RCVHWM", 256),
-            ("MAXMSGSIZE", LARGEST_ASK),
+            ("RCVBUF", KERNEL_BYTES),
+            ("MAXMSGSIZE", LARGEST_ASK + SEAL_BYTES),
             ("ROUTER_MANDATORY", 1),
             ("ROUTER_HANDOVER", 0),
             ("IPV6", "[" in where),
         ):
             self._socket.setsockopt(getattr(self._zmq, name), value)
+        if pair is not None:
+            self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
+            self._socket.curve_server = True
+        self._connections = Connections(self._zmq, self._socket)
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:
             self._close()
             raise InputError(f"--listen {address}: {error}: take another port or stop what listens there") from error
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
+        self._told_cut = 0
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time."""
         self._hear(0 if self._has_turn() else wait_ms)
         self._forget_silent()
+        self._tell_cut()
         for _ in range(len(self._turns)):
             who = self._turns[0]
             self._turns.rotate(-1)
@@ -125,7 +136,9 @@ class Listener:
             if not self._socket.poll(wait_ms):
                 return
             wait_ms = 0
-            who, *parts = self._socket.recv_multipart()
+            frames = self._socket.recv_multipart(copy=False)
+            self._connections.took(frames)
+            who, *parts = (frame.bytes for frame in frames)
             try:
                 self._take(who, parts)
             except Malformed as error:
@@ -166,6 +179,12 @@ class Listener:
                 f"left out {self._bad} messages that are none: {error}" if self._bad > 1 else f"left out: {error}"
             )
             self._bad, self._told_ns = 0, now_ns
+
+    def _tell_cut(self) -> None:
+        cut = self._connections.cut
+        if cut > self._told_cut:
+            self._say(f"{counted(cut - self._told_cut, 'connection')} cut: a message without an end, or too many")
+            self._told_cut = cut
 
     def _forget_silent(self) -> None:
         now_ns = time.monotonic_ns()
@@ -213,5 +232,7 @@ class Listener:
         self._close()
 
     def _close(self) -> None:
+        self._socket.disable_monitor()
+        self._connections.close()
         self._socket.close(0)
         self._context.term()

@@ -10,6 +10,9 @@ from ..errors import InputError
 from ..extra import import_extra
 from . import EXTRA
 
+# What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
+SEAL_BYTES = 8 + 8 + 16 + 1
+_MOST_PATH = 107  # of a local socket, less its last zero
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
 
 
@@ -23,7 +26,10 @@ def address_of(text: str) -> str:
 
     Errors: InputError.
     """
-    if text.startswith("ipc://") and len(text) > len("ipc://"):
+    path = text.removeprefix("ipc://")
+    if path and path != text:
+        if len(path.encode()) > _MOST_PATH:
+            raise InputError(f"address '{text}': a path of more than {_MOST_PATH} bytes; take a shorter one")
         return text
     found = _TCP.fullmatch(text)
     if found is None or (found[2] != "*" and int(found[2]) > 65535):

@@ -19,8 +19,8 @@ class Viewer:
     Errors: as Caller.
     """
 
-    def __init__(self, address: str, secret: str = "") -> None:
-        self._caller = Caller(address, secret)
+    def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
+        self._caller = Caller(address, secret, server_key)
         self._number = self._unanswered = 0
 
     def fetch(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:

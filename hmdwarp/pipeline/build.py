@@ -234,7 +234,7 @@ def _server(
     if sequence is not None:
         return RecordedServer(gpu, sequence)
     if remote is not None and options.scene == SERVER_SCENE:
-        return RemoteServer(gpu, remote.address, remote.secret)
+        return RemoteServer(gpu, remote.feed)
     return Server(gpu, scene, options.mirrors)
 
 

@@ -13,14 +13,18 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from ..client.plan import needs_of
 from ..errors import InputError, MachineError
 from ..feed.caller import Arrival, Caller
+from ..feed.key_pairs import public_key
 from ..feed.message import ANY, Ask, FrameMessage, Wish, length_of
+from ..feed.options import FeedOptions, secret_in
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import guarded_eyes
 from ..link import LinkOptions
 from ..link.codec import Undecodable, check_codec
-from ..link.options import DROP
+from ..link.options import ALL, DROP
+from ..scenes import Scene
 from .channel import Channel
 from .feed_coding import FeedDecoder, codec_of, depth_error
 from .layers_read import Reads
@@ -29,6 +33,7 @@ from .remote_server import upload_eye
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..client.plan import Plan
     from ..geometry import Eyes, Guard, View
     from ..poses import PoseSample
     from ..server import Server
@@ -69,18 +74,23 @@ class Remote:
     """The session with a server elsewhere.
 
     holds: the loop waits, at each refresh, until it is known what has arrived by then; for loops
-    that run on a clock of their own. say: called with each line about the connection.
-    Errors: as Caller.
+    that run on a clock of their own. keeps: delays_ns has every frame's. say: called with each line
+    about the connection.
+    Errors: as Caller, and InputError for a secret that cannot be read.
     """
 
     def __init__(
-        self, address: str, secret: str = "", *, holds: bool, say: Callable[[str], None] = lambda text: None
+        self, feed: FeedOptions, *, holds: bool, keeps: bool = False, say: Callable[[str], None] = lambda text: None
     ) -> None:
-        self._caller, self._holds, self._say = Caller(address, secret), holds, say
-        self.address, self.secret = address, secret
+        self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
+        self._holds, self._keeps, self._say = holds, keeps, say
+        self.feed = feed
         self._number = 0
         self._pending: dict[int, _Pending] = {}
-        self._heard_ns, self._is_lost = time.monotonic_ns(), False
+        self._heard_ns = time.monotonic_ns()
+        # When frames stopped coming; None while they come.
+        self._lost_ns: int | None = None
+        self._losses, self._away_ns = 0, 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = FeedDecoder(), 0
         # How frames are to be coded; raw until it is said.
@@ -89,6 +99,7 @@ class Remote:
         # The last instant for which the loop was told what had arrived.
         self._told_ns: int | None = None
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
+        # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
 
     def ask(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], now_ns: int) -> None:
@@ -115,11 +126,15 @@ class Remote:
         took = []
         for _ in range(_TRIALS):
             took.append(self._trial(head, views, guard, size))
-        self._pending.clear()
+        self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
         self._decoder.wants_anew = True
         return max(took[1:])
+
+    def forget(self) -> None:
+        """Leave out the answers to all requests so far: they are for another loop."""
+        self._pending.clear()
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
@@ -136,7 +151,7 @@ class Remote:
                     return answer.took_ns
         raise MachineError(
             f"--connect {self._caller.address}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and "
-            "check address and token"
+            "check the address"
         )
 
     def pace(self, now_ns: int) -> None:
@@ -195,19 +210,27 @@ class Remote:
                 # It came in just before a refresh that was shown without it: handed over after.
                 took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
             found.append(_Answer(pending, attrs.evolve(arrival, frame=decoded), took_ns, _bytes_of(arrival.frame)))
-            self.delays_ns.append((pending.drawn_ns, took_ns))
+            if self._keeps:
+                self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
 
     def _tell(self) -> None:
         for line in self._caller.lines():
             self._say(line)
         silent_ns = time.monotonic_ns() - self._heard_ns
-        if self._is_lost and silent_ns < _TELL_NS:
+        if self._lost_ns is not None and silent_ns < _TELL_NS:
             self._say(f"{self._caller.address}: frames come again")
-            self._is_lost = False
-        elif not self._is_lost and self._pending and silent_ns >= _TELL_NS:
+            self._away_ns += self._heard_ns - self._lost_ns
+            self._lost_ns = None
+        elif self._lost_ns is None and self._pending and silent_ns >= _TELL_NS:
             self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.0f} s; the last one stays")
-            self._is_lost = True
+            self._lost_ns = self._heard_ns
+            self._losses += 1
+
+    @property
+    def notice(self) -> str:
+        """What is shown over the picture: that frames do not come; "" while they do."""
+        return "" if self._lost_ns is None else f"no frames from {self._caller.address}: the last one stays"
 
     @property
     def codec(self) -> str:
@@ -218,6 +241,8 @@ class Remote:
         """Return what summary.json has of the connection."""
         return {
             "address": self._caller.address,
+            "lost": self._losses,
+            "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,
@@ -292,6 +317,8 @@ class RemoteChannel(Channel):
         self._remote, self._frames_of = frames.remote, frames
         self._measured_ns = self._render_ns = 0
         self._sent: Counter[str] = Counter()
+        self._unanswered = self._remote.unanswered
+        self._remote.forget()
         self.link.delay_by(self._delays())
 
     def _delays(self) -> Iterator[int]:
@@ -320,7 +347,7 @@ class RemoteChannel(Channel):
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame; skipped: requests that the server passed over."""
-        return {**super().fates(), "skipped": self._remote.unanswered}
+        return {**super().fates(), "skipped": self._remote.unanswered - self._unanswered}
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json, with the connection."""
@@ -339,9 +366,29 @@ def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
             "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
             "leave them out"
         )
+    if options.network.send != ALL:
+        raise InputError(
+            f"--connect with --send {options.network.send}: the server sends what is asked for; leave it out"
+        )
     check_codec(options.coding.codec)
     if options.proxy.on or options.chooses_warp:
         raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
+
+
+def scene_elsewhere(address: str) -> Scene:
+    """Return a scene without anything in it, for a loop whose frames are drawn at that address."""
+    return Scene(address, "what a server elsewhere draws", ())
+
+
+def check_shown_elsewhere(plans: Sequence[Plan]) -> None:
+    """Check that plans get by without the scene, with what the feed carries. Errors: InputError."""
+    check_carried(needs_of(plans))
+    steps = [step for plan in plans for step in plan.steps]
+    if any(name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)):
+        raise InputError(
+            "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: use "
+            "another one"
+        )
 
 
 def check_carried(needs: Needs) -> None:

@@ -7,7 +7,9 @@ import math
 import numpy as np
 
 from ..errors import HmdwarpError, counted
+from ..feed.key_pairs import public_key
 from ..feed.message import FrameMessage
+from ..feed.options import FeedOptions, secret_in
 from ..feed.viewer import Viewer
 from ..frames import EyeImage
 from ..geometry import View
@@ -47,9 +49,9 @@ class RemoteServer(Server):
     Errors: as Viewer.
     """
 
-    def __init__(self, gpu: Gpu, address: str, secret: str = "") -> None:
-        super().__init__(gpu, scene_elsewhere(address))
-        self._viewer = Viewer(address, secret)
+    def __init__(self, gpu: Gpu, feed: FeedOptions) -> None:
+        super().__init__(gpu, scene_elsewhere(feed.connect))
+        self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         # How far the drawn views were from those that were asked for, at most.
         self.turned_deg = self.moved_m = 0.0
 

@@ -149,7 +149,8 @@ class CommandHandler:
                 self._refuse(str(error))
 
     def _refuse(self, why: str) -> None:
-        self.say(why)
+        if why != self._refused:  # the same of every value that was tried
+            self.say(why)
         self._refused, self._until = why, time.monotonic() + READING_S
 
     @property

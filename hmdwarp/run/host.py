@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import ExitStack
+
 import attrs
 
 from ..client.lens import lenses
@@ -11,14 +14,17 @@ from ..errors import InputError
 from ..frames import Needs
 from ..geometry import GuardBand, Pose
 from ..pipeline.build import Pipeline, Target, build_pipeline, check_held, expected_age_ns, latency_ns
+from ..pipeline.feed_coding import wish_of
 from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.options import AUTO
 from ..pipeline.planning import plans_for
+from ..pipeline.remote import Remote, check_remote, check_shown_elsewhere, scene_elsewhere
 from ..pipeline.sizes import guarded_size
+from ..poses import Origin, PoseSample
 from ..scenes import Scene, load_scene
 from .bench_levels import LevelSet, levels_from_file
-from .options import LiveOptions
+from .options import OFFSCREEN, LiveOptions
 from .pose_request import RecentPoses, check_names, pose_request
 
 
@@ -30,9 +36,14 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     check_names(options)
     if options.lens != AUTO:
         lenses.get(options.lens)
+    if options.feed.is_used:
+        check_remote(options, recorded=False)
+        scene = scene_elsewhere(options.feed.connect)
     scene = scene or load_scene(*options.scene_key)
     if not options.chooses_warp:
-        plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
+        plans = plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
+        if options.feed.is_used:
+            check_shown_elsewhere(plans)
     return scene
 
 
@@ -42,14 +53,45 @@ class PipelineHost:
     A change of latency alone affects the link: frames in transit arrive as scheduled. A change of
     warp or fill whose frames carry the same exchanges the passes. Any other change builds a new
     pipeline, which shows nothing until its first frame arrives.
+
+    Where frames come from elsewhere the latency is the measured one, and there is no scene to
+    choose. say: called with each line about the connection.
     Errors: InputError and its subclasses for options that cannot run; the old pipeline then stays.
+    MachineError where no server answers.
     """
 
-    def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:
+    def __init__(
+        self,
+        display: Display,
+        options: LiveOptions,
+        scene: Scene | None = None,
+        say: Callable[[str], None] = lambda text: None,
+    ) -> None:
         self._display = display
         self._recent = RecentPoses(display.source)
-        self.options, self.scene = options, scene or load_scene(*options.scene_key)
-        self.pipeline = self._build(options, self.scene)
+        self._remote = None
+        with ExitStack() as unfinished:
+            if options.feed.is_used:
+                # A display whose clock stands still between pictures waits for the server's.
+                self._remote = Remote(options.feed, holds=options.source == OFFSCREEN, say=say)
+                unfinished.callback(self._remote.close)
+                options = self._with_latency_to(self._remote, options)
+            self.options, self.scene = options, scene or load_scene(*options.scene_key)
+            self.pipeline = self._build(options, self.scene)
+            unfinished.pop_all()
+
+    def _with_latency_to(self, remote: Remote, options: LiveOptions) -> LiveOptions:
+        """Return the options with what is found at the server in place of what is set."""
+        head, shown = PoseSample(0, Pose((0, 1.6, 0)), Origin.MEASURED), self._display
+        views, size = shown.eyes.views(head.pose), options.size or shown.size
+        remote.wish = wish_of(options.coding, shown.rate_hz, views, size, options.latency_ms * 1e-3)
+        longest_ns = remote.measure(head, views, options.guard_band, size)
+        return attrs.evolve(options, scene=options.feed.connect, latency_ms=longest_ns / 1e6)
+
+    @property
+    def notice(self) -> str:
+        """What is to be shown over the picture about where it comes from, "" for nothing."""
+        return self._remote.notice if self._remote is not None else ""
 
     @property
     def loop(self) -> Loop:
@@ -66,6 +108,8 @@ class PipelineHost:
         before = self.options
         if options == before:
             return
+        if self._remote is not None and (options.latency_ms, options.scene) != (before.latency_ms, before.scene):
+            raise InputError("latency and scene are the server's, where frames come from one: they stay")
         if attrs.evolve(options, latency_ms=before.latency_ms) == before:
             self._retime(options)
         elif not self._exchanged(before, options):
@@ -124,7 +168,10 @@ class PipelineHost:
     def _plans(self, options: LiveOptions, scene: Scene, choice: LevelSet) -> list[Plan]:
         shown = self._display
         fixed = {"distorts": shown.distorts, "takes_depth": shown.takes_depth}
-        return plans_for(attrs.evolve(options, lens=self._lens(options)), shown.headset, scene, choice.levels, **fixed)
+        plans = plans_for(attrs.evolve(options, lens=self._lens(options)), shown.headset, scene, choice.levels, **fixed)
+        if self._remote is not None:
+            check_shown_elsewhere(plans)
+        return plans
 
     def _lens(self, options: LiveOptions) -> str:
         """Return "none" where the program has no lens to correct.
@@ -150,11 +197,13 @@ class PipelineHost:
         pictures = Reads.of(plans).pictures
         request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs, pictures=pictures)
         target = Target(shown.gpu, shown.eyes, rate_hz, latency_ns(options), shown.headset)
-        return build_pipeline(options, scene, target, plans, request, choice.levels)
+        return build_pipeline(options, scene, target, plans, request, choice.levels, remote=self._remote)
 
     def close(self) -> None:
-        """Free the pipeline."""
+        """Free the pipeline, and hang up."""
         self.pipeline.close()
+        if self._remote is not None:
+            self._remote.close()
 
 
 _FLAT_VIEW = "the flat view has one eye", "use the view of both eyes"

@@ -120,7 +120,7 @@ class LiveLog:
 
     def begin(self, display: Display, host: PipelineHost) -> None:
         """Start logging on this display."""
-        facts = live_facts_of(self._options, display, host)
+        facts = live_facts_of(attrs.evolve(self._options, latency_ms=host.options.latency_ms), display, host)
         self._running = _Running(facts, host, HoleCounter(display.gpu), values(host.options, host.pipeline.sizes.shown))
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:

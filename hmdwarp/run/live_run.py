@@ -42,7 +42,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(closing(open_display(options, watchdog.watching, say)))
         ending.now_ns = display.now_ns
-        host = PipelineHost(display, options, scene)
+        if options.feed.is_used:
+            say(f"calling {options.feed.connect}; its scene is not loaded here")
+        host = PipelineHost(display, options, scene, say)
         stack.callback(host.close)
         for note in host.scene.notes:
             say(f"note: {note}")
@@ -89,7 +91,7 @@ class _UserRun(FrameHandler):
         return self._ending.due(self._log.count)
 
     def label(self) -> str:
-        return self._commands.refusal
+        return self._commands.refusal or self._host.notice
 
     def handle(self, commands: Sequence[Command]) -> bool:
         changed = self._commands.handle(commands)

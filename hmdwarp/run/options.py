@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import attrs
 
 from ..errors import InputError
+from ..feed.options import FeedOptions
 from ..options import (
     DISPLAY,
     PICTURE,
@@ -50,6 +51,7 @@ _NOT_WITH_FRAMES = {
     "rendered_size": _ONLY_RENDERED["guard"].partition(":")[0],
     "wide": "a recording has no second view",
 }
+_SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
@@ -100,13 +102,8 @@ class RunOptions(PipelineOptions):
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
     trace_options: TraceOptions = group(TraceOptions)
-    # "" for frames that are drawn here.
-    connect: str = option(
-        "",
-        "HOST:PORT of the server that draws the frames: their latency is measured, --latency counts nothing; "
-        "--scene server: whatever it draws.",
-    )
-    token_file: Path | None = option(None, "File with the secret that the server at --connect wants.", kind=Path)
+    # Where frames come from, if not from here.
+    feed: FeedOptions = group(FeedOptions)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
     command: str = ""
@@ -241,7 +238,17 @@ class LiveOptions(PipelineOptions):
     collect: bool = option(
         True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere", study=DISPLAY
     )
+    # Where frames come from, if not from here.
+    feed: FeedOptions = group(FeedOptions)
     command: str = ""
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields whose options were set; a server elsewhere has the scene."""
+        values = super().values_of(said)
+        if said.get("connect") and values.get("scene", _SCENE) != _SCENE:
+            raise InputError(f"--scene {values['scene']} with --connect: the server has the scene; leave it out")
+        return values
 
     def __attrs_post_init__(self) -> None:
         super().__attrs_post_init__()

@@ -35,7 +35,6 @@ from .options import RunOptions
 from .pose_request import check_names, pose_request
 from .recorded_frames import ONE_EYE, about, beside, display_of, own_trace, schedule_at_frames
 from .schedule import Schedule, schedule_of
-from .serve_options import secret_in
 
 if TYPE_CHECKING:
     from ..auto.adaptive import AdaptiveCompensator
@@ -133,10 +132,10 @@ def set_up_replay(
     against = _needs_of_against(options)
     trace = _trace(options, sequence)
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = None if options.connect else schedule_for(options, sequence, trace, rate_hz)
+    schedule = None if options.feed.is_used else schedule_for(options, sequence, trace, rate_hz)
     size = options.size or headset.eye_size_px
     guarded_size(options.guard_band, headset, size)
-    if options.connect:
+    if options.feed.is_used:
         check_remote(options, recorded=sequence is not None)
     scene = _scene(options) if sequence is None else empty_scene(sequence)
     plans = plans_for(options, headset, scene, levels)
@@ -146,9 +145,9 @@ def set_up_replay(
     name = track.name or trace.path.stem
     with ExitStack() as stack:
         remote = None
-        if options.connect:
+        if options.feed.is_used:
             check_carried(needs)
-            remote = Remote(options.connect, secret_in(options.token_file), holds=True, say=_both(say, notes.append))
+            remote = Remote(options.feed, holds=True, keeps=True, say=_both(say, notes.append))
             stack.callback(remote.close)
             options = _with_latency_to(remote, options, headset, size, track, rate_hz)
         if schedule is None:
@@ -173,9 +172,9 @@ def set_up_replay(
 def _scene(options: RunOptions) -> Scene:
     if options.scene != SERVER_SCENE:
         return load_scene(*options.scene_key)
-    if not options.connect:
+    if not options.feed.is_used:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
-    return scene_elsewhere(options.connect)
+    return scene_elsewhere(options.feed.connect)
 
 
 def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:

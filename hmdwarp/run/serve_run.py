@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ..errors import InputError, MachineError
+from ..feed.key_pairs import key_pair
 from ..feed.listener import Asked, Listener
 from ..feed.message import MOST_BYTES, FrameMessage
+from ..feed.options import secret_in
 from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder
 from ..scenes import load_scene
 from ..server import Server
-from .serve_options import ServeOptions, secret_in
+from .serve_options import ServeOptions
 
 if TYPE_CHECKING:
     from ..frames import Frame
@@ -35,8 +37,12 @@ def serve(
     say: called with each line for the log, first with the address.
     Errors: InputError for wrong options, MachineError for missing hardware or software.
     """
-    secret = secret_in(options.token_file)
-    with closing(Listener(options.listen, secret, is_open=options.open, say=say)) as listener:
+    secret, pair = secret_in(options.token_file), None
+    if options.key_pair is not None:
+        pair, is_new = key_pair(options.key_pair)
+        if is_new:
+            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
+    with closing(Listener(options.listen, secret, pair, is_open=options.open, say=say)) as listener:
         scene = load_scene(options.scene, options.scene_options)
         with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors)) as server:
             say(f"listening at {listener.address}: scene '{scene.name}'")

@@ -14,6 +14,7 @@ from replays import each_refresh, run, small
 from hmdwarp import Fov, Pose, View, warp_image
 from hmdwarp.colour import picture_from_linear, srgb8_from_linear
 from hmdwarp.errors import InputError
+from hmdwarp.feed.options import FeedOptions
 from hmdwarp.feed.viewer import Viewer
 from hmdwarp.gpu import download
 from hmdwarp.run import replay
@@ -125,7 +126,9 @@ def test_a_still_head_sees_the_analytic_picture(address, tmp_path):
     trace = tmp_path / "still.csv"
     rows = "".join(f"{n * 10_000_000},0.1,1.6,0.3,0.05,-0.1,0,0.9937303457\n" for n in range(40))
     trace.write_text("# origin: at rest\ntime_ns,x_m,y_m,z_m,qx,qy,qz,qw\n" + rows)
-    options = small("nowhere", trace=str(trace), scene="server", connect=address, warp="iterative", seconds=0.1)
+    options = small(
+        "nowhere", trace=str(trace), scene="server", feed=FeedOptions(connect=address), warp="iterative", seconds=0.1
+    )
     found = []
     each_refresh(
         options,
@@ -140,7 +143,9 @@ def test_a_still_head_sees_the_analytic_picture(address, tmp_path):
 
 
 def test_a_replay_is_measured_against_what_the_server_draws(address, tmp_path):
-    summary = run(tmp_path / "out", scene="server", connect=address, warp="iterative", guard=1.5, seconds=0.3).summary
+    summary = run(
+        tmp_path / "out", scene="server", feed=FeedOptions(connect=address), warp="iterative", guard=1.5, seconds=0.3
+    ).summary
     assert summary["scene"] == "server" and summary["measured"]["psnr_db"] > 0
     assert "The truth is what the server drew for the shown views." in summary["notes"]
     assert not any("delay-trace" in note for note in summary["notes"])

@@ -1,11 +1,6 @@
 """A server and its client in two processes: what crosses the feed is what would be drawn here."""
 
-import os
-import queue
-import subprocess
-import sys
 import threading
-import time
 from contextlib import closing
 
 import attrs
@@ -14,8 +9,10 @@ import pytest
 from replays import small
 
 from hmdwarp.errors import InputError
+from hmdwarp.feed.caller import Caller
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import Refusal, decode, encode
+from hmdwarp.feed.options import FeedOptions
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
@@ -29,46 +26,11 @@ from hmdwarp.run.log import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
+from .exchange import answered, exchanged
+from .serving import Serving
 from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
-
-
-class Serving:
-    """`hmdwarp serve` in a process of its own, at a port that was free."""
-
-    def __init__(self, *options: str) -> None:
-        where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
-        command = [sys.executable, "-m", "hmdwarp", "serve", "--scene", "planes", *where, *options]
-        self.process = subprocess.Popen(
-            command, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
-        )
-        self.lines: queue.Queue[str] = queue.Queue()
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-        self.address = self.line("listening at").split()[2].rstrip(":")
-
-    def _read(self) -> None:
-        assert self.process.stderr is not None
-        for line in self.process.stderr:
-            self.lines.put(line)
-
-    def line(self, start: str) -> str:
-        """Wait for a line of the log; the limit is a fail-safe."""
-        while True:
-            line = self.lines.get(timeout=300)
-            if start in line:
-                return line
-
-    def __enter__(self) -> "Serving":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.process.terminate()
-        self.process.wait()
-        self._reader.join()
-        assert self.process.stderr is not None
-        self.process.stderr.close()
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +71,7 @@ def test_what_is_shown_equals_an_offline_replay_of_the_same_ages_bit_for_bit(
     # A machine that was held up passes requests over, or begins to draw at another refresh than the
     # offline run, which a video depends on; the fact is about runs in which it was not.
     for _ in range(20):
-        here = small(tmp_path / "online", connect=serving.address, force=True, **asked)
+        here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), force=True, **asked)
         online, summary = pictures(monkeypatch, here)
         if not summary["link"]["feed"]["unanswered"]:
             network = LinkOptions.of({"delay_trace": tmp_path / "online" / "delays.csv"})
@@ -132,7 +94,9 @@ def arrived(summary) -> int:
 
 
 def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, monkeypatch):
-    _, summary = pictures(monkeypatch, small(tmp_path / "out", connect=serving.address, latency_ms=900.0))
+    _, summary = pictures(
+        monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), latency_ms=900.0)
+    )
     feed = summary["link"]["feed"]
     assert 0 < summary["latency_ms"] < 900
     # One machine, one clock: apart by half the shortest round trip at most.
@@ -143,7 +107,7 @@ def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, 
 def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
     headset, size = load_headset("flat-90"), (96, 80)
     view = headset.views(Pose((0.2, 1.7, 0.1), (0.0, 0.1, 0.0, 0.995)))[0]
-    with Gpu() as gpu, closing(RemoteServer(gpu, serving.address)) as there:
+    with Gpu() as gpu, closing(RemoteServer(gpu, FeedOptions(connect=serving.address))) as there:
         with closing(Server(gpu, load_scene("planes"))) as here:
             ours, theirs = here.draw(view, size), there.draw(view, size)
             for name in ("colour", "inverse_depth"):
@@ -173,7 +137,9 @@ def test_a_server_that_draws_no_truth_is_replayed_without_figures(tmp_path, monk
     thread = threading.Thread(target=work)
     thread.start()
     try:
-        _, summary = pictures(monkeypatch, small(tmp_path / "out", scene="server", connect=listener.address))
+        _, summary = pictures(
+            monkeypatch, small(tmp_path / "out", scene="server", feed=FeedOptions(connect=listener.address))
+        )
     finally:
         done.set()
         thread.join()
@@ -192,7 +158,7 @@ def test_hostile_messages_are_left_out_and_the_next_client_is_served(serving, tm
         socket.send_multipart([b"a", b"b"])
     context.term()
     assert "left out" in serving.line("left out")
-    shown, _ = pictures(monkeypatch, small(tmp_path / "out", connect=serving.address))
+    shown, _ = pictures(monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address)))
     assert shown and serving.process.poll() is None
 
 
@@ -202,8 +168,10 @@ def test_a_wrong_token_is_refused_and_the_right_one_let_in(tmp_path, monkeypatch
     wrong.write_text("open barley\n")
     with Serving("--token-file", str(right)) as one:
         with pytest.raises(InputError, match="token"):
-            replay(small(tmp_path / "out", connect=one.address, token_file=wrong))
-        shown, _ = pictures(monkeypatch, small(tmp_path / "out", connect=one.address, token_file=right))
+            replay(small(tmp_path / "out", feed=FeedOptions(connect=one.address, token_file=wrong)))
+        shown, _ = pictures(
+            monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=one.address, token_file=right))
+        )
         assert shown
 
 
@@ -223,10 +191,10 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
             one.connect(listener.address)
         for number in (1, 2, 3):
             slow.send(encode(attrs.evolve(ASK, number=number, received=0, token=bytes(32))))
-        slow_asked = answered(listener)
+        slow_asked = next_asked(listener)
         # Requests 1 and 2 may have been taken before 3 was there; the newest comes last.
         while slow_asked.ask.number < 3:
-            slow_asked = answered(listener)
+            slow_asked = next_asked(listener)
         sent = 0
         for number in range(4, 200):
             slow.send(encode(attrs.evolve(ASK, number=number, received=0, token=bytes(32))))
@@ -237,7 +205,7 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
             sent += 1
         assert 0 < sent <= 64
         quick.send(encode(attrs.evolve(ASK, number=1, received=0, token=bytes(32))))
-        asked = answered(listener)
+        asked = next_asked(listener)
         assert asked.client != slow_asked.client
         listener.answer(asked, attrs.evolve(FRAME, number=1))
         assert quick.poll(60_000) and decode(quick.recv()).number == 1
@@ -245,7 +213,7 @@ def test_a_client_that_takes_nothing_costs_nobody_else_and_the_oldest_request_go
     listener.close()
 
 
-def answered(listener):
+def next_asked(listener):
     """Return the next request; the limit is a fail-safe."""
     for _ in range(600):
         asked = listener.next(200)
@@ -257,7 +225,7 @@ def answered(listener):
 def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     """A refresh was shown without it, so an offline replay of its delay must not show it there."""
     listener = Listener("127.0.0.1:*")
-    remote = Remote(listener.address, holds=False)
+    remote = Remote(FeedOptions(connect=listener.address), holds=False)
     eyes, head = load_headset("flat-90"), PoseSample(0, Pose(), Origin.MEASURED)
     found, asked = [], None
     while asked is None:  # until the connection is there
@@ -272,29 +240,37 @@ def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     listener.close()
 
 
-def test_a_server_that_is_killed_and_comes_back_is_taken_up_again(tmp_path):
-    with Serving() as first:
-        port = first.address.rpartition(":")[2]
-        lines: list[str] = []
-        remote = Remote(first.address, holds=False, say=lines.append)
-        eyes, head = load_headset("flat-90"), PoseSample(0, Pose((0, 1.6, 0)), Origin.MEASURED)
-        ask = (head, eyes.views(head.pose), 1.0, (32, 24))
-        remote.measure(*ask)
-        first.process.kill()
-        first.process.wait()
-        count = wait_for(remote, ask, lambda: any("no frame" in line for line in lines))
-    with Serving("--listen", f"127.0.0.1:{port}"):
-        wait_for(remote, ask, lambda: any("come again" in line for line in lines), count)
-    remote.close()
-    assert len(lines) == 2
+def test_every_client_has_its_own_rate():
+    """One asks three times as often as the other, and each gets what it asks for."""
+    listener = Listener("127.0.0.1:*")
+    often, seldom = Caller(listener.address), Caller(listener.address)
+    got = {often: 0, seldom: 0}
+    for one in got:
+        exchanged(one, listener)
+    for step in range(30):
+        asking = [often, seldom] if step % 3 == 0 else [often]
+        for one in asking:
+            one.ask(attrs.evolve(ASK, number=1_000_000 + step, token=bytes(32)))
+        waiting = set(asking)
+        while waiting:
+            answered(listener, 5)
+            for one in list(waiting):
+                frames = [arrival for arrival in one.take() if arrival.frame.number == 1_000_000 + step]
+                if frames:
+                    waiting.discard(one)
+                    got[one] += 1
+    assert got == {often: 30, seldom: 10}
+    for one in got:
+        one.close()
+    listener.close()
 
 
-def wait_for(remote, ask, done, count=0) -> int:
-    """Ask until it is done; the limit is a fail-safe."""
-    for number in range(count, count + 20_000):
-        remote.ask(*ask, number * 16_000_000)
-        remote.arrived(number * 16_000_000)
-        if done():
-            return number + 1
-        time.sleep(0.015)
-    raise AssertionError("it never came")
+def test_a_path_on_this_machine_is_an_address(tmp_path):
+    listener = Listener(f"ipc://{tmp_path}/frames")
+    caller = Caller(listener.address)
+    arrival, _ = exchanged(caller, listener)
+    np.testing.assert_array_equal(arrival.frame.colours[0], FRAME.colours[0])
+    caller.close()
+    listener.close()
+    with pytest.raises(InputError, match="shorter"):
+        Caller(f"ipc:///{'a' * 200}")

@@ -1,0 +1,46 @@
+"""`hmdwarp serve` in a process of its own, for tests."""
+
+from __future__ import annotations
+
+import os
+import queue
+import subprocess
+import sys
+import threading
+
+
+class Serving:
+    """`hmdwarp serve` in a process of its own, at a port that was free."""
+
+    def __init__(self, *options: str, inside: tuple[str, ...] = ()) -> None:
+        where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
+        command = [*inside, sys.executable, "-m", "hmdwarp", "serve", "--scene", "planes", *where, *options]
+        self.process = subprocess.Popen(
+            command, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
+        )
+        self.lines: queue.Queue[str] = queue.Queue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        self.address = self.line("listening at").split()[2].rstrip(":")
+
+    def _read(self) -> None:
+        assert self.process.stderr is not None
+        for line in self.process.stderr:
+            self.lines.put(line)
+
+    def line(self, start: str) -> str:
+        """Wait for a line of the log; the limit is a fail-safe."""
+        while True:
+            line = self.lines.get(timeout=300)
+            if start in line:
+                return line
+
+    def __enter__(self) -> Serving:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.terminate()
+        self.process.wait()
+        self._reader.join()
+        assert self.process.stderr is not None
+        self.process.stderr.close()

@@ -1,0 +1,112 @@
+"""`hmdwarp live --connect`: the live loop with frames from another process."""
+
+import attrs
+import pytest
+from replays import rows_of
+from run.offscreen import OffscreenDisplay, run_on
+
+from hmdwarp.display import Closed, Command
+from hmdwarp.errors import InputError
+from hmdwarp.feed.options import FeedOptions
+from hmdwarp.run import LiveOptions, live
+
+from .serving import Serving
+
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+
+
+class Closable(OffscreenDisplay):
+    """A display whose user closes it in the middle of a run."""
+
+    def ask_to_close(self) -> None:
+        if not any(isinstance(event, Closed) for event in self._events.values()):
+            self._events[self._number + 3] = Closed("the window was closed")
+
+
+@pytest.fixture(scope="module")
+def serving():
+    with Serving() as one:
+        yield one
+
+
+def options(address: str, **more) -> LiveOptions:
+    said = {"source": "offscreen", "trace": "look-around", "connect": address, "predict": "none", "fill": "none"}
+    return LiveOptions.of({**said, "panel": False, **more})
+
+
+def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving, monkeypatch, tmp_path):
+    display = OffscreenDisplay(keeps=True)
+    asked = options(serving.address, frames=12, latency=900.0, out=tmp_path / "out")
+    summary = run_on(monkeypatch, display, asked).summary
+    assert summary["scene"] == serving.address
+    assert 0 < summary["latency_ms"] < 900
+    feed, live = summary["link"]["feed"], summary["live"]
+    assert feed["lost"] == 0 and feed["malformed"] == 0
+    assert live["refreshes"] == 12 and live["age_ms"]["median"] > 0
+    # The scene was drawn: nothing else here has any light.
+    assert max(picture.std() for picture in display.pictures) > 10
+    assert any("its scene is not loaded here" in line for line in display.said)
+
+
+def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkeypatch):
+    changes = {
+        3: [Command("latency")],
+        4: [Command("scene")],
+        5: [Command("guard", 1.75)],
+        6: [Command("warp", "none")],
+    }
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    summary = run_on(monkeypatch, display, options(serving.address, frames=12)).summary
+    assert sum("latency and scene are the server's" in line for line in display.said) == 1
+    changed = [name for one in summary["live"]["changes"] for name in one["what"]]
+    assert changed == ["guard", "warp"]
+    assert max(picture.std() for picture in display.pictures[-3:]) > 10
+
+
+def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):
+    servers = [Serving()]
+    port = servers[0].address.rpartition(":")[2]
+    display = Closable()
+    before: list[int] = []
+
+    def look(number: int) -> None:
+        if number == 5:
+            servers[0].process.kill()
+        if len(servers) == 1 and any("no frame for" in line for line in display.said):
+            before.append(number)
+            servers.append(Serving("--listen", f"127.0.0.1:{port}"))
+        # Until it is back, and a little longer; the count is a fail-safe.
+        if any("come again" in line for line in display.said) or number > 20_000:
+            display.ask_to_close()
+
+    try:
+        summary = run_on(monkeypatch, display, options(servers[0].address, out=tmp_path / "out"), after=look).summary
+    finally:
+        for one in servers:
+            one.__exit__()
+    told = f"no frames from {servers[0].address}: the last one stays"
+    assert before and told in display.labels and display.labels[-1] == ""
+    assert summary["live"]["notices"][told] > 0
+    assert summary["link"]["feed"]["lost"] == 1 and summary["link"]["feed"]["away_s"] >= 2
+    assert len(rows_of(tmp_path / "out")) == 2 * summary["live"]["refreshes"]
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"scene": "planes"}, "the server has the scene"),
+        ({"warp": "layered"}, "carries colour and depth"),
+        ({"fill": "model"}, "the scene is at the server"),
+        ({"loss": "0.1"}, "the link is the real one"),
+        ({"send": "changes"}, "leave it out"),
+        ({"connect": "nowhere"}, "expected HOST:PORT"),
+    ],
+)
+def test_what_cannot_be_is_said_before_anybody_is_called(more, told):
+    with pytest.raises(InputError, match=told):
+        live(options(more.pop("connect", "127.0.0.1:1"), **more))
+
+
+def test_a_secret_without_a_server_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="--connect"):
+        attrs.evolve(FeedOptions(), token_file=tmp_path)
