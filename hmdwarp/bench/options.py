@@ -33,6 +33,7 @@ from ..run.options import RunOptions
 from ..run.recordings import recordings_field, with_recordings
 from ..scenes.options import SceneOptions
 from ..sequences.options import SequenceOptions
+from ..sweep.options import SweepOptions
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
@@ -118,6 +119,7 @@ class BenchOptions(Declared):
     trace_options: TraceOptions = group(TraceOptions)
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
     force: bool = force_field()
+    sweep: SweepOptions = group(SweepOptions)
     command: str = ""
 
     @classmethod

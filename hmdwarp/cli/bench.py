@@ -20,12 +20,14 @@ def bench(said: Said) -> None:
 def _run(options: BenchOptions, quiet: bool) -> None:
     from ..bench import bench as run
     from ..errors import InputError
-    from ._show import steps
+    from ..sweep import raise_failures
+    from ._show import sayer, steps
 
     with steps("instants", quiet=quiet) as (progress, _):
-        result = run(options, progress)
+        result = run(options, progress, sayer(quiet))
     if not quiet:
         _tell(result)
+    raise_failures(result.swept)
     if result.refused:  # after the results are written and told: they are good, the budget was not
         raise InputError(result.refused)
 

@@ -1,0 +1,182 @@
+"""Runs a set of cases, one after the other here; each is kept as soon as it is done."""
+
+from __future__ import annotations
+
+import itertools
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+import attrs
+
+from ..errors import HmdwarpError, InputError, MachineError
+from .identity import identity_of
+from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
+from .options import SweepOptions
+
+Progress = Callable[[int, int], None]
+Say = Callable[[str], None]
+# Takes the share of a case that is done, from 0 to 1.
+Step = Callable[[float], None]
+
+
+@attrs.frozen
+class SweepCase:
+    """One case: what is run, kept and run again by itself."""
+
+    # For people, such as "walk, 200 ms".
+    name: str
+    # What its Work runs: options and plain values, which cross to other machines by pickle.
+    what: Any = attrs.field(repr=False)
+    identity: str
+    # Cases that follow each other with the same group run on one machine, one after the other, so
+    # that their times can be compared.
+    group: str = ""
+    # Its share of the progress.
+    steps: int = 1
+
+    @classmethod
+    def of(cls, kind: str, name: str, what: Any, **about: Any) -> SweepCase:
+        """Return a case with its identity. Errors: InputError for a file that cannot be read."""
+        try:
+            return cls(name, what, identity_of(kind, what), **about)
+        except OSError as error:
+            raise InputError(f"{error.filename}: cannot read ({error.strerror}): {name} is made with it") from error
+
+
+# Runs cases one by one; yields each with its result.
+Runner = Callable[[Sequence[SweepCase], Step], Iterator[tuple[SweepCase, Result]]]
+
+
+class Work(Protocol):
+    """How the cases of a command are run. It crosses to other machines by pickle."""
+
+    # Whether the cases of a group are computed together; else one that fails leaves the others.
+    together: ClassVar[bool]
+
+    def opened(self) -> AbstractContextManager[Runner]:
+        """Open what cases share, such as measuring processes."""
+        ...
+
+
+@attrs.frozen
+class Swept:
+    """What became of a set of cases."""
+
+    kept: KeptCases
+    cases: tuple[SweepCase, ...]
+    failed: tuple[Failure, ...]
+    # Those that an earlier run had done.
+    known: int
+
+    def results(self) -> Iterator[tuple[SweepCase, Any]]:
+        """Read the results of the cases that are done from the disk, in the order of the cases."""
+        for case in self.cases:
+            if self.kept.state(case.identity) == DONE:
+                yield case, self.kept.result(case.identity)
+
+
+def run_cases(
+    work: Work,
+    cases: Sequence[SweepCase],
+    out: Path,
+    options: SweepOptions,
+    progress: Progress = lambda done, total: None,
+    say: Say = lambda text: None,
+) -> Swept:
+    """Run the cases that are not done and keep each in the folder `cases` of `out`.
+
+    A case that fails is kept as failed, and the others go on. An interruption leaves what is done.
+    progress(done, total): in steps of the cases. say: gets a sentence.
+    Errors: InputError or MachineError for a folder that cannot be written.
+    """
+    kept = KeptCases(out / FOLDER)
+    if not options.resume:
+        kept.clear()
+    missing = [case for case in cases if kept.state(case.identity) != DONE]
+    known = len(cases) - len(missing)
+    if known:
+        say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
+    bar = _Bar(cases, missing, progress)
+    for case, outcome in _run_here(work, missing, bar):
+        if isinstance(outcome, Failure):
+            kept.keep_failure(case.identity, outcome)
+            say(f"failed: {case.name}: {outcome.why}")
+        else:
+            kept.keep(case.identity, case.name, outcome)
+        bar.done(case)
+    failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
+    return Swept(kept, tuple(cases), failed, known)
+
+
+def raise_failures(swept: Swept) -> None:
+    """Raise the error of a run in which cases failed, with the exit status of the first.
+
+    Errors: InputError, MachineError or HmdwarpError.
+    """
+    if not swept.failed:
+        return
+    first = swept.failed[0]
+    kind = next((one for one in (InputError, MachineError) if one.exit_status == first.exit_status), HmdwarpError)
+    if len(swept.cases) == 1:
+        raise kind(first.why)
+    others = f", and {len(swept.failed) - 1} more" if len(swept.failed) > 1 else ""
+    raise kind(
+        f"{len(swept.failed)} of {len(swept.cases)} cases failed: {first.name}: {first.why}{others}; the others are "
+        "kept: run it again with --resume"
+    )
+
+
+def run_group(
+    work: Work, runner: Runner, cases: Sequence[SweepCase], step: Step
+) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    """Run cases of one group; yield each as it is done, those that failed with the reason."""
+    for chosen in [cases] if work.together else [[case] for case in cases]:
+        left = {case.identity: case for case in chosen}
+        try:
+            for case, result in runner(chosen, step):
+                del left[case.identity]
+                yield case, attrs.evolve(result, where=platform.node())
+        except Exception as error:
+            yield from ((case, Failure.of(case.name, error)) for case in left.values())
+
+
+def groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:
+    """Return cases that follow each other in one group together; each without a group by itself."""
+    return [list(group) for _, group in itertools.groupby(cases, key=lambda case: case.group or case.identity)]
+
+
+def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    if not cases:
+        return
+    with work.opened() as runner:
+        for group in groups_of(cases):
+            yield from run_group(work, runner, group, bar.within)
+
+
+class _Bar:
+    """One progress over cases of different lengths."""
+
+    def __init__(self, cases: Sequence[SweepCase], missing: Sequence[SweepCase], progress: Progress) -> None:
+        self._total, self._progress = sum(case.steps for case in cases), progress
+        self._done = self._total - sum(case.steps for case in missing)
+        self._shown, self._steps = -1, [case.steps for case in missing]
+        self._show(self._done)
+
+    def within(self, share: float) -> None:
+        """Show the share of the present case that is done."""
+        if self._steps:
+            self._show(self._done + round(share * self._steps[0] - 0.5 + 1e-6))
+
+    def done(self, case: SweepCase) -> None:
+        """Show that a case is over."""
+        self._done += case.steps
+        self._steps = self._steps[1:]
+        self._show(self._done)
+
+    def _show(self, done: int) -> None:
+        if done > self._shown:
+            self._shown = done
+            self._progress(done, self._total)
