@@ -76,8 +76,9 @@ def bench(
         options = attrs.evolve(options, scenes=(sequence.name,), recordings=("",), sizes=sizes)
     works, notes = _checked(options, headset, sequence)
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
-        check_room(works)
-        work = BenchWork(options.workers)
+        if options.sweep.cluster is None:
+            check_room(works)
+        work = BenchWork(options.sweep.measuring(options.workers))
         swept = run_cases(work, _cases(options, works), options.out, options.sweep, progress, say)
         found = [data for _, data in swept.results()]
         rows = [row for data in found for row in data.get(ROWS, ())]

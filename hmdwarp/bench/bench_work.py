@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -71,12 +72,6 @@ class _Machine:
     # For the compensators of one batch.
     most_bytes: float
 
-    @classmethod
-    def examined(cls) -> _Machine:
-        with Gpu() as gpu:
-            facts = {**machine_of(gpu), "host": platform.node()}
-            return cls(facts, copy_bandwidth(gpu), check_clocks(gpu), most_bytes(gpu))
-
     def as_json(self) -> dict[str, Any]:
         """Return the keys of bench.json that tell of the machine."""
         clocks = self.clocks
@@ -86,6 +81,14 @@ class _Machine:
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
             "copy_gb_s": self.bandwidth.bytes_per_s * 1e-9,
         }
+
+
+@functools.cache
+def _examined() -> _Machine:
+    """Return what this machine is, measured once in each process."""
+    with Gpu() as gpu:
+        facts = {**machine_of(gpu), "host": platform.node()}
+        return _Machine(facts, copy_bandwidth(gpu), check_clocks(gpu), most_bytes(gpu))
 
 
 def most_bytes(gpu: Gpu) -> float:
@@ -112,7 +115,7 @@ class _Runner:
         self._pool: tuple[Any, QualityPool] | None = None
 
     def __call__(self, cases: Sequence[SweepCase], step: Callable[[float], None]) -> Iterator[tuple[SweepCase, Result]]:
-        self._machine = self._machine or _Machine.examined()
+        self._machine = _examined()
         for case in cases:
             part: BenchPart = case.what
             try:

@@ -14,7 +14,7 @@ import attrs
 from ..errors import HmdwarpError, InputError, MachineError
 from .identity import identity_of
 from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
-from .options import SweepOptions
+from .options import ONE, SweepOptions
 
 Progress = Callable[[int, int], None]
 Say = Callable[[str], None]
@@ -34,6 +34,8 @@ class SweepCase:
     # Cases that follow each other with the same group run on one machine, one after the other, so
     # that their times can be compared.
     group: str = ""
+    # Whether it measures time.
+    timed: bool = True
     # Its share of the progress.
     steps: int = 1
 
@@ -100,7 +102,7 @@ def run_cases(
     if known:
         say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
     bar = _Bar(cases, missing, progress)
-    for case, outcome in _run_here(work, missing, bar):
+    for case, outcome in _run(work, missing, options, bar, say):
         if isinstance(outcome, Failure):
             kept.keep_failure(case.identity, outcome)
             say(f"failed: {case.name}: {outcome.why}")
@@ -148,9 +150,24 @@ def groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:
     return [list(group) for _, group in itertools.groupby(cases, key=lambda case: case.group or case.identity)]
 
 
-def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
+def _run(
+    work: Work, cases: Sequence[SweepCase], options: SweepOptions, bar: _Bar, say: Say
+) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    """Yield what became of each case, here or on a cluster."""
     if not cases:
         return
+    if options.cluster is None:
+        yield from _run_here(work, cases, bar)
+        return
+    from .cluster import run_on_cluster
+
+    if options.timing_on == ONE:  # first, for the others fill up the time of the other machines
+        cases = sorted(cases, key=lambda case: not case.timed)
+        cases = [attrs.evolve(case, group="timed") if case.timed else case for case in cases]
+    yield from run_on_cluster(work, cases, options.cluster, say)
+
+
+def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
     with work.opened() as runner:
         for group in groups_of(cases):
             yield from run_group(work, runner, group, bar.within)
