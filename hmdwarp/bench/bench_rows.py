@@ -9,7 +9,7 @@ from typing import Any
 
 from ..client.capability import lacking
 from ..clients import Client
-from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, pooled
+from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, blocks_text, pooled
 from ..run.combination_bench import Measured
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup
@@ -60,8 +60,9 @@ def row_of(
     """Return one row of bench.json.
 
     It has the keys of summary.json, the error by region, the eyes' mismatch, the time and bound of
-    each pass, the strategy where it was asked for as one, why the client cannot run it ("" if it
-    can), and the system that the warp stands for as a baseline ("" if none).
+    each pass, the pictures in few numbers, the strategy where it was asked for as one, why the
+    client cannot run it ("" if it can), and the system that the warp stands for as a baseline (""
+    if none).
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
@@ -79,6 +80,7 @@ def row_of(
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
         },
+        "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
         "passes": []

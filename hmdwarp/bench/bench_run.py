@@ -21,7 +21,7 @@ from ..run.combinations import Case
 from ..run.recorded_frames import about, display_of, own_trace
 from ..scenes import load_scene
 from ..sequences import Sequence as RecordedFrames
-from ..sweep import SweepCase, Swept, raise_failures, run_cases
+from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
 from ..version import __version__
 from .bench_case import BenchCase, options_of_case, prepared, sequence_of
 from .bench_rows import COLUMNS, flat
@@ -41,8 +41,8 @@ class BenchResult:
     folder: Path
     # As in bench.json.
     data: dict[str, Any]
-    # The cases that were run, and which failed: raise_failures tells of them.
-    swept: Swept
+    # The cases that were run, and which failed: raise_failures tells of them. None if merged.
+    swept: Swept | None = None
     # Why no combination fits the budget, else "".
     refused: str = ""
 
@@ -87,6 +87,7 @@ def bench(
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
+            "program": program_hash(),
             "command": options.command,
             **{key: found[0][key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
             "client": client.name,
@@ -100,7 +101,7 @@ def bench(
             [row for row in rows if not row["lacks"] and not row.get("strategy")], options.budget_ms
         )
         data["seconds"] = time.perf_counter() - started
-        _write(out, data)
+        write_bench(out, data)
     return BenchResult(options.out, data, swept, refused)
 
 
@@ -191,7 +192,8 @@ def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[s
         return None, str(error)
 
 
-def _write(out: OutputFolder, data: dict[str, Any]) -> None:
+def write_bench(out: OutputFolder, data: dict[str, Any]) -> None:
+    """Write the table, the page and bench.json, whose content is `data`."""
     from ..report.bench import render_bench_page
 
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)

@@ -45,6 +45,7 @@ TIMES = ("time_ms", "passes")
 KEYS = {
     "schema",
     "hmdwarp",
+    "program",
     "notes",
     "command",
     "machine",
