@@ -57,6 +57,7 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
         budget_ms=None,
         grid=False,
         fused=False,
+        parquet=False,
     )
 
 

@@ -51,7 +51,14 @@ COLUMNS = (
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
     "gl_renderer",
     "cpu_count",
+    "host",
 )
+# Columns that are no numbers, and those that are whole ones.
+TEXTS = (
+    *("trace", "scene", "strategy", "warp", "fill", "lens", "headset", "guard", "predict"),
+    *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
+)
+WHOLE = ("frames", "width", "height", "cpu_count")
 
 
 def row_of(
@@ -99,7 +106,7 @@ def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
-    machine = {key: row["machine"][key] for key in ("gl_renderer", "cpu_count")}
+    machine = {key: row["machine"].get(key) for key in ("gl_renderer", "cpu_count", "host")}
     return {
         **{key: row.get(key, "") for key in _PLAIN},
         "width": row["size"][0],

@@ -29,8 +29,9 @@ from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fus
 from .cases import cases_of, combinations_of, common_start_s, outside_notes, run_options
 from .client_notes import left_out_notes
 from .options import DEFAULT_SIZES, BenchOptions
+from .parquet import check_parquet, write_parquet
 
-OWNED = ("bench.csv", "bench.html")
+OWNED = ("bench.csv", "bench.html", "bench.parquet")
 Progress = Callable[[int, int], None]
 
 
@@ -68,6 +69,8 @@ def bench(
     of the case where none of several was done.
     """
     started = time.perf_counter()
+    if options.parquet:
+        check_parquet()
     sequence = sequence_of(options)
     headset = load_headset(options.headset) if sequence is None else display_of(sequence)
     client = load_client(options.client)
@@ -101,7 +104,7 @@ def bench(
             [row for row in rows if not row["lacks"] and not row.get("strategy")], options.budget_ms
         )
         data["seconds"] = time.perf_counter() - started
-        write_bench(out, data)
+        write_bench(out, data, parquet=options.parquet)
     return BenchResult(options.out, data, swept, refused)
 
 
@@ -192,10 +195,15 @@ def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[s
         return None, str(error)
 
 
-def write_bench(out: OutputFolder, data: dict[str, Any]) -> None:
-    """Write the table, the page and bench.json, whose content is `data`."""
+def write_bench(out: OutputFolder, data: dict[str, Any], *, parquet: bool = False) -> None:
+    """Write the table, the page and bench.json, whose content is `data`; the table as Parquet too.
+
+    Errors: MachineError where that lacks its package.
+    """
     from ..report.bench import render_bench_page
 
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
+    if parquet:
+        write_parquet(out.path("bench.parquet"), flat(data["rows"]))
     out.write_text("bench.html", render_bench_page(data))
     out.write_json("bench.json", data)

@@ -12,6 +12,7 @@ from ..metrics import BOUND, blocks_apart
 from ..report import SCHEMA, OutputFolder, summary_faults
 from .bench_run import OWNED, BenchResult, write_bench
 from .merge_options import MergeOptions
+from .parquet import check_parquet
 
 # What tells combinations and their conditions apart.
 _KEY = (
@@ -33,6 +34,8 @@ def merge(options: MergeOptions) -> BenchResult:
     Errors: InputError for a folder without a bench, and for benches of different programs or
     instants; MachineError where two machines showed different pictures.
     """
+    if options.parquet:
+        check_parquet()
     benches = [_read(folder) for folder in options.folders]
     _check_programs(options.folders, benches)
     rows = _joined([row for bench in benches for row in bench["rows"]])
@@ -48,7 +51,7 @@ def merge(options: MergeOptions) -> BenchResult:
         "seconds": sum(bench["seconds"] for bench in benches),
     }
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
-        write_bench(out, data)
+        write_bench(out, data, parquet=options.parquet)
     return BenchResult(options.out, data)
 
 

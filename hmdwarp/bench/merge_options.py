@@ -9,6 +9,7 @@ import attrs
 
 from ..errors import InputError
 from ..options import Declared, force_field, option, out_field, path_of
+from .options import parquet_field
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
@@ -23,6 +24,7 @@ class MergeOptions(Declared):
         attrs.NOTHING, "Folders of benches, two or more.", kind=list, positional=True, metavar="DIR", parse=_folders
     )
     out: Path = out_field(attrs.NOTHING, "Folder for bench.csv, bench.json and bench.html of all.")
+    parquet: bool = parquet_field()
     force: bool = force_field()
     command: str = ""
 

@@ -52,6 +52,11 @@ def _size(value: Any) -> Size:
     return sides
 
 
+def parquet_field() -> Any:
+    """Return the field that asks for the table as Parquet too."""
+    return option(False, "Write the table as bench.parquet too; needs pyarrow.")
+
+
 DEFAULT_SIZES = ((1280, 800),)
 # What a recording has itself, or cannot have.
 _NOT_WITH_FRAMES = ("traces", "scene", "guard", "rendered_size", "rate", "strategy")
@@ -118,6 +123,7 @@ class BenchOptions(Declared):
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
+    parquet: bool = parquet_field()
     force: bool = force_field()
     sweep: SweepOptions = group(SweepOptions)
     command: str = ""

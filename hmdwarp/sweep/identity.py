@@ -18,7 +18,7 @@ from ..version import __version__
 # What neither draws nor measures a picture: a change there leaves the results as they are.
 _NOT_OF_RESULTS = ("cli", "display", "doctor", "report", "study", "sweep", "thesis")
 # Fields of options that say where results go and how they are made, but not what they are.
-HOW = ("out", "force", "command", "workers", "sweep")
+HOW = ("out", "force", "command", "workers", "parquet", "sweep")
 _MANY_FILES = (".gltf", ".obj")  # of a scene: buffers and textures lie beside it
 _CHUNK = 1 << 20
 
