@@ -29,10 +29,13 @@ Outcome = tuple[SweepCase, Result | Failure]
 _one_at_a_time = threading.Lock()
 
 
-def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Say) -> Iterator[Outcome]:
+def run_on_cluster(
+    work: Work, cases: Sequence[SweepCase], cluster: str, say: Say, *, in_turn: bool = False
+) -> Iterator[Outcome]:
     """Yield each case with its result or failure as it comes back.
 
-    cluster: as --cluster. Errors: InputError for an address that cannot be; MachineError for a
+    cluster: as --cluster. in_turn: one group after the other, each on the worker that ran the one
+    before it, for as long as that lives. Errors: InputError for an address that cannot be; MachineError for a
     cluster that cannot be reached, that is lost, or whose workers have another program.
     """
     distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
@@ -51,7 +54,10 @@ def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Sa
                     carried[found] = client.submit(bytes, bytes_of(place), key=f"hmdwarp-file-{found}")
             files = {found: carried[found] for found in places}
             key = f"hmdwarp-{group[0].identity}-{token}"
-            sent[client.submit(run_here, work, ready, program_hash(), files, key=key, pure=False)] = group
+            # A task runs where what it depends on lies.
+            before = next(reversed(sent), None) if in_turn else None
+            future = client.submit(run_here, work, ready, program_hash(), files, before, key=key, pure=False)
+            sent[future] = group
         try:
             completed = distributed.as_completed(list(sent), loop=client.loop)
             for future in completed:
@@ -68,9 +74,11 @@ def run_on_cluster(work: Work, cases: Sequence[SweepCase], cluster: str, say: Sa
 
 
 def run_here(
-    work: Work, cases: Sequence[SweepCase], program: str, files: dict[str, bytes]
+    work: Work, cases: Sequence[SweepCase], program: str, files: dict[str, bytes], before: object = None
 ) -> list[tuple[str, Result | Failure]]:
     """Run a group of cases on a worker; return what became of each by its identity.
+
+    before: of the group that had to run first.
 
     Errors: MachineError where this is another program than that of who sent it.
     """

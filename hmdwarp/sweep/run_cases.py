@@ -34,8 +34,6 @@ class SweepCase:
     # Cases that follow each other with the same group run on one machine, one after the other, so
     # that their times can be compared.
     group: str = ""
-    # Whether it measures time.
-    timed: bool = True
     # Its share of the progress.
     steps: int = 1
 
@@ -161,10 +159,7 @@ def _run(
         return
     from .cluster import run_on_cluster
 
-    if options.timing_on == ONE:  # first, for the others fill up the time of the other machines
-        cases = sorted(cases, key=lambda case: not case.timed)
-        cases = [attrs.evolve(case, group="timed") if case.timed else case for case in cases]
-    yield from run_on_cluster(work, cases, options.cluster, say)
+    yield from run_on_cluster(work, cases, options.cluster, say, in_turn=options.timing_on == ONE)
 
 
 def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:

@@ -73,3 +73,13 @@ def test_a_cluster_gives_what_this_process_gives(tmp_path):
     with pytest.raises(MachineError, match="number 13: its worker died, and 2 more that ran it again"):
         raise_failures(swept)
     assert squares(sweep(out, 20, "plain", file, resume=True)).keys() == set(range(20))
+
+
+@pytest.mark.slow(10)
+def test_what_is_timed_on_one_runs_on_one(tmp_path):
+    pytest.importorskip("distributed")
+    swept = sweep(tmp_path / "out", 12, cluster="local:2", timing_on="one")
+    found = [result["pid"] for _, result in swept.results()]
+    assert len(found) == 12 and len({*found}) == 1
+    order = (tmp_path / "out" / "ran").read_text(encoding="utf-8").split()
+    assert order == [str(number) for number in range(12)]
