@@ -8,6 +8,7 @@ import logging
 import re
 import threading
 import uuid
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -35,42 +36,56 @@ def run_on_cluster(
     """Yield each case with its result or failure as it comes back.
 
     cluster: as --cluster. in_turn: one group after the other, each on the worker that ran the one
-    before it, for as long as that lives. Errors: InputError for an address that cannot be; MachineError for a
-    cluster that cannot be reached, that is lost, or whose workers have another program.
+    before it, for as long as that lives. Errors: InputError for files too large to cross;
+    MachineError for a cluster that cannot be reached, that is lost, or whose workers have another
+    program.
     """
     distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
     _silence()
     with _connected(distributed, cluster, say) as client:
         _check_programs(client)
-        carried: dict[str, Any] = {}
-        sent: dict[Any, list[SweepCase]] = {}
-        token = uuid.uuid4().hex[:8]
-        for group in groups_of(cases):
-            places: dict[str, Path] = {}
-            ready = [attrs.evolve(case, what=packed(case.what, places.__setitem__)) for case in group]
-            for found, place in places.items():
-                if found not in carried:
-                    # As a task, not as data placed on a worker: it outlives any worker.
-                    carried[found] = client.submit(bytes, bytes_of(place), key=f"hmdwarp-file-{found}")
-            files = {found: carried[found] for found in places}
-            key = f"hmdwarp-{group[0].identity}-{token}"
-            # A task runs where what it depends on lies.
-            before = next(reversed(sent), None) if in_turn else None
-            future = client.submit(run_here, work, ready, program_hash(), files, before, key=key, pure=False)
-            sent[future] = group
+        sender, waiting = _Sender(client, work), deque(groups_of(cases))
+        completed = distributed.as_completed(
+            [sender.send(waiting.popleft()) for _ in range(1 if in_turn else len(waiting))], loop=client.loop
+        )
         try:
-            completed = distributed.as_completed(list(sent), loop=client.loop)
             for future in completed:
                 if future.status in ("pending", "lost"):  # its worker died with the result: it is run again
                     completed.add(future)
                     continue
-                yield from _outcomes(distributed, future, sent.pop(future), cluster)
+                yield from _outcomes(distributed, future, sender.sent.pop(future), cluster)
+                if waiting:  # in turn; a task runs where what it depends on lies
+                    completed.add(sender.send(waiting.popleft(), future if future.status == "finished" else None))
                 future.release()
         except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
             raise _lost(cluster) from error
         finally:
             with suppress(Exception):  # of a scheduler that is gone
-                client.cancel(list(sent))
+                client.cancel(list(sender.sent))
+
+
+class _Sender:
+    """Sends groups of cases with the files that they need, each file once."""
+
+    def __init__(self, client: Any, work: Work) -> None:
+        self._client, self._work, self._token = client, work, uuid.uuid4().hex[:8]
+        self._files: dict[str, Any] = {}
+        # What is under way.
+        self.sent: dict[Any, list[SweepCase]] = {}
+
+    def send(self, group: list[SweepCase], before: Any = None) -> Any:
+        """Return the future of a group. Errors: InputError for files too large to cross."""
+        places: dict[str, Path] = {}
+        ready = [attrs.evolve(case, what=packed(case.what, places.__setitem__)) for case in group]
+        for found, place in places.items():
+            if found not in self._files:
+                # As a task, not as data placed on a worker: it outlives any worker.
+                self._files[found] = self._client.submit(bytes, bytes_of(place), key=f"hmdwarp-file-{found}")
+        files, key = {found: self._files[found] for found in places}, f"hmdwarp-{group[0].identity}-{self._token}"
+        task = (run_here, self._work, ready, program_hash(), files, before)
+        future = self._client.submit(*task, key=key, pure=False)
+        self.sent[future] = group
+        return future
 
 
 def run_here(
