@@ -1,6 +1,6 @@
 """Sweeps on two local workers beside the same in one process, and what they cost: docs/scale.md.
 
-    python tests/sweep_scale.py [CASES] [WORKERS' LATENCIES STEP]
+    python tests/sweep_scale.py [CASES]
 
 One part of the bench loses a worker in the middle, and is interrupted and resumed; merged with the
 other part it must equal the plain run. Times are processor time, so that other work on the machine
@@ -97,16 +97,61 @@ def whole(folder: Path, count: int) -> dict:
     }
 
 
+def efficiency(folder: Path) -> tuple[float, int]:
+    """Return processor seconds of cases on one worker by those on two, and how many they were."""
+    latencies = [40 + 20 * k for k in range(12)]
+    dear = (*CHEAP, "--size", "240x300", "--instants", "2", "--fill", "pyramid")
+    words = ("walk", *dear, "--latency", ",".join(map(str, latencies)))
+    took: dict[int, list[float]] = {1: [], 2: []}
+    for turn in range(2):
+        for workers, seconds in took.items():
+            cluster = ("--cluster", f"local:{workers}", "--out", folder / f"{workers}-{turn}")
+            seconds.append(finished(*words, *cluster)[1])
+    return min(took[1]) / min(took[2]), len(latencies)
+
+
+def light(folder: Path, count: int, content: Path) -> tuple[float, float]:
+    """Return processor seconds and MB of driver and scheduler for cases that cost nothing."""
+    words = ("-m", "tests.sweep.cheap", folder / str(count), count, "--cluster", "local:1", "--file", content)
+    done = subprocess.run(
+        [sys.executable, *map(str, words)], cwd=ROOT, capture_output=True, text=True, check=True, env=os.environ
+    )
+    seconds, kilobytes = done.stdout.split()
+    return float(seconds), float(kilobytes) / 1e3
+
+
 def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     with tempfile.TemporaryDirectory() as name:
-        found = whole(Path(name), count)
+        folder = Path(name)
+        found = whole(folder, count)
+        part, dear = efficiency(folder)
+        content = folder / "row.json"
+        content.write_bytes(b"x" * round(found["case_bytes"]))
+        few, many = 200, 1200
+        (few_s, few_mb), (many_s, many_mb) = (light(folder, number, content) for number in (few, many))
+    each_ms, each_kb = (many_s - few_s) / (many - few) * 1e3, (many_mb - few_mb) / (many - few) * 1e3
+    case_s, rows_mb = found["plain_s"] / count, found["case_bytes"] * 1e-6
+    trace_mb = (ROOT / "recordings" / "walk.csv").stat().st_size * 1e-6
     print(
-        f"{found['cases']} cases in one process, and as two parts on two local workers. One part lost a worker when "
-        f"{found['killed']} of its {count // 2} cases were done, was interrupted at {found['stopped']} and resumed. "
-        "Merged, all rows equal those of the plain run but for times."
+        f"- {count} cases in one process, and as two parts on two local workers. One part lost a worker when\n"
+        f"  {found['killed']} of its {count // 2} cases were done, was interrupted at {found['stopped']} and resumed."
+        " Merged, all rows equal\n  those of the plain run but for times.\n"
+        f"- {dear} cases of 240x300 on one worker took {part:.2f} of the processor time that they took on two.\n"
     )
-    print(json.dumps(found))
+    ten = 10_000
+    lines = [
+        ("work: a tiny case here takes", f"{case_s:.2f} s of processor time", f"{ten * case_s / 100:.0f} s each"),
+        ("driver and scheduler, per case", f"{each_ms:.1f} ms", f"{ten * each_ms * 1e-3:.0f} s"),
+        ("memory of both, per case", f"{each_kb:.0f} kB", f"{few_mb + ten * each_kb * 1e-3:.0f} MB with the start"),
+        ("a case's result", f"{rows_mb * 1e3:.1f} kB a row", f"{ten * rows_mb:.0f} MB for a row in each"),
+        ("a trace, once to each machine", f"{trace_mb:.1f} MB", f"{100 * trace_mb:.0f} MB"),
+        ("a worker that dies", "the case under way", f"{case_s:.1f} s again"),
+        ("the scheduler or driver dies", "the cases under way", f"{100 * case_s:.0f} s of processor time again"),
+    ]
+    print("| what | measured | 10,000 such cases on 100 machines |\n| --- | --- | --- |")
+    for line in lines:
+        print(f"| {' | '.join(line)} |")
 
 
 if __name__ == "__main__":

@@ -32,6 +32,8 @@ from .options import DEFAULT_SIZES, BenchOptions
 from .parquet import check_parquet, write_parquet
 
 OWNED = ("bench.csv", "bench.html", "bench.parquet")
+# Cases on the page, which draws charts of each: a second for two.
+MOST_SHOWN = 40
 Progress = Callable[[int, int], None]
 
 
@@ -200,10 +202,15 @@ def write_bench(out: OutputFolder, data: dict[str, Any], *, parquet: bool = Fals
 
     Errors: MachineError where that lacks its package.
     """
-    from ..report.bench import render_bench_page
+    from ..report.bench import cases, render_bench_page
 
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
     if parquet:
         write_parquet(out.path("bench.parquet"), flat(data["rows"]))
-    out.write_text("bench.html", render_bench_page(data))
+    shown, groups = data, cases(data["rows"])
+    if len(groups) > MOST_SHOWN:
+        note = f"This page shows the first {MOST_SHOWN} of {len(groups)} cases; bench.csv and bench.json have all."
+        rows = [row for group in groups[:MOST_SHOWN] for row in group.rows]
+        shown = {**data, "rows": rows, "notes": [note, *data["notes"]]}
+    out.write_text("bench.html", render_bench_page(shown))
     out.write_json("bench.json", data)

@@ -76,6 +76,14 @@ def test_each_machine_has_its_times_and_a_front_of_its_own(benches, tmp_path):
     assert any(note.startswith("other: ") for note in data["notes"])
 
 
+def test_a_page_of_many_cases_shows_the_first(benches, tmp_path, monkeypatch):
+    monkeypatch.setattr("hmdwarp.bench.bench_run.MOST_SHOWN", 1)
+    result = merge(MergeOptions(folders=benches[1:], out=tmp_path / "merged"))
+    page = result.report.read_text(encoding="utf-8")
+    assert "shows the first 1 of 2 cases" in page and "50 ms" in page and "100 ms" not in page
+    assert len(read(tmp_path / "merged")["rows"]) == 2
+
+
 def test_drivers_that_disagree_are_named(benches, tmp_path):
     other = elsewhere(benches[0], tmp_path / "other", levels=1.2 * BOUND)
     done = hmdwarp("bench", "merge", benches[0], other, "--out", tmp_path / "merged")

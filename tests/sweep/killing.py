@@ -129,7 +129,7 @@ def main() -> None:
             print(number, victim, faults or "nothing lost, nothing doubled", flush=True)
             assert not faults, f"seed {seed}"
     told = ", ".join(f"{count} of a {victim}" for victim, count in tally.items())
-    print(f"{moments} kills, seed {seed} ({told}): all {COUNT} cases of each run there once")
+    print(f"{moments} kills at random moments ({told}): all {COUNT} cases of each run were there once.")
 
 
 if __name__ == "__main__":
