@@ -10,7 +10,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import HmdwarpError
+from ..errors import HmdwarpError, MachineError
 from ..report import write_bytes, write_json
 
 FOLDER = "cases"
@@ -45,6 +45,8 @@ class Failure:
         """Return the failure that an exception of a case is."""
         if isinstance(error, HmdwarpError):
             return cls(name, str(error), error.exit_status)
+        if isinstance(error, OSError):
+            return cls(name, str(error), MachineError.exit_status)
         import traceback
 
         lines = "".join(traceback.format_exception(error))

@@ -21,16 +21,25 @@ def _check(instance: Any, field: attrs.Attribute[Any], value: str | None) -> Non
 
 
 @attrs.frozen(kw_only=True)
-class SweepOptions(Declared):
-    """How a set of cases is run. Errors: InputError for an address that cannot be one."""
+class ClusterOptions(Declared):
+    """Where a set of cases is run. Errors: InputError for an address that cannot be one."""
 
-    resume: bool = option(False, "Go on with the run in this folder: only cases that are missing or failed are run.")
     cluster: str | None = option(
         None,
         "Run the cases on a Dask cluster: local:N for N processes here, or the address of a scheduler.",
         metavar="WHERE",
         valid=_check,
     )
+
+    def measuring(self, workers: int | None) -> int | None:
+        """Return the measuring processes of a run: a cluster's workers measure themselves."""
+        return 0 if self.cluster and workers is None else workers
+
+
+@attrs.frozen(kw_only=True)
+class SweepOptions(ClusterOptions):
+    """How a set of cases is run."""
+
     timing_on: str = option(
         EACH,
         "With --cluster, time cases on each machine that runs them, or all of them on one.",
@@ -38,7 +47,4 @@ class SweepOptions(Declared):
         valid=one_of(EACH, ONE),
         limits="each or one",
     )
-
-    def measuring(self, workers: int | None) -> int | None:
-        """Return the measuring processes of a run: a cluster's workers measure themselves."""
-        return 0 if self.cluster and workers is None else workers
+    resume: bool = option(False, "Go on with the run in this folder: only cases that are missing or failed are run.")

@@ -14,7 +14,7 @@ import attrs
 from ..errors import HmdwarpError, InputError, MachineError
 from .identity import identity_of
 from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
-from .options import ONE, SweepOptions
+from .options import ONE, ClusterOptions, SweepOptions
 
 Progress = Callable[[int, int], None]
 Say = Callable[[str], None]
@@ -100,7 +100,7 @@ def run_cases(
     if known:
         say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
     bar = _Bar(cases, missing, progress)
-    for case, outcome in _run(work, missing, options, bar, say):
+    for case, outcome in _run(work, missing, options, bar, say, in_turn=options.timing_on == ONE):
         if isinstance(outcome, Failure):
             kept.keep_failure(case.identity, outcome)
             say(f"failed: {case.name}: {outcome.why}")
@@ -111,22 +111,34 @@ def run_cases(
     return Swept(kept, tuple(cases), failed, known)
 
 
-def raise_failures(swept: Swept) -> None:
-    """Raise the error of a run in which cases failed, with the exit status of the first.
+def outcomes(
+    work: Work, cases: Sequence[SweepCase], options: ClusterOptions, progress: Progress, say: Say
+) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    """Run all of the cases and yield what became of each, for those who keep results themselves."""
+    bar = _Bar(cases, cases, progress)
+    for case, outcome in _run(work, cases, options, bar, say):
+        yield case, outcome
+        bar.done(case)
 
-    Errors: InputError, MachineError or HmdwarpError.
+
+def raise_failures(swept: Swept) -> None:
+    """Raise the error of a run in which cases failed: see raise_failed."""
+    raise_failed(swept.failed, len(swept.cases), "the others are kept: run it again with --resume")
+
+
+def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:
+    """Raise the error of `count` cases of which some failed, with the exit status of the first.
+
+    then: what to do. Errors: InputError, MachineError or HmdwarpError.
     """
-    if not swept.failed:
+    if not failed:
         return
-    first = swept.failed[0]
+    first = failed[0]
     kind = next((one for one in (InputError, MachineError) if one.exit_status == first.exit_status), HmdwarpError)
-    if len(swept.cases) == 1:
+    if count == 1:
         raise kind(first.why)
-    others = f", and {len(swept.failed) - 1} more" if len(swept.failed) > 1 else ""
-    raise kind(
-        f"{len(swept.failed)} of {len(swept.cases)} cases failed: {first.name}: {first.why}{others}; the others are "
-        "kept: run it again with --resume"
-    )
+    others = f", and {len(failed) - 1} more" if len(failed) > 1 else ""
+    raise kind(f"{len(failed)} of {count} cases failed: {first.name}: {first.why}{others}; {then}")
 
 
 def run_group(
@@ -149,7 +161,7 @@ def groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:
 
 
 def _run(
-    work: Work, cases: Sequence[SweepCase], options: SweepOptions, bar: _Bar, say: Say
+    work: Work, cases: Sequence[SweepCase], options: ClusterOptions, bar: _Bar, say: Say, *, in_turn: bool = False
 ) -> Iterator[tuple[SweepCase, Result | Failure]]:
     """Yield what became of each case, here or on a cluster."""
     if not cases:
@@ -159,7 +171,7 @@ def _run(
         return
     from .cluster import run_on_cluster
 
-    yield from run_on_cluster(work, cases, options.cluster, say, in_turn=options.timing_on == ONE)
+    yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
 
 
 def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
