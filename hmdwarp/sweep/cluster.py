@@ -21,7 +21,7 @@ from ..extra import import_extra
 from .identity import program_hash
 from .kept_cases import Failure, Result
 from .options import LOCAL
-from .run_cases import Say, SweepCase, Work, groups_of, run_group
+from .sweep_case import Say, SweepCase, Work, groups_of, run_group
 from .travel import bytes_of, packed, unpack, unpacked
 
 RUN_AGAIN = 2  # times that a case is run again because its worker died
