@@ -17,7 +17,7 @@ SECONDS = 3
 METRICS_EVERY = 30
 # Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
 OPTIONS =
-# Of test-kill: how many sessions are killed, and a seed for when.
+# Of test-kill: how many sessions are killed (of sweeps a twelfth), and a seed for when.
 KILLS = 500
 SEED = 1
 # Of test-soak.
@@ -62,8 +62,9 @@ check-shaders: setup
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)
 
-test-kill: setup  ## kill sessions of a study at 500 random moments instead of 40 (KILLS=, SEED=): about five minutes
+test-kill: setup  ## kill sessions of a study at 500 random moments, sweeps at a twelfth (KILLS=, SEED=): ten minutes
 	@STUDY_KILLS=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py -q $(OPTIONS)
+	@SWEEP_KILLS=$$(($(KILLS) / 12)) SWEEP_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/sweep/test_kill.py -q $(OPTIONS)
 
 test-soak: setup  ## the feed for an hour over a link that is cut now and then (SOAK_SECONDS=): nothing may grow
 	@.venv/bin/python tests/soak_feed.py --seconds $(SOAK_SECONDS)

@@ -572,6 +572,14 @@ def trace_layouts(_: Path) -> None:
     replace("contradicted", layouts.contradicted_text())
 
 
+def sweeps(_: Path) -> None:
+    """Kill sweeps at random moments, and measure what one costs; needs the extra `cluster`."""
+    command = [sys.executable, "-m", "tests.sweep.killing", "40"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT)
+    replace("kills", done.stdout.splitlines()[-1])
+    replace("sweeps", printed("sweep_scale.py", markdown=True))
+
+
 PARTS = {
     "rgbd": frames_of_cameras,
     "layouts": trace_layouts,
@@ -618,6 +626,7 @@ PARTS = {
     "proxy": proxies,
     "views": chosen_views,
     "feed": feed_ways,
+    "sweeps": sweeps,
     "readme": readme,
 }
 

@@ -46,6 +46,7 @@ FLOORS = [
     {"display"},
     {"doctor"},
     {"run"},
+    {"sweep"},
     {"bench"},
     {"compare"},
     {"study"},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -54,7 +55,8 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
 
     Each is slower and better than the last. rows: as in bench.json. Figures are means over the
     cases (trace, scene, latency, ..) that every combination was measured in; of several sizes the
-    largest counts, where time is scarcest. Rows without a time or a FLIP are ignored.
+    largest counts, where time is scarcest; of several machines the one with the most rows. Rows
+    without a time or a FLIP are ignored.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
     combined, shared = _compared(rows)
@@ -68,7 +70,7 @@ def _compared(
 
     Errors: as levels_from.
     """
-    measured = _largest(_measured(rows))
+    measured = _of_one_machine(_largest(_measured(rows)))
     combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]] = {}
     for row, figures in measured:
         combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
@@ -155,9 +157,16 @@ def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
     return found
 
 
-def _largest(measured: list[tuple[Row, tuple[Any, ...]]]) -> list[tuple[Row, tuple[Any, ...]]]:
+def _largest(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:
     pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
     return [found for found, count in zip(measured, pixels, strict=True) if count == max(pixels)]
+
+
+def _of_one_machine(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:
+    """Return the rows of the machine that has the most: times of two are not comparable."""
+    hosts = Counter((row.get("machine") or {}).get("host") for row, _ in measured)
+    (most, _), *_ = hosts.most_common(1)
+    return [found for found in measured if (found[0].get("machine") or {}).get("host") == most]
 
 
 def _case(row: Row) -> tuple[Any, ...]:

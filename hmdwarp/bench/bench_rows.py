@@ -9,7 +9,7 @@ from typing import Any
 
 from ..client.capability import lacking
 from ..clients import Client
-from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, pooled
+from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, blocks_text, pooled
 from ..run.combination_bench import Measured
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup
@@ -51,7 +51,14 @@ COLUMNS = (
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
     "gl_renderer",
     "cpu_count",
+    "host",
 )
+# Columns that are no numbers, and those that are whole ones.
+TEXTS = (
+    *("trace", "scene", "strategy", "warp", "fill", "lens", "headset", "guard", "predict"),
+    *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
+)
+WHOLE = ("frames", "width", "height", "cpu_count")
 
 
 def row_of(
@@ -60,8 +67,9 @@ def row_of(
     """Return one row of bench.json.
 
     It has the keys of summary.json, the error by region, the eyes' mismatch, the time and bound of
-    each pass, the strategy where it was asked for as one, why the client cannot run it ("" if it
-    can), and the system that the warp stands for as a baseline ("" if none).
+    each pass, the pictures in few numbers, the strategy where it was asked for as one, why the
+    client cannot run it ("" if it can), and the system that the warp stands for as a baseline (""
+    if none).
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
@@ -79,6 +87,7 @@ def row_of(
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
         },
+        "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
         "passes": []
@@ -97,7 +106,7 @@ def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
-    machine = {key: row["machine"][key] for key in ("gl_renderer", "cpu_count")}
+    machine = {key: row["machine"].get(key) for key in ("gl_renderer", "cpu_count", "host")}
     return {
         **{key: row.get(key, "") for key in _PLAIN},
         "width": row["size"][0],

@@ -33,6 +33,7 @@ from ..run.options import RunOptions
 from ..run.recordings import recordings_field, with_recordings
 from ..scenes.options import SceneOptions
 from ..sequences.options import SequenceOptions
+from ..sweep.options import SweepOptions
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
@@ -49,6 +50,11 @@ def _size(value: Any) -> Size:
     if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
         raise InputError(f"--size {value!r}: expected (width, height) in pixels of one eye")
     return sides
+
+
+def parquet_field() -> Any:
+    """Return the field that asks for the table as Parquet too."""
+    return option(False, "Write the table as bench.parquet too; needs pyarrow.")
 
 
 DEFAULT_SIZES = ((1280, 800),)
@@ -117,7 +123,9 @@ class BenchOptions(Declared):
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
+    parquet: bool = parquet_field()
     force: bool = force_field()
+    sweep: SweepOptions = group(SweepOptions)
     command: str = ""
 
     @classmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from ..bench import BenchOptions
+from ..bench import BenchOptions, MergeOptions
 from ._options import QUIET, Said, command_line, takes
 
 
@@ -17,15 +17,31 @@ def bench(said: Said) -> None:
     _run(BenchOptions.of(said, command=command_line()), said["quiet"])
 
 
+@takes(MergeOptions, QUIET)
+def merge(said: Said) -> None:
+    """Join benches of several machines or parts: quality once, times for each machine.
+
+    Fails where two machines showed different pictures.
+    """
+    from ..bench import merge as run
+
+    result = run(MergeOptions.of(said, command=command_line()))
+    if not said["quiet"]:
+        _tell(result)
+
+
 def _run(options: BenchOptions, quiet: bool) -> None:
     from ..bench import bench as run
     from ..errors import InputError
-    from ._show import steps
+    from ..sweep import raise_failures
+    from ._show import sayer, steps
 
     with steps("instants", quiet=quiet) as (progress, _):
-        result = run(options, progress)
+        result = run(options, progress, sayer(quiet))
     if not quiet:
         _tell(result)
+    if result.swept is not None:
+        raise_failures(result.swept)
     if result.refused:  # after the results are written and told: they are good, the budget was not
         raise InputError(result.refused)
 

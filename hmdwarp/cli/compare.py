@@ -19,13 +19,19 @@ def compare(said: Said) -> None:
 
 def _run(options: CompareOptions, quiet: bool) -> None:
     from ..compare import compare as run
-    from ._show import console, paragraph, steps
+    from ..sweep import raise_failures
+    from ._show import sayer, steps
 
     with steps("runs", quiet=quiet) as (progress, _):
-        result = run(options, progress)
-    if quiet:
-        return
+        result = run(options, progress, sayer(quiet))
+    if not quiet:
+        _tell(result)
+    raise_failures(result.swept)
+
+
+def _tell(result) -> None:
     from ..report.compare_page import compare_table
+    from ._show import console, paragraph
 
     console().print(compare_table(result.data["rows"]))
     for one in result.data["left_out"]:

@@ -11,21 +11,22 @@ from typing import Any
 import attrs
 from numpy.typing import NDArray
 
-from ..clients import Client, load_client
+from ..clients import load_client
 from ..errors import PlanError
 from ..headsets import load_headset
+from ..link.codec import codecs
 from ..metrics import QUALITY
 from ..pipeline.build import refreshes_of
 from ..pipeline.planning import build_plan_for
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.options import RunOptions
-from ..run.replay_run import Measured, measured
 from ..run.schedule import schedule_of
 from ..scenes import Scene, load_scene
 from ..strategies import strategies
+from ..sweep import SweepCase, Swept, raise_failures, run_cases
 from ..version import __version__
-from .fitness import client_bytes, decoded_mpx_s, start_bytes, unfit
+from .compare_work import ComparePart, CompareWork, pictures_of
 from .options import CompareOptions
 
 PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
@@ -55,6 +56,8 @@ class CompareResult:
 
     folder: Path
     data: dict[str, Any]
+    # The runs, and which failed: raise_failures tells of them.
+    swept: Swept
 
     @property
     def report(self) -> Path:
@@ -62,32 +65,32 @@ class CompareResult:
         return self.folder / PAGE
 
 
-@attrs.frozen(eq=False)
-class Pictures:
-    """The left eye at the first measured instant: (h, w, 3) sRGB, top row first."""
-
-    shown: NDArray
-    truth: NDArray
-
-
-def compare(options: CompareOptions, progress: Progress = lambda done, total: None) -> CompareResult:
+def compare(
+    options: CompareOptions,
+    progress: Progress = lambda done, total: None,
+    say: Callable[[str], None] = lambda text: None,
+) -> CompareResult:
     """Run every strategy on every recording at every latency, and write options.out.
 
-    All that was asked for is checked before anything runs; a comparison that fails or is
-    interrupted leaves nothing. progress(done, total): in runs.
-    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks.
+    Each run is a case, kept in the folder `cases` there as soon as it is done; those of a recording
+    and latency, which are compared, run on one machine.
+
+    All that was asked for is checked before anything runs. progress(done, total): in runs. say:
+    gets a sentence.
+    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks; that
+    of the run where none of several was done.
     """
     started = time.perf_counter()
     clients = [load_client(name) for name in options.clients]
     runs, left_out = _checked(options, load_scene(options.scene, options.scene_options))
     with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
-        rows, pictures = [], []
-        for number, run in enumerate(runs):
-            progress(number, len(runs))
-            result = measured(run)
-            rows.append(_row(run, result, clients))
-            pictures.append(_pictures(result))
-        progress(len(runs), len(runs))
+        cases = [_case(run, options.clients) for run in runs]
+        swept = run_cases(CompareWork(), cases, options.out, options.sweep, progress, say)
+        found = [*swept.results()]
+        if not found:
+            raise_failures(swept)
+        rows = [row for _, row in found]
+        pictures = [pictures_of(swept.kept, case) for case, _ in found]
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -96,19 +99,24 @@ def compare(options: CompareOptions, progress: Progress = lambda done, total: No
             "clock": rows[0]["clock"],
             "clients": [{"name": client.name, "summary": client.summary} for client in clients],
             "strategies": [_told(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
-            "left_out": left_out,
+            "left_out": [*left_out, *({"strategy": one.name, "why": f"failed: {one.why}"} for one in swept.failed)],
             "rows": rows,
             "seconds": time.perf_counter() - started,
         }
         _write(out, data, pictures)
-    return CompareResult(options.out, data)
+    return CompareResult(options.out, data, swept)
+
+
+def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
+    front = f"{run.trace}, {run.total_latency_ms:g} ms"
+    return SweepCase.of("compare", f"{run.strategy}, {front}", ComparePart(run, tuple(clients)), group=front)
 
 
 def _checked(options: CompareOptions, scene: Scene) -> tuple[list[RunOptions], list[dict[str, str]]]:
     """Return the options of every run, and which strategies are left out and why.
 
     Those that nobody named are left out where the scene does not call for them.
-    Errors: as build_plan_for and schedule_of.
+    Errors: as build_plan_for and schedule_of; UnknownNameError for a codec.
     """
     headset, left_out, names = load_headset(options.headset), [], []
     for text in options.strategies or strategies.names():
@@ -125,6 +133,7 @@ def _checked(options: CompareOptions, scene: Scene) -> tuple[list[RunOptions], l
     runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
     tracks = {recording: load_trace(recording, options.trace_options).track for recording in options.recordings}
     for run in runs:
+        codecs.get(run.coding.codec)
         schedule_of(tracks[run.trace], run, rate_hz)
     return runs, left_out
 
@@ -151,7 +160,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
         trace_options=options.trace_options,
         against="",
         metrics_every=options.metrics_every,
-        workers=options.workers,
+        workers=options.sweep.measuring(options.workers),
         images=1,
     )
 
@@ -162,23 +171,6 @@ def _with(chosen: Any, by_strategy: Any) -> Any:
     names = [field.name for field in attrs.fields(type(by_strategy))]
     sets = {name: value for name in names if (value := getattr(by_strategy, name)) != getattr(usual, name)}
     return attrs.evolve(chosen, **sets)
-
-
-def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[str, Any]:
-    """Return one row of compare.json: the keys of summary.json, and what the strategy takes."""
-    summary, about = result.summary, (result.plan, result.sizes)
-    summary["link"].pop("timeline")
-    return {
-        **summary,
-        "latency_ms": run.total_latency_ms,
-        "client_ms": summary["time_ms"]["total"]["median"],
-        "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
-        "mbit_s": summary["link"]["mbit_s"],
-        "decoded_mpx_s": decoded_mpx_s(summary, *about),
-        "start_bytes": start_bytes(summary),
-        "client_bytes": client_bytes(summary, *about),
-        "unfit": {client.name: unfit(summary, *about, client) for client in clients},
-    }
 
 
 def _told(text: str) -> dict[str, Any]:
@@ -194,16 +186,11 @@ def _told(text: str) -> dict[str, Any]:
     }
 
 
-def _pictures(result: Measured) -> Pictures:
-    job = min(result.kept, key=lambda kept: kept.key).job
-    return Pictures(job.now.shown, job.now.truth)
-
-
-def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Pictures]) -> None:
+def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[tuple[NDArray, NDArray]]) -> None:
     from ..report.compare_page import render_compare_page
 
     out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
-    out.write_text(PAGE, render_compare_page(data, [(one.shown, one.truth) for one in pictures]))
+    out.write_text(PAGE, render_compare_page(data, pictures))
     out.write_json(DATA, data)
 
 

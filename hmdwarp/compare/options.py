@@ -15,6 +15,7 @@ from ..poses.options import TraceOptions
 from ..run.options import RunOptions
 from ..run.recordings import recordings_field, with_recordings
 from ..scenes.options import SceneOptions
+from ..sweep.options import SweepOptions
 
 _RUN = attrs.fields(RunOptions)
 SIZE = (640, 400)
@@ -57,6 +58,7 @@ class CompareOptions(Declared):
     trace_options: TraceOptions = group(TraceOptions)
     out: Path = out_field(Path("out/compare"), "Folder for compare.html, compare.json and compare.csv.")
     force: bool = force_field()
+    sweep: SweepOptions = group(SweepOptions)
     command: str = ""
 
     @property

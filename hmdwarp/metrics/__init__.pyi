@@ -1,3 +1,7 @@
+from .blocks import BOUND as BOUND
+from .blocks import block_means as block_means
+from .blocks import blocks_apart as blocks_apart
+from .blocks import blocks_text as blocks_text
 from .detail import sharpness as sharpness
 from .figure import Figure as Figure
 from .figures_of import measure as measure

@@ -119,6 +119,12 @@ class QualityPool:
                 self._idle.wait(timeout=0.1)
         self._raise_failure()
 
+    def forget(self) -> None:
+        """Drop the figures so far: a pool that lives long keeps those of its present pictures."""
+        with self._lock:
+            self._results.clear()
+            self._regions.clear()
+
     def finish(self) -> dict[Any, dict[str, float | None]]:
         """Wait for all jobs, end the workers, and return all results in the order of their keys."""
         try:

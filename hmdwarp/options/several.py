@@ -16,7 +16,11 @@ Split = Callable[[str], list[str]]
 
 def split_values(text: str) -> list[str]:
     """Return what stands between commas; a text that names a file is one value."""
-    return [text] if Path(text).exists() else [part.strip() for part in text.split(",")]
+    try:
+        is_file = Path(text).exists()
+    except OSError:  # a list longer than a name can be
+        is_file = False
+    return [text] if is_file else [part.strip() for part in text.split(",")]
 
 
 def split_names(text: str) -> list[str]:

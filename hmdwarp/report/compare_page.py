@@ -177,16 +177,13 @@ def _label(row: Row) -> str:
 
 
 def _cases(rows: Sequence[Row], pictures: Sequence[Pictures]) -> list[tuple[str, list[Row], list[Pictures]]]:
-    """Return (label, rows, their pictures) of each recording and latency."""
-    paired = list(itertools.zip_longest(rows, pictures))
-    labels = dict.fromkeys(map(_label, rows))
+    """Return (label, rows, their pictures) of each recording and latency, and of each machine."""
+    hosts = [row["machine"].get("host") for row in rows]
+    on = [f", on {host}" if len({*hosts}) > 1 else "" for host in hosts]  # times of two are not comparable
+    paired = [(_label(row) + where, row, shown) for row, where, shown in itertools.zip_longest(rows, on, pictures)]
     return [
-        (
-            label,
-            [row for row, _ in paired if _label(row) == label],
-            [shown for row, shown in paired if _label(row) == label],
-        )
-        for label in labels
+        (label, [row for one, row, _ in paired if one == label], [shown for one, _, shown in paired if one == label])
+        for label in dict.fromkeys(label for label, _, _ in paired)
     ]
 
 

@@ -19,7 +19,7 @@ from ..colour import picture_from_linear
 from ..frames import Needs
 from ..geometry import View
 from ..gpu.textures import download
-from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface
+from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface, block_means
 from ..pipeline.loop import Refresh
 from ..server.targets import TargetPool
 from .combinations import Case, Combination, frames_used, instants_of
@@ -48,6 +48,8 @@ class Measured:
     stages: dict[str, list[float]] = attrs.field(factory=lambda: defaultdict(list))
     keys: list[Key] = attrs.field(factory=list)
     mismatch: list[Mismatch] = attrs.field(factory=list)
+    # Of each measured picture, by its refresh: see metrics.block_means.
+    blocks: dict[int, NDArray[np.float64]] = attrs.field(factory=dict)
 
 
 @attrs.frozen(eq=False)
@@ -212,6 +214,7 @@ class Comparison:
                 rendered.size,
                 regions=True,
             )
+            measured.blocks[number] = block_means(job.now.shown)
             same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
             key = same or (self._case, warp, measured.combination.fill, number, eye)
             measured.keys.append(key)

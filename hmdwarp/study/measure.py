@@ -8,9 +8,10 @@ first moments of a trial (its latency) are left out.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 
@@ -21,6 +22,7 @@ from ..options import parse_size
 from ..pipeline.options import PipelineOptions
 from ..report import counted
 from ..run import RunOptions, figures
+from ..sweep import Failure, Result, SweepCase, outcomes
 from ..version import __version__
 from .design import live_options
 from .measure_options import MeasureOptions
@@ -39,6 +41,8 @@ class Measurements:
     known: int  # showings measured before
     left_out: tuple[str, ...]  # showings that could not be measured, each with its reason
     refreshes: int  # measured now
+    # Showings whose replay failed, which says nothing of the trial: they can be measured again.
+    failed: tuple[Failure, ...] = ()
 
     def describe(self) -> list[str]:
         """Describe the outcome in sentences."""
@@ -54,19 +58,19 @@ def measure_study(
     """Measure every complete trial, one after the other.
 
     Each is in the store when the next begins: running it again resumes. A trial whose trace or
-    settings do not allow it is left out. progress(done, total): in refreshes, roughly. say:
-    receives a sentence for each trial.
-    Errors: InputError where there is nothing to measure; MachineError for what the machine lacks,
-    and while a session runs.
+    settings do not allow it is left out; one whose replay fails leaves the others. progress(done,
+    total): in refreshes, roughly. say: receives a sentence for each trial.
+    Errors: InputError where there is nothing to measure; MachineError while a session runs.
     """
     contents = store.contents(pilot=options.pilot)
     showings = [one for one in contents.showings if one.complete and one.trial]
     if not showings:
         raise InputError(f"{store.folder}: no trial was shown to its end: there is nothing to measure")
     sessions = {one.id: one for one in contents.sessions}
-    bar = _Bar(progress, [one.actual.get("pictures") or 1 for one in showings])
-    known, refreshes = 0, []
+    known, refreshes, cases = 0, [], []
     left_out: list[str] = []
+    failed: list[Failure] = []
+    of: dict[str, Showing] = {}
     for showing in showings:
         session = sessions[showing.session]
         try:
@@ -74,34 +78,40 @@ def measure_study(
             if not options.again and is_known(showing, run):
                 known += 1
                 continue
-            data = _measured(run, bar.within)
-        except (InputError, OSError) as error:
+            steps = showing.actual.get("pictures") or 1
+            cases.append(SweepCase.of("study measure", _name(showing, session), run, steps=steps))
+        except InputError as error:
             left_out.append(f"{_name(showing, session)}: {error}")
             continue
-        finally:
-            bar.next()
-        store.measured(showing.id, data)
-        refreshes.append(data["refreshes"])
-        say(f"{_name(showing, session)}: {_figures_text(data)}")
-    return Measurements(len(refreshes), known, tuple(left_out), sum(refreshes))
+        of[cases[-1].name] = showing
+    for case, outcome in outcomes(MeasureWork(), cases, options.where, progress, say):
+        if isinstance(outcome, Failure):
+            if outcome.exit_status == InputError.exit_status:
+                left_out.append(f"{case.name}: {outcome.why}")
+            else:
+                failed.append(outcome)
+            continue
+        store.measured(of[case.name].id, outcome.data)
+        refreshes.append(outcome.data["refreshes"])
+        say(f"{case.name}: {_figures_text(outcome.data)}")
+    return Measurements(len(refreshes), known, tuple(left_out), sum(refreshes), tuple(failed))
 
 
-class _Bar:
-    """One progress bar over replays of different lengths."""
+@attrs.frozen
+class MeasureWork:
+    """Measures showings one by one."""
 
-    def __init__(self, progress: Progress, lengths: list[int]) -> None:
-        self._progress, self._lengths, self._at = progress, lengths, 0
-        progress(0, sum(lengths))
+    together: ClassVar[bool] = False
 
-    def within(self, done: int, total: int) -> None:
-        """Advance within the present replay."""
-        before, length = sum(self._lengths[: self._at]), self._lengths[self._at]
-        self._progress(before + length * done // max(total, 1), sum(self._lengths))
+    @contextmanager
+    def opened(self) -> Iterator[Callable[..., Iterator[tuple[SweepCase, Result]]]]:
+        """Open nothing: replays share nothing."""
+        yield _run
 
-    def next(self) -> None:
-        """Advance to the next replay."""
-        self._at += 1
-        self._progress(sum(self._lengths[: self._at]), sum(self._lengths))
+
+def _run(cases: Sequence[SweepCase], step: Callable[[float], None]) -> Iterator[tuple[SweepCase, Result]]:
+    for case in cases:
+        yield case, Result(_measured(case.what, lambda done, total: step(done / max(total, 1))))
 
 
 def run_options(showing: Showing, session: Session, traces: Path, options: MeasureOptions) -> RunOptions:
@@ -131,7 +141,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         "as_recorded": True,
         "against": "",
         "metrics_every": options.every,
-        "workers": options.workers,
+        "workers": options.where.measuring(options.workers),
         "images": 0,
     }
     return RunOptions(**{**shared, **replayed})

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import attrs
 
-from ..options import Declared, option, same_as
+from ..options import Declared, group, option, same_as
 from ..run.options import RunOptions
+from ..sweep.options import ClusterOptions
 
 _RUN = attrs.fields(RunOptions)
 
@@ -19,3 +20,4 @@ class MeasureOptions(Declared):
     workers: int | None = same_as(_RUN.workers)
     again: bool = option(False, "Re-measure trials already measured with these options.")
     pilot: bool = option(False, "Pilot sessions instead of those of participants.")
+    where: ClusterOptions = group(ClusterOptions)

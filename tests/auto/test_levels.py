@@ -138,3 +138,11 @@ def test_settings_in_a_spec():
 
 def test_a_level_scaled():
     assert QualityLevel("a", "none", 2.0, 0.1).scaled(3).total_ms == 6.0
+
+
+def test_times_of_two_machines_are_not_mixed():
+    """The machine with the most rows counts, however quick the other is."""
+    slow = [row("none", "none", 10.0, 0.3), row("rotation", "none", 20.0, 0.1)]
+    ours = [{**one, "latency_ms": latency, "machine": {"host": "ours"}} for one in slow for latency in (100.0, 200.0)]
+    theirs = [{**row("rotation", "none", 0.1, 0.1), "latency_ms": 300.0, "machine": {"host": "theirs"}}]
+    assert levels_from([*theirs, *ours]) == levels_from(ours)

@@ -45,6 +45,7 @@ TIMES = ("time_ms", "passes")
 KEYS = {
     "schema",
     "hmdwarp",
+    "program",
     "notes",
     "command",
     "machine",
@@ -81,7 +82,11 @@ def full(small_grid, tmp_path_factory):
 
 def test_writes_its_files_and_nothing_else(full):
     out, result, _ = full
-    assert set(contents(out)) == {"bench.csv", "bench.json", "bench.html"}
+    assert {name for name in contents(out) if not name.startswith("cases/")} == {
+        "bench.csv",
+        "bench.json",
+        "bench.html",
+    }
     assert result.report == out / "bench.html" and result.refused == ""
     page = result.report.read_text(encoding="utf-8")
     assert "axes of look-around <b>openxr (world=x,y,-z head=x,y,-z), stated by the file</b>" in page
@@ -168,8 +173,8 @@ def without_times(data: dict) -> dict:
 
 def test_only_times_change(full, tmp_path, monkeypatch):
     """Measured in other processes, and in batches so small that each warp runs alone."""
-    monkeypatch.setattr("hmdwarp.bench.bench_run.GPU_BATCH_BYTES", 1)
-    monkeypatch.setattr("hmdwarp.bench.bench_run.MEMORY_PART", 0.0)
+    monkeypatch.setattr("hmdwarp.bench.bench_work.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.bench.bench_work.MEMORY_PART", 0.0)
     again = bench(attrs.evolve(SMALL, out=tmp_path, workers=2))
     assert without_times(again.data) == without_times(full[1].data)
 
@@ -299,12 +304,16 @@ def test_what_is_interrupted_leaves_what_was_there(at, tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         bench(attrs.evolve(SMALL, warps=("rotation",), out=tmp_path, workers=1), interrupt)
-    assert contents(tmp_path) == before
+    left = contents(tmp_path)
+    assert {name: left[name] for name in before} == before
+    # Two latencies and the grid were done, in that order; what was begun left nothing.
+    done = [name for name in left if name not in before]
+    assert all(name.startswith("cases/") for name in done) and len(done) == {0: 0, 1: 0, 3: 1, 20: 2}[at]
 
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setattr("hmdwarp.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.bench.bench_work.set_up_replay", lambda *_: pytest.fail("it ran"))
     with pytest.raises(Exception, match="file"):
         bench(attrs.evolve(SMALL, out=tmp_path / "file"))
     OutputFolder(tmp_path / "fine").discard()

@@ -109,7 +109,7 @@ def test_refusals_come_before_anything_runs(arguments, told, command, tmp_path, 
 
 
 def test_a_size_beyond_the_gpu_is_refused_before_the_others_run(command, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.bench.bench_work.set_up_replay", lambda *_: pytest.fail("it ran"))
     command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused(
         "picture size 100000x40"
     )
@@ -127,3 +127,8 @@ def test_recordings_that_no_table_could_tell_apart(command, tmp_path):
 def test_a_warp_with_settings_is_not_split(command, tmp_path):
     """The comma inside a spec belongs to its settings."""
     command("bench", "walk", *QUICK, "--warp", "forward:a=1,b=2", "--out", tmp_path / "out").refused("forward:a=1,b=2")
+
+
+def test_a_list_may_be_longer_than_the_name_of_a_file(command, tmp_path):
+    latencies = ",".join(str(20 + 4 * k) for k in range(100))
+    command("bench", "walk", *QUICK, "--latency", f"{latencies},soon", "--out", tmp_path / "out").refused("'soon'")

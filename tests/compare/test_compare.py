@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+import shutil
 from pathlib import Path
 
 import attrs
@@ -155,3 +156,22 @@ def test_a_scene_that_crosses_counts_packed_and_is_held_unpacked():
     assert start_bytes({"client_models": [held, {**held, **crossed}]}) == 1000 + 60
     assert start_bytes({"client_models": [{**held, **crossed, "first_picture_bytes": None}]}) == 400
     assert start_bytes({}) == 0
+
+
+def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):
+    """One of its runs was lost and one failed: they alone are run again, on two workers."""
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    lost, failed, *kept = sorted((out / "cases").glob("*.json"))
+    lost.unlink()
+    failed.write_text(failed.read_text(encoding="utf-8").replace('"done"', '"failed"'), encoding="utf-8")
+    before = [path.stat().st_mtime_ns for path in kept]
+    chosen = [part for name in NAMED for part in ("--strategy", name)]
+    again = ("--latency", "100,200", *QUICK, "--resume", "--cluster", "local:2", "--out", out)
+    done = hmdwarp("compare", "look-around", *chosen, *again)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [path.stat().st_mtime_ns for path in kept] == before and len(kept) == 2 * len(NAMED) - 2
+    rows = json.loads((out / "compare.json").read_text(encoding="utf-8"))["rows"]
+    for name in ("strategy", "quality", "mbit_s", "unfit"):
+        assert [row[name] for row in rows] == [row[name] for row in data["rows"]]

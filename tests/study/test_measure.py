@@ -19,6 +19,7 @@ from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.measure import Measurements, run_options
 from hmdwarp.study.store import PERSON, Store
+from hmdwarp.sweep import ClusterOptions
 
 TEXT = """
 schema = 1
@@ -163,6 +164,15 @@ def test_broken_off_it_goes_on_at_the_next_trial(store):
     assert sum(bool(one.measured) for one in store.contents().showings) == 1
     found = measure_study(store, OPTIONS)
     assert (found.measured, found.known) == (2, 1)
+
+
+def test_a_cluster_measures_the_same(store):
+    """The traces cross to workers, which know nothing of the store."""
+    pytest.importorskip("distributed")
+    assert measure_study(store, attrs.evolve(OPTIONS, where=ClusterOptions(cluster="local:1"))).measured == 3
+    there = [one.measured for one in store.contents().showings]
+    assert measure_study(store, attrs.evolve(OPTIONS, again=True)).measured == 3
+    assert [one.measured for one in store.contents().showings] == there
 
 
 def test_a_trace_that_is_gone_or_wrong_is_told_and_the_others_go_on(store):

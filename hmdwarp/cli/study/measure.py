@@ -29,6 +29,7 @@ def measure(said: Said) -> None:
     from ...study.design import load_design
     from ...study.measure import measure_study
     from ...study.store import Store, folder_to_read
+    from ...sweep import raise_failed
     from .._show import steps
 
     wanted, quiet = MeasureCommand.of(said), said["quiet"]
@@ -42,3 +43,4 @@ def measure(said: Said) -> None:
     if not quiet:
         for line in found.describe():
             typer.echo(line)
+    raise_failed(found.failed, found.measured + len(found.failed), "the others are kept: run it again")

@@ -24,6 +24,7 @@ _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("predict", lambda v: f"predict {v}"),
     ("rate_hz", lambda v: f"{v:g} Hz"),
     ("server_rate_hz", lambda v: f"server {v:g} Hz"),
+    ("machine", lambda v: f"on {v['host']}" if v.get("host") else ""),  # times of two are not comparable
 )
 _IN_EVERY_LABEL = ("trace", "latency_ms")
 
@@ -83,7 +84,7 @@ def cases(rows: Iterable[Row]) -> list[Case]:
 def common(rows: Iterable[Row]) -> list[str]:
     """Return the conditions that all rows share, which the labels of the cases leave out."""
     conditions = [_conditions(row) for row in rows]
-    names = [name for name, _ in _CONDITIONS if name not in _IN_EVERY_LABEL]
+    names = [name for name, _ in _CONDITIONS if name not in (*_IN_EVERY_LABEL, "machine")]
     values = [{entry[name] for entry in conditions} for name in names]
     return [text for texts in values if len(texts) == 1 for text in texts if text]
 

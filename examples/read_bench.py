@@ -1,0 +1,40 @@
+# Shows: a small bench whose table is read as Parquet with pandas (or DuckDB), without a notebook.
+# Writes: bench.parquet, bench.csv, bench.json, bench.html, cases, best.csv
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+from hmdwarp.bench import BenchOptions, bench
+
+out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/read_bench")
+
+# As: hmdwarp bench walk --warp rotation --warp iterative --latency 100,200 --parquet ..
+bench(
+    BenchOptions(
+        recordings=("walk",),
+        scenes=("planes",),
+        warps=("rotation", "iterative"),
+        fills=("none", "pyramid"),
+        latencies_ms=(100.0, 200.0),
+        sizes=((64, 80),),
+        seconds=0.5,
+        instants=2,
+        workers=0,
+        grid=False,
+        fused=False,
+        parquet=True,
+        out=out,
+    )
+)
+
+rows = pd.read_parquet(out / "bench.parquet")
+# Rows of one case are comparable; times only on one machine (host).
+case = ["trace", "scene", "latency_ms", "host"]
+best = rows.loc[rows.groupby(case)["flip"].idxmin(), [*case, "warp", "fill", "flip", "psnr_db", "total_ms"]]
+best.to_csv(out / "best.csv", index=False)
+print(best.to_string(index=False))
+
+# The same with DuckDB:
+#   SELECT trace, latency_ms, arg_min(warp, flip), min(flip) FROM 'bench.parquet' GROUP BY ALL;

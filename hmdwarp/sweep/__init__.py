@@ -1,0 +1,8 @@
+"""Runs that are sets of cases: each is kept as soon as it is done, here or on other machines.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

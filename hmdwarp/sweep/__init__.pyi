@@ -1,0 +1,14 @@
+from .identity import identity_of as identity_of
+from .identity import program_hash as program_hash
+from .kept_cases import Failure as Failure
+from .kept_cases import KeptCases as KeptCases
+from .kept_cases import Result as Result
+from .options import ClusterOptions as ClusterOptions
+from .options import SweepOptions as SweepOptions
+from .run_cases import Swept as Swept
+from .run_cases import outcomes as outcomes
+from .run_cases import raise_failed as raise_failed
+from .run_cases import raise_failures as raise_failures
+from .run_cases import run_cases as run_cases
+from .sweep_case import SweepCase as SweepCase
+from .sweep_case import Work as Work

@@ -1,0 +1,114 @@
+"""What a case is made with, as one hash: the same hash is the same result, but for times."""
+
+from __future__ import annotations
+
+import enum
+import functools
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ..resources import folder as resource_folder
+from ..version import __version__
+
+# What neither draws nor measures a picture: a change there leaves the results as they are.
+_NOT_OF_RESULTS = ("cli", "display", "doctor", "report", "study", "sweep", "thesis")
+# Fields of options that say where results go and how they are made, but not what they are.
+HOW = ("out", "force", "command", "workers", "parquet", "sweep")
+_MANY_FILES = (".gltf", ".obj")  # of a scene: buffers and textures lie beside it
+_CHUNK = 1 << 20
+
+
+def identity_of(kind: str, what: Any) -> str:
+    """Return the hash of the program, of a kind of case, and of what it runs.
+
+    what: options and plain values. A file counts by its name and content, not by its place.
+    Errors: OSError for a file that cannot be read.
+    """
+    made_with = {"hmdwarp": __version__, "program": program_hash(), "kind": kind, "what": _content(what)}
+    text = json.dumps(made_with, sort_keys=True, allow_nan=True)
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:32]
+
+
+@functools.cache
+def program_hash() -> str:
+    """Return a hash of the program's files that results depend on, wherever it is installed."""
+    package, shaders = Path(__file__).resolve().parents[1], resource_folder("shaders")
+    found = hashlib.sha256()
+    for base, pattern in ((package, "**/*.py"), (package, "**/*.toml"), (shaders, "**/*.*")):
+        for path in sorted(base.glob(pattern)):
+            parts = path.relative_to(base).parts
+            if path.is_file() and parts[0] not in (*_NOT_OF_RESULTS, "_data"):
+                found.update("/".join(parts).encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def files_at(place: str | Path) -> list[Path]:
+    """Return the files that a place stands for: one, those beside a scene, those of a folder."""
+    path = Path(place)
+    if path.is_dir():
+        return _files_in(path)
+    return _files_in(path.parent) if path.suffix.lower() in _MANY_FILES else [path]
+
+
+def hash_of_files(place: str | Path) -> str:
+    """Return a hash of the names and contents of files_at(place)."""
+    path = Path(place)
+    base = path if path.is_dir() else path.parent
+    return _hash_of_files(tuple((one, one.stat().st_size, one.stat().st_mtime_ns) for one in files_at(path)), base)
+
+
+@functools.lru_cache(maxsize=256)
+def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
+    found = hashlib.sha256()
+    for path, _, _ in files:
+        found.update(path.relative_to(base).as_posix().encode(errors="surrogatepass") + b"\0")
+        with path.open("rb") as stream:
+            while chunk := stream.read(_CHUNK):
+                found.update(chunk)
+    return found.hexdigest()
+
+
+def _files_in(folder: Path) -> list[Path]:
+    return sorted(one for one in folder.rglob("*") if one.is_file())
+
+
+def _content(value: Any) -> Any:
+    """Return plain data of options and values, with files by content."""
+    if attrs.has(type(value)):
+        fields = {one.name: getattr(value, one.name) for one in attrs.fields(type(value)) if one.name not in HOW}
+        return {"": type(value).__name__, **{name: _content(one) for name, one in fields.items()}}
+    if isinstance(value, Mapping):
+        return {str(key): _content(one) for key, one in value.items()}
+    if isinstance(value, enum.Enum):
+        return value.name
+    if isinstance(value, str | Path):
+        return _text(value)
+    if isinstance(value, Iterable):
+        return [_content(one) for one in value]
+    return value if value is None or isinstance(value, bool | int | float) else repr(value)
+
+
+def _text(value: str | Path) -> Any:
+    path = Path(value)
+    if is_place(value):
+        return {"file": path.name, "content": hash_of_files(path)}
+    return str(value)
+
+
+def is_place(value: str | Path) -> bool:
+    """Return whether a text names a file, or a path a file or folder.
+
+    A bare name without an ending, such as `walk`, is one that hmdwarp knows.
+    """
+    try:
+        if isinstance(value, Path):
+            return value.exists()
+        named = Path(value)
+        return "\0" not in value and (bool(named.suffix) or named.name != value) and named.is_file()
+    except (OSError, ValueError):  # a text too long to be a name
+        return False
