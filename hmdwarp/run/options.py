@@ -51,6 +51,7 @@ _NOT_WITH_FRAMES = {
     "wide": "a recording has no second view",
 }
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
+_ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
@@ -107,6 +108,9 @@ class RunOptions(PipelineOptions):
     token_file: Path | None = option(None, "File with the secret that the server at --connect wants.", kind=Path)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
+    trace_events: Path | None = out_field(
+        None, "Write the run's time line to this file: trace events (JSON) for ui.perfetto.dev.", study=_ONE_RUN
+    )
     command: str = ""
 
     @classmethod
@@ -223,6 +227,7 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
+    trace_events: Path | None = same_as(attrs.fields(RunOptions).trace_events)
     images_every: int = option(
         0,
         "With --out: keep every n-th picture as it was handed over; 0 for none.",

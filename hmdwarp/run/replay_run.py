@@ -30,6 +30,7 @@ from .replay_results import ReplayResult, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
 from .short_bench import levels_for
+from .trace_events import TraceEvents
 
 WORST_FRAMES = 6
 
@@ -129,12 +130,14 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
 
 def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
     log, count = ReplayLog(setup.track), 0
-    with _video(setup, out) as video:
+    with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             refresh = setup.loop.show(instant_ns) if number >= 0 else None
             if refresh is not None:
                 log.add(refresh)
+                if events is not None:
+                    events.add(refresh)
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
@@ -160,6 +163,14 @@ def _video(setup: ReplaySetup, out: OutputFolder | None):
     wide, high = setup.size
     eyes = len(setup.headset.views(Pose()))
     return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
+
+
+def _events(setup: ReplaySetup, out: OutputFolder | None):
+    options = setup.options
+    if options.trace_events is None or out is None:
+        return nullcontext()
+    scanout_ns = round(options.scanout_ms * 1e6)
+    return TraceEvents(options.trace_events, setup.schedule.rate_hz, scanout_ns, force=options.force)
 
 
 def _panels(refresh: Refresh) -> np.ndarray:
