@@ -92,6 +92,13 @@ class RunOptions(PipelineOptions):
         "is; '' for no comparison.",
     )
     metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
+    # 0 for not at all.
+    jod_s: float = option(
+        0.0,
+        "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install 'hmdwarp[jod]'); slow.",
+        unit="s",
+        valid=Number(most=60),
+    )
     workers: int | None = option(
         None,
         "Measuring processes; 0 measures in the loop; by default one per core, at most 8.",

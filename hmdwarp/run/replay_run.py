@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any
 
@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
-from ..metrics import Kept, QualityPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
 from ..pipeline.build import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.remote import Remote
@@ -33,6 +33,8 @@ from .short_bench import levels_for
 from .trace_events import TraceEvents
 
 WORST_FRAMES = 6
+# which: 0 for the run itself, then those that it is compared with.
+JOD_COLUMNS = ("frame", "eye", "which", "jod")
 
 Progress = Callable[[int, int], None]
 
@@ -66,7 +68,11 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             _write_delays(setup, setup.remote, out)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
-        more = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        if probe.clips is not None:
+            more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
+            setup.notes.append(_about_rating(more["jod"], setup.options.compared))
+            out.write_csv("jod.csv", _rated_rows(probe.clips), JOD_COLUMNS)
         result = result_of(setup, log, compared, more)
         write_results(out, log, result, compared, pool, options.command)
     return result
@@ -121,10 +127,12 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
     if options.chooses_warp or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with set_up_replay(options) as setup, QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool:
-        log = _run(setup, Probe(setup, pool, _keep_every(setup)), None, progress)
+        probe = Probe(setup, pool, _keep_every(setup))
+        log = _run(setup, probe, None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
-        summary = result_of(setup, log, [], {}).summary
+        more = {} if probe.clips is None else {"jod": _rated(probe.clips)}
+        summary = result_of(setup, log, [], more).summary
         return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)
 
 
@@ -193,6 +201,27 @@ def _keep_every(setup: ReplaySetup) -> int | None:
     every = setup.options.metrics_every
     measured = -(-setup.schedule.count // every)
     return every * max(1, -(-measured // setup.options.images))
+
+
+def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:
+    """Return the `jod` of summary.json; others: the warps that the run is compared with."""
+    clips.finish()
+    return {**clips.entry(MAIN, others), **({"against": [clips.entry(one) for one in others]} if others else {})}
+
+
+def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]) -> str:
+    told = [f"ColorVideoVDP rates it {rating['mean']:.2f} JOD, where {TRUTH_JOD:g} is like the truth"]
+    for (warp, fill), other, share in zip(
+        compared, rating.get("against", ()), rating.get("preferred", ()), strict=False
+    ):
+        name = warp if fill == "none" else f"{warp} + {fill}"
+        told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
+    return f"{'; '.join(told)}. Predicted from the pictures: no one was asked."
+
+
+def _rated_rows(clips: Clips) -> Iterator[Row]:
+    for key, jod in sorted(clips.refreshes.items()):
+        yield dict(zip(JOD_COLUMNS, (*key, jod), strict=True))
 
 
 def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
