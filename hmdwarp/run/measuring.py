@@ -147,7 +147,7 @@ class Probe:
             truth_inverse_depth,
             rendered.view,
             rendered.size,
-            rendered_picture=picture_from_linear(download(rendered.colour)) if which == MAIN else None,
+            rendered_picture=_late_picture(rendered) if which == MAIN else None,
             regions=which == MAIN,
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
@@ -159,6 +159,10 @@ def _clips(setup: ReplaySetup) -> Clips:
     given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
     known = {name: value for name, value in given.items() if value is not None}
     return Clips(setup.options.jod_s, ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
+
+
+def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:
+    return picture_from_linear(download(rendered.colour)) if rendered.is_drawn else None
 
 
 def _about_scanout(setup: ReplaySetup) -> str:
