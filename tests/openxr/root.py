@@ -99,7 +99,7 @@ def _folder() -> Path:
 
 
 def _pins() -> list[str]:
-    """Return the pinned packages without those of bench (OpenCV, a fifth of the root), docs, jod."""
+    """Return the pinned packages without those of bench (OpenCV, a fifth of it), docs and jod."""
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     left_out = {_name(line) for line in [*extras["bench"], *extras["docs"], *extras["jod"]]}
