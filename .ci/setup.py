@@ -30,6 +30,8 @@ LOG = VENV / "hmdwarp-setup.log"
 HALF_MADE = "half-made"
 CONSTRAINTS = ROOT / ".ci" / "constraints.txt"
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
+# Extras that are left to those who want them: torch is several GB, and its tests say how to get it.
+TOO_LARGE = {"jod"}
 MESA = ["libegl1", "libgl1", "libgl1-mesa-dri"]
 TOOLS = ROOT / ".ci" / "tools.toml"
 GL_PROBE = "import moderngl; moderngl.create_context(standalone=True, backend='egl', require=430)"
@@ -261,7 +263,8 @@ def pip(command: list[str | Path], *arguments: str | Path) -> None:
 def install_packages() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    wanted = [*project["dependencies"], *(line for lines in extras.values() for line in lines)]
+    taken = (lines for name, lines in extras.items() if name not in TOO_LARGE)
+    wanted = [*project["dependencies"], *(line for lines in taken for line in lines)]
     STATE.write_text(HALF_MADE, encoding="utf-8")
     say("installing the pinned packages into .venv (about 1 GB on disk; a few minutes the first time)")
     pip([PYTHON, "-m", "pip"], "install", "--constraint", CONSTRAINTS, *wanted)

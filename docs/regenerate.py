@@ -580,6 +580,31 @@ def sweeps(_: Path) -> None:
     replace("sweeps", printed("sweep_scale.py", markdown=True))
 
 
+def ratings(folder: Path) -> None:
+    """Rate the steps from the thesis's method to the default by ColorVideoVDP, beside FLIP.
+
+    Needs the extra `jod`. Small and short, since every refresh is rated.
+    """
+    heads = (
+        "",
+        *(f"{trace}: {name}" for trace in RECORDINGS for name in ("PSNR dB", "FLIP", "JOD", "truth preferred %")),
+    )
+    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " ---: |" * (len(heads) - 1)]
+    size = ("--size", "160x200", "--seconds", "0.3", "--metrics-every", "3", "--jod", "0.3")
+    rows, so_far = {"no warp": ("--warp", "none", "--fill", "none")}, ()
+    for name, step in STEPS.items():
+        rows[name] = so_far = (*so_far, *step)
+    for name, options in rows.items():
+        cells = []
+        for trace in RECORDINGS:
+            found = run(folder, trace, *size, *options)
+            rated, means = found["jod"], {key: found["quality"][key]["mean"] for key in ("psnr_db", "flip")}
+            cells += [f"{means['psnr_db']:.2f}", f"{means['flip']:.3f}"]
+            cells += [f"{rated['mean']:.2f}", f"{100 * rated['truth_preferred']:.0f}"]
+        lines.append(f"| {' | '.join((name, *cells))} |")
+    replace("jod", "\n".join(lines))
+
+
 PARTS = {
     "rgbd": frames_of_cameras,
     "layouts": trace_layouts,
@@ -627,6 +652,7 @@ PARTS = {
     "views": chosen_views,
     "feed": feed_ways,
     "sweeps": sweeps,
+    "jod": ratings,
     "readme": readme,
 }
 

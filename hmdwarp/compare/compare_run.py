@@ -40,6 +40,8 @@ COLUMNS = (
     "warp",
     "fill",
     *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
+    "jod",
+    "truth_preferred",
     "client_ms",
     "server_ms",
     "mbit_s",
@@ -160,6 +162,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
         trace_options=options.trace_options,
         against="",
         metrics_every=options.metrics_every,
+        jod_s=options.jod_s,
         workers=options.sweep.measuring(options.workers),
         images=1,
     )
@@ -196,7 +199,10 @@ def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[tuple[NDA
 
 def _flat(rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for row in rows:
-        plain = {name: row[name] for name in COLUMNS if name in row}
+        plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"}
+        rated = row.get("jod")
+        if rated is not None:
+            plain |= {"jod": rated["mean"], "truth_preferred": rated["truth_preferred"]}
         quality = {
             f"{name}{tail}": row["quality"][name][which]
             for name in QUALITY

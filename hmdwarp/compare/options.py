@@ -52,6 +52,7 @@ class CompareOptions(Declared):
     start_s: float = same_as(_RUN.start_s, 1.0)
     seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
     metrics_every: int = same_as(_RUN.metrics_every)
+    jod_s: float = same_as(_RUN.jod_s)
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)
     workers: int | None = same_as(_RUN.workers)

@@ -58,6 +58,8 @@ def _headset(data: Table) -> Headset:
         ipd_m=data.table("eyes").number("ipd_m"),
         left_fov=Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up"))),
         lens=_lens(lens, size_m) if lens else None,
+        peak_cd_m2=panel.number("peak_cd_m2") if "peak_cd_m2" in panel else None,
+        black_cd_m2=panel.number("black_cd_m2") if "black_cd_m2" in panel else None,
     )
     data.refuse_unread()
     return made

@@ -99,6 +99,9 @@ class Headset:
     ipd_m: float
     left_fov: Fov  # the left eye's; the right eye's is its mirror image
     lens: RadialLens | None
+    # Luminance of white and of black; None where nobody has measured it.
+    peak_cd_m2: float | None = None
+    black_cd_m2: float | None = None
     # A camera's display: one eye, where the head is.
     one_eye: bool = False
 
@@ -106,6 +109,8 @@ class Headset:
         _refuse_unless_positive(
             eye_width_m=self.eye_size_m[0], eye_height_m=self.eye_size_m[1], refresh_hz=self.refresh_hz
         )
+        given = {"peak_cd_m2": self.peak_cd_m2, "black_cd_m2": self.black_cd_m2}
+        _refuse_unless_positive(**{name: value for name, value in given.items() if value is not None})
         if not 0 <= self.ipd_m < math.inf:
             raise InputError(f"ipd_m is {self.ipd_m:g}: expected the distance of the pupils in metres, 0 or more")
 

@@ -64,6 +64,13 @@ COLUMNS = {
         _taken("client_bytes", "held", "MB", 0, 1e-6),
     )
 }
+# Where ColorVideoVDP rated the clips.
+RATED = (
+    _Column(Figure("jod", "JOD", "", 2), lambda row: row["jod"]["mean"]),
+    _Column(
+        Figure("truth_preferred", "truth preferred", "% of people", 0, 100), lambda row: row["jod"]["truth_preferred"]
+    ),
+)
 # What a front is drawn over: the error against each of these.
 COSTS = ("client_ms", "mbit_s")
 
@@ -112,13 +119,20 @@ def compare_table(rows: Iterable[Row]) -> Table:
     return table
 
 
+def _columns(rows: Iterable[Row]) -> list[_Column]:
+    """Return the columns of a table: those of a rating only where every row has one."""
+    return [*COLUMNS.values(), *(RATED if all("jod" in row for row in rows) else ())]
+
+
 def compare_markdown(rows: Iterable[Row]) -> str:
     """Return the rows as a Markdown table, case by case, the least error first."""
-    heads = ["case", "strategy", *(" ".join(filter(None, column.head)) for column in COLUMNS.values())]
-    lines = ["| " + " | ".join(heads) + " |", "| --- | --- |" + " ---: |" * len(COLUMNS)]
-    for label, group, _ in _cases(list(rows), []):
+    rows = list(rows)
+    columns = _columns(rows)
+    heads = ["case", "strategy", *(" ".join(filter(None, column.head)) for column in columns)]
+    lines = ["| " + " | ".join(heads) + " |", "| --- | --- |" + " ---: |" * len(columns)]
+    for label, group, _ in _cases(rows, []):
         for row in _ordered(group):
-            cells = [label, f"`{row['strategy']}`", *(column.text(row) for column in COLUMNS.values())]
+            cells = [label, f"`{row['strategy']}`", *(column.text(row) for column in columns)]
             lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
@@ -220,7 +234,7 @@ def _notes(data: Mapping[str, Any]) -> list[str]:
 
 
 def _table(label: str, group: Sequence[Row]) -> PageTable:
-    columns = list(COLUMNS.values())
+    columns = _columns(group)
     lines = [Line((Cell(row["strategy"], False), *(Cell(one.text(row)) for one in columns))) for row in _ordered(group)]
     heads = (("strategy", ""), *(column.head for column in columns))
     return PageTable(f"{label}, least FLIP first", heads, tuple(lines))

@@ -25,6 +25,7 @@ from .live_summary import LiveFacts, live_facts_of, live_summary_of
 from .options import LiveOptions
 from .run_summary import OWNED
 from .speeds import speeds_between
+from .trace_events import TraceEvents
 
 if TYPE_CHECKING:
     from ..pipeline.loop import Refresh
@@ -73,6 +74,7 @@ class _Running:
     holes: HoleCounter
     # The current value of each control.
     values: dict[str, object]
+    events: TraceEvents | None
     # How many switches of warp "auto" are logged.
     auto_changes: int = 0
 
@@ -121,7 +123,11 @@ class LiveLog:
     def begin(self, display: Display, host: PipelineHost) -> None:
         """Start logging on this display."""
         facts = live_facts_of(attrs.evolve(self._options, latency_ms=host.options.latency_ms), display, host)
-        self._running = _Running(facts, host, HoleCounter(display.gpu), values(host.options, host.pipeline.sizes.shown))
+        events = None
+        if self._options.trace_events is not None:
+            events = TraceEvents(self._options.trace_events, display.rate_hz, force=self._options.force)
+        now = values(host.options, host.pipeline.sizes.shown)
+        self._running = _Running(facts, host, HoleCounter(display.gpu), now, events)
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:
             self._files.rows.add(HEADER)
@@ -204,6 +210,8 @@ class LiveLog:
         figures.fates.add(refresh)
         if self._files is not None:
             self._files.rows.add(rows_text(moment, stages, holes))
+        if self._running.events is not None:
+            self._running.events.add(refresh, self._last.submitted_ns)
 
     def _show(self, stages: Sequence[Sequence[float]], passes_ms: float, holes: Sequence[float | None]) -> None:
         """Copy the numbers of a refresh into the status."""
@@ -241,6 +249,13 @@ class LiveLog:
                 return
             self._finished = True
         self._figures.pauses.stop()
+        try:
+            self._finish()
+        finally:
+            if self._running is not None and self._running.events is not None:
+                self._running.events.close()
+
+    def _finish(self) -> None:
         files = self._files
         if self._running is None or not self.count:
             if files is not None:

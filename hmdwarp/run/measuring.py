@@ -10,7 +10,7 @@ from ..client.compensator import Compensator, EyeResult
 from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..gpu.textures import download
-from ..metrics import Compared, QualityJob, QualityPool
+from ..metrics import Clips, Compared, QualityJob, QualityPool, ShownOn
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.remote_server import NoTruth
@@ -38,6 +38,8 @@ class Probe:
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
         self._against = [setup.compensator(plan_against(setup.options, *pair)) for pair in setup.options.compared]
+        # Rates all pictures; None where the options do not ask for it.
+        self.clips = _clips(setup) if setup.options.jod_s else None
         self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
@@ -61,8 +63,8 @@ class Probe:
         return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
 
     def wants(self, number: int) -> bool:
-        """Return whether refresh `number` is measured, or precedes a measured one."""
-        return number % self._every == 0 or (number + 1) % self._every == 0
+        """Return whether refresh `number` is measured, precedes a measured one, or is in a clip."""
+        return self.clips is not None or number % self._every == 0 or (number + 1) % self._every == 0
 
     def read(self, number: int, refresh: Refresh) -> None:
         """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
@@ -138,6 +140,8 @@ class Probe:
         truth_inverse_depth: NDArray[np.float32] | None,
     ) -> None:
         now = Compared(shown_picture(result), truth, result.view)
+        if self.clips is not None:
+            self.clips.add(number, eye, which, now)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
@@ -154,6 +158,13 @@ class Probe:
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)
+
+
+def _clips(setup: ReplaySetup) -> Clips:
+    headset = setup.headset
+    given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
+    known = {name: value for name, value in given.items() if value is not None}
+    return Clips(setup.options.jod_s, ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
 
 
 def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:

@@ -53,6 +53,7 @@ _NOT_WITH_FRAMES = {
 }
 _SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
+_ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
@@ -93,6 +94,13 @@ class RunOptions(PipelineOptions):
         "is; '' for no comparison.",
     )
     metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
+    # 0 for not at all.
+    jod_s: float = option(
+        0.0,
+        "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install 'hmdwarp[jod]'); slow.",
+        unit="s",
+        valid=Number(most=60),
+    )
     workers: int | None = option(
         None,
         "Measuring processes; 0 measures in the loop; by default one per core, at most 8.",
@@ -106,6 +114,9 @@ class RunOptions(PipelineOptions):
     feed: FeedOptions = group(FeedOptions)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
+    trace_events: Path | None = out_field(
+        None, "Write the run's time line to this file: trace events (JSON) for ui.perfetto.dev.", study=_ONE_RUN
+    )
     command: str = ""
 
     @classmethod
@@ -222,6 +233,7 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
+    trace_events: Path | None = same_as(attrs.fields(RunOptions).trace_events)
     images_every: int = option(
         0,
         "With --out: keep every n-th picture as it was handed over; 0 for none.",

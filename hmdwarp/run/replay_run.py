@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any
 
@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
-from ..metrics import Kept, QualityPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
 from ..pipeline.build import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.remote import Remote
@@ -31,8 +31,11 @@ from .replay_results import ReplayResult, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
 from .short_bench import levels_for
+from .trace_events import TraceEvents
 
 WORST_FRAMES = 6
+# which: 0 for the run itself, then those that it is compared with.
+JOD_COLUMNS = ("frame", "eye", "which", "jod")
 
 Progress = Callable[[int, int], None]
 
@@ -67,7 +70,11 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             _write_delays(setup, setup.remote, out)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
-        more = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        if probe.clips is not None:
+            more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
+            setup.notes.append(_about_rating(more["jod"], setup.options.compared))
+            out.write_csv("jod.csv", _rated_rows(probe.clips), JOD_COLUMNS)
         result = result_of(setup, log, compared, more)
         write_results(out, log, result, compared, pool, options.command)
     return result
@@ -136,18 +143,21 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         pool.wait()
         _note_truth(setup, probe)
         log.measured(_figures(pool, MAIN))
-        summary = result_of(setup, log, [], {}).summary
+        more = {} if probe.clips is None else {"jod": _rated(probe.clips)}
+        summary = result_of(setup, log, [], more).summary
         return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)
 
 
 def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
     log, count = ReplayLog(setup.track), 0
-    with _video(setup, out) as video:
+    with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             refresh = setup.loop.show(instant_ns) if number >= 0 else None
             if refresh is not None:
                 log.add(refresh)
+                if events is not None:
+                    events.add(refresh)
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
@@ -175,6 +185,14 @@ def _video(setup: ReplaySetup, out: OutputFolder | None):
     return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
 
 
+def _events(setup: ReplaySetup, out: OutputFolder | None):
+    options = setup.options
+    if options.trace_events is None or out is None:
+        return nullcontext()
+    scanout_ns = round(options.scanout_ms * 1e6)
+    return TraceEvents(options.trace_events, setup.schedule.rate_hz, scanout_ns, force=options.force)
+
+
 def _panels(refresh: Refresh) -> np.ndarray:
     return np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1)
 
@@ -195,6 +213,27 @@ def _keep_every(setup: ReplaySetup) -> int | None:
     every = setup.options.metrics_every
     measured = -(-setup.schedule.count // every)
     return every * max(1, -(-measured // setup.options.images))
+
+
+def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:
+    """Return the `jod` of summary.json; others: the warps that the run is compared with."""
+    clips.finish()
+    return {**clips.entry(MAIN, others), **({"against": [clips.entry(one) for one in others]} if others else {})}
+
+
+def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]) -> str:
+    told = [f"ColorVideoVDP rates it {rating['mean']:.2f} JOD, where {TRUTH_JOD:g} is like the truth"]
+    for (warp, fill), other, share in zip(
+        compared, rating.get("against", ()), rating.get("preferred", ()), strict=False
+    ):
+        name = warp if fill == "none" else f"{warp} + {fill}"
+        told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
+    return f"{'; '.join(told)}. Predicted from the pictures: no one was asked."
+
+
+def _rated_rows(clips: Clips) -> Iterator[Row]:
+    for key, jod in sorted(clips.refreshes.items()):
+        yield dict(zip(JOD_COLUMNS, (*key, jod), strict=True))
 
 
 def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:

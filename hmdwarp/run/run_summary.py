@@ -30,6 +30,7 @@ OWNED = (
     "images/*-camera.png",
     "frames.csv",
     "delays.csv",
+    "jod.csv",
     "report.html",
     "replay.mp4",
 )

@@ -99,6 +99,14 @@ def test_markdown_has_each_case_with_the_least_error_first(data):
     assert flips == sorted(flips)
 
 
+def test_a_rating_has_columns_where_every_row_has_one(data):
+    rated = [{**row, "jod": {"mean": 8.25, "truth_preferred": 0.88}} for row in data["rows"]]
+    head, _, first, *_ = compare_markdown(rated).splitlines()
+    assert head.endswith("| JOD | truth preferred % of people |")
+    assert first.endswith("| 8.25 | 88 |")
+    assert "JOD" not in compare_markdown([*rated[1:], data["rows"][0]])
+
+
 def test_the_best_for_whom_suits_them(data):
     """None is better of those that the client can run, or that the link carries."""
     lines = [

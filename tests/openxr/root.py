@@ -99,10 +99,10 @@ def _folder() -> Path:
 
 
 def _pins() -> list[str]:
-    """Return the pinned packages without those of bench (OpenCV, a fifth of the root) and docs."""
+    """Return the pinned packages without those of bench (OpenCV, a fifth of it), docs and jod."""
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    left_out = {_name(line) for line in [*extras["bench"], *extras["docs"]]}
+    left_out = {_name(line) for line in [*extras["bench"], *extras["docs"], *extras["jod"]]}
     lines = (PROJECT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines()
     return [line for line in lines if line and line[0] != "#" and _name(line) not in left_out]
 

@@ -1,0 +1,140 @@
+"""ColorVideoVDP: how much worse people would rate a clip than the truth, in JOD.
+
+10 is the same as the truth, and 1 JOD less means that 75 % of people would prefer the truth.
+Source: Mantiuk et al. 2024, ColorVideoVDP: A visual difference predictor for image, video and
+display distortions, ACM TOG 43(4); the package cvvdp. Scale: Perez-Ortiz and Mantiuk 2017, A
+practical guide and software for analysing pairwise comparison experiments, arXiv:1712.03686.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections import defaultdict
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from ..extra import import_extra
+
+if TYPE_CHECKING:
+    from .job import Compared
+
+EXTRA, PACKAGE = "jod", "cvvdp"
+TRUTH_JOD = 10.0
+# Of a headset that does not say: those of the HTC Vive Pro in cvvdp's list of displays, after
+# Mehrfard et al. 2019, arXiv:1912.02913.
+PEAK_CD_M2, BLACK_CD_M2 = 133.3, 0.1
+_OF_ONE_JOD = statistics.NormalDist().inv_cdf(0.75)
+
+
+def preferring(jod: float, other_jod: float) -> float:
+    """Return the share of people, 0..1, who would prefer what has `jod` to the other.
+
+    Source: Thurstone's case V with the deviation at which 1 JOD is 75 %.
+    """
+    return statistics.NormalDist().cdf((jod - other_jod) * _OF_ONE_JOD)
+
+
+@attrs.frozen
+class ShownOn:
+    """The display on which people would see the pictures: luminances in cd/m^2."""
+
+    rate_hz: float
+    pixels_per_degree: float
+    peak_cd_m2: float = PEAK_CD_M2
+    black_cd_m2: float = BLACK_CD_M2
+
+
+class Clips:
+    """Rate runs of neighbouring refreshes as clips of `seconds`, one after the other.
+
+    Holds the pictures of one clip at a time. One thread rates them, so that a run repeats bit for
+    bit and does not slow down where cores are busy.
+    Errors: MachineError with the line that installs the package, where it is missing.
+    """
+
+    def __init__(self, seconds: float, display: ShownOn) -> None:
+        self._module = import_extra("pycvvdp", PACKAGE, EXTRA)
+        self._torch = import_extra("torch", "torch", EXTRA)
+        self.display = display
+        self._length = max(2, round(seconds * display.rate_hz))
+        self._metric: Any = None
+        # By (eye, which warp): the pictures of the present clip.
+        self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
+        # By which warp: (first refresh, pictures, JOD) of each clip of each eye.
+        self._clips: dict[int, list[tuple[int, int, float]]] = defaultdict(list)
+        # By (refresh, eye, which warp).
+        self.refreshes: dict[tuple[int, int, int], float] = {}
+
+    def add(self, number: int, eye: int, which: int, pictures: Compared) -> None:
+        """Add what an eye saw at refresh `number` and what it should have seen."""
+        clip = self._open[eye, which]
+        clip.append((number, pictures))
+        if len(clip) == self._length:
+            self._rate(eye, which)
+
+    def finish(self) -> None:
+        """Rate what is left. A single picture is no clip, and is left out beside others."""
+        for (eye, which), clip in self._open.items():
+            if len(clip) > 1 or (clip and which not in self._clips):
+                self._rate(eye, which)
+
+    def _rate(self, eye: int, which: int) -> None:
+        clip, self._open[eye, which] = self._open[eye, which], []
+        shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
+        torch = self._torch
+        threads = torch.get_num_threads()
+        torch.set_num_threads(1)
+        try:
+            with torch.inference_mode():
+                metric = self._made(shown.shape[2], shown.shape[1])
+                jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=self.display.rate_hz)
+                visible = torch.as_tensor(found["Q_per_ch"])
+                for at, (number, _) in enumerate(clip):
+                    # Twice the same: the pooling takes a single picture for a still.
+                    alone = visible[:, :, [at, at]] if len(clip) > 1 else visible
+                    self.refreshes[number, eye, which] = float(metric.do_pooling_and_jods(alone))
+        finally:
+            torch.set_num_threads(threads)
+        self._clips[which].append((clip[0][0], len(clip), float(jod)))
+
+    def _made(self, width: int, height: int) -> Any:
+        if self._metric is None:
+            on, module = self.display, self._module
+            light = module.vvdp_display_photo_eotf(
+                on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
+            )
+            place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
+            cpu = self._torch.device("cpu")
+            self._metric = module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
+        return self._metric
+
+    def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
+        """Return the `jod` of summary.json: of the run, its clips and its refreshes.
+
+        mean: over clips and eyes, by their lengths. truth_preferred: the share of people who would
+        prefer the truth, 0.5 where it looks the same. preferred: for each of `others` the share of
+        people who would prefer this one.
+        """
+        mean = self._mean(which)
+        by_start: dict[int, list[float]] = defaultdict(list)
+        for first, _, jod in self._clips[which]:
+            by_start[first].append(jod)
+        alone = [jod for (_, _, what), jod in self.refreshes.items() if what == which]
+        told: dict[str, Any] = {
+            "mean": mean,
+            "clips": [{"frame": first, "jod": statistics.fmean(jods)} for first, jods in sorted(by_start.items())],
+            "refresh_mean": statistics.fmean(alone),
+            "refresh_p5": float(np.percentile(alone, 5)),
+            "truth_preferred": preferring(TRUTH_JOD, mean),
+            "display": attrs.asdict(self.display),
+        }
+        if others:
+            told["preferred"] = [preferring(mean, self._mean(other)) for other in others]
+        return told
+
+    def _mean(self, which: int) -> float:
+        clips = self._clips[which]
+        return sum(count * jod for _, count, jod in clips) / sum(count for _, count, _ in clips)

@@ -1,0 +1,106 @@
+"""JOD by ColorVideoVDP: its scale, what it rates, and what a run without the package says."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import sys
+from pathlib import Path
+
+import needs
+import numpy as np
+import pytest
+from replays import run
+
+import hmdwarp.headsets
+from hmdwarp.errors import MachineError
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.metrics import Clips, Compared, ShownOn, preferring
+
+VIEW = View(Pose(), Fov.symmetric(np.deg2rad(90), np.deg2rad(90)))
+HERE = importlib.util.find_spec("pycvvdp") is not None and importlib.util.find_spec("torch") is not None
+with_cvvdp = pytest.mark.skipif(not HERE, reason=needs.missing("ColorVideoVDP", "pip install 'hmdwarp[jod]'"))
+# Importing torch and its friends warns about what they use of each other.
+quiet = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning", "ignore::UserWarning")
+
+
+def test_one_jod_is_three_of_four_people():
+    assert preferring(9.0, 8.0) == pytest.approx(0.75)
+    assert preferring(8.0, 8.0) == 0.5
+    assert preferring(8.0, 9.5) == pytest.approx(1 - preferring(9.5, 8.0))
+
+
+@pytest.mark.skipif(HERE, reason="ColorVideoVDP is installed")
+def test_without_the_package_a_run_says_how_to_get_it(tmp_path):
+    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install 'hmdwarp\[jod\]'"):
+        run(tmp_path / "out", jod_s=0.2)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_does_not_ask_for_it_does_not_import_it(tmp_path):
+    there = {name for name in ("pycvvdp", "torch") if name in sys.modules}
+    result = run(tmp_path / "out")
+    assert "jod" not in result.summary
+    assert {name for name in ("pycvvdp", "torch") if name in sys.modules} == there
+
+
+@with_cvvdp
+@quiet
+def test_the_truth_has_ten_and_more_error_has_less():
+    rng = np.random.default_rng(0)
+    truth = rng.integers(60, 180, (6, 64, 64, 3)).astype(np.uint8)
+    clips = Clips(0.1, ShownOn(60, 8.0))
+    for which, amplitude in enumerate((0, 6, 30)):
+        for number, picture in enumerate(truth):
+            noise = rng.integers(-amplitude, amplitude + 1, picture.shape)
+            shown = (picture + noise).astype(np.uint8)
+            clips.add(number, 0, which, Compared(shown, picture, VIEW))
+    clips.finish()
+    entries = [clips.entry(which, (0,)) for which in range(3)]
+    assert entries[0]["mean"] == 10
+    assert 10 > entries[1]["mean"] > entries[2]["mean"]
+    # By its pooling over time a clip lies between its worst and its best picture.
+    for which, entry in enumerate(entries):
+        alone = [clips.refreshes[number, 0, which] for number in range(6)]
+        assert min(alone) - 1e-4 <= entry["mean"] <= max(alone) + 1e-4
+        assert entry["preferred"] == [pytest.approx(preferring(entry["mean"], 10))]
+
+
+@with_cvvdp
+@quiet
+def test_error_finer_than_people_see_counts_less():
+    """A chequered error has its power at half the pixels per degree: here 4 and 30 cycles.
+
+    Contrast sensitivity at 30 is below a tenth of that at 4 (Barten 1999).
+    """
+    truth = np.full((4, 64, 64, 3), 120, np.uint8)
+    shown = truth + (np.indices((64, 64)).sum(axis=0) % 2 * 6).astype(np.uint8)[None, :, :, None]
+    means = []
+    for pixels_per_degree in (8.0, 60.0):
+        clips = Clips(1, ShownOn(60, pixels_per_degree))
+        for number, (one, right) in enumerate(zip(shown, truth, strict=True)):
+            clips.add(number, 0, 0, Compared(one, right, VIEW))
+        clips.finish()
+        means.append(clips.entry(0)["mean"])
+    assert means[0] < means[1]
+
+
+@with_cvvdp
+@quiet
+def test_a_replay_rates_every_refresh_and_its_comparison_twice_the_same(tmp_path):
+    headset = tmp_path / "bright.toml"
+    flat = (Path(hmdwarp.headsets.__file__).parent / "flat-90.toml").read_text()
+    headset.write_text(flat.replace("refresh_hz", "peak_cd_m2 = 80\nblack_cd_m2 = 0.2\nrefresh_hz"))
+    options = {"jod_s": 0.1, "seconds": 0.2, "against": "none", "fill": "interpolate", "headset": str(headset)}
+    first, second = (run(tmp_path / name, **options).summary["jod"] for name in ("a", "b"))
+    assert first == second
+    assert len(first["clips"]) == 2
+    assert {"peak_cd_m2": 80, "black_cd_m2": 0.2, "rate_hz": 60}.items() <= first["display"].items()
+    with (tmp_path / "a" / "jod.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 12 * 2 * 2
+    assert first["mean"] > first["against"][0]["mean"]
+    assert first["preferred"][0] > 0.5
+    notes = json.loads((tmp_path / "a" / "summary.json").read_text())["notes"]
+    assert any("of people would prefer it to none" in note for note in notes)
