@@ -75,8 +75,9 @@ class RecordedServer(Server):
         needs: Needs | None = None,
         shown_size: Size | None = None,
         age_ns: int = 0,
+        pictures: bool = True,
     ) -> Frame:
-        """Return the last frame that was taken by now."""
+        """Return the last frame that was taken by now; its picture is always there."""
         taken = self.taken_before(drawn_ns)
         head = PoseSample(taken.time_ns, taken.pose, Origin.MEASURED)
         return Frame((self._image(taken, size, repair=self._sequence.repair),), taken.time_ns, head)
