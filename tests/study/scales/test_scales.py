@@ -32,8 +32,8 @@ GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 def test_what_is_shipped():
     assert scale_names() == [
-        "acr", "comments", "demographics", "fms", "grade", "misc", "preference", "preference_or_tie", "slider", "ssq",
-        "vrsq",
+        "acr", "comments", "demographics", "fms", "grade", "misc", "nasa_tlx", "preference", "preference_or_tie",
+        "slider", "ssq", "vrsq",
     ]  # fmt: skip
 
 
@@ -95,6 +95,16 @@ def test_the_most_a_vrsq_can_come_to():
 
 
 # The published table of Kennedy and others, a line for each item: in which of N, O, D it counts.
+def test_task_load_is_the_mean_of_six():
+    """Raw TLX, as Hart 2006 has it: every scale from 0 to 100 in steps of 5, none weighted."""
+    tlx = load_scale("nasa_tlx")
+    given = dict(zip([item.key for item in tlx.items], (80, 5, 40, 25, 60, 0), strict=True))
+    found = scored(tlx, given)
+    assert found.pop("load") == pytest.approx(35)
+    assert found == given
+    assert scored(tlx, given | {"effort": None})["load"] is None
+
+
 SSQ_TABLE = ["NO", "O", "O", "O", "OD", "N", "N", "ND", "NO", "D", "OD", "D", "D", "D", "N", "N"]
 WEIGHTS = {"N": 9.54, "O": 7.58, "D": 13.92}
 NAMES = {"N": "nausea", "O": "oculomotor", "D": "disorientation"}
