@@ -94,10 +94,17 @@ def _print(data: dict[str, Any]) -> None:
 
     screen = console()
     paragraph(typer.style(data["title"], bold=True))
-    counts = f"{counted(data['participants'], 'participant')}, {counted(data['ratings'], 'rating')}"
-    paragraph(f"{counts}, {data['missing']} missing; from {data['source']}.")
+    compared, missing = (sum(part[key] for part in data["preferences"]) for key in ("answers", "missing"))
+    given = counted(compared, "comparison") if data["preferences"] else counted(data["ratings"], "rating")
+    people = counted(data["participants"], "participant")
+    paragraph(f"{people}, {given}, {data['missing'] + missing} missing; from {data['source']}.")
     for note in data["notes"]:
         paragraph(f"note: {note}")
+    for part in data["preferences"]:
+        typer.echo()
+        screen.print(_scores(part))
+        for sentence in part["sentences"]:
+            paragraph(sentence)
     for scale in data["scales"]:
         for part in scale["parts"]:
             typer.echo()
@@ -132,6 +139,15 @@ def _print_comparisons(screen: Any, scale: dict[str, Any]) -> None:
     for row in scale["comparisons"]:
         typer.echo()
         paragraph(row["sentence"])
+
+
+def _scores(part: dict[str, Any]) -> Table:
+    from ...report import counted
+    from ...report.study import score_lines
+
+    return _table(
+        f"{part['part'] or 'Scores'}: JOD, {counted(part['people'], 'person')}", *score_lines(part["conditions"])
+    )
 
 
 def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:

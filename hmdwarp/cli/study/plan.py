@@ -77,11 +77,14 @@ def _hidden(design: Design) -> str:
 
 
 def _order(design: Design) -> str:
-    from ...study.design import FIXED, WILLIAMS
+    from ...study.design import ADAPTIVE, FIXED, PAIR, WILLIAMS
 
+    if design.order == ADAPTIVE:
+        return f"adaptive, seed {design.seed}: each session gets the pairs that tell most after all answers before it"
     if design.order == FIXED:
         return "fixed: as in the file, the same for all participants"
-    again = f"; each condition {design.repeats} times, each round in another order" if design.repeats > 1 else ""
+    what = "pair" if design.shows == PAIR else "condition"
+    again = f"; each {what} {design.repeats} times, each round in another order" if design.repeats > 1 else ""
     if design.order == WILLIAMS:
         return f"Williams design, seed {design.seed}: each session gets the order used least so far{again}"
     return f"random, seed {design.seed}: another one for each participant{again}"
@@ -170,31 +173,35 @@ def _time(seconds: float) -> str:
 
 
 def _print_orders(design: Design, part: Part, all_of_them: bool) -> None:
-    from ...study.design import rows_for
+    from ...study.design import pair_name, rows_for
     from .._show import in_columns
 
     rows = rows_for(design, part.name)
+    if not rows:
+        return
     typer.echo(f"  Orders: {len(rows)}")
     in_columns(_balance(design, part, rows), indent=4)
     if not all_of_them:
         return
-    numbers = {one.name: number for number, one in enumerate(part.conditions, 1)}
+    numbers = {one.name: str(number) for number, one in enumerate(part.conditions, 1)}
+    numbers |= {pair_name(a, b): f"{numbers[a]}/{numbers[b]}" for a in list(numbers) for b in list(numbers)}
     for number, order in enumerate(rows[:_MOST_ORDERS], 1):
-        rounds = " | ".join(" ".join(str(numbers[name]) for name in names) for names in order)
+        rounds = " | ".join(" ".join(numbers[name] for name in names) for names in order)
         in_columns([(f"order {number}:", rounds)], indent=4)
     if len(rows) > _MOST_ORDERS:
         typer.echo(f"    .. and {len(rows) - _MOST_ORDERS} more; --json has them all")
 
 
 def _balance(design: Design, part: Part, rows: tuple[Order, ...]) -> list[tuple[str, str]]:
-    from ...study.design import FIXED, WILLIAMS, balance
+    from ...study.design import FIXED, PAIR, WILLIAMS, balance, presented
 
     if design.order == FIXED:
         return [("balanced", "no: there is one order")]
-    found = balance(rows, part)
-    lines = [("places", f"each condition in each place {_times(found.places)}")]
+    found = balance(rows, presented(design, part.name))
+    what = "pair" if design.shows == PAIR else "condition"
+    lines = [("places", f"each {what} in each place {_times(found.places)}")]
     if found.pairs is not None:
-        lines.append(("neighbours", f"each condition right after each other one {_times(found.pairs)}"))
+        lines.append(("neighbours", f"each {what} right after each other one {_times(found.pairs)}"))
     if found.seams is not None:
         again = (
             f"; {_times((found.repeated,) * 2)} a condition follows itself"

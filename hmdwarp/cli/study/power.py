@@ -74,6 +74,8 @@ def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:
     from ...study.scales import RATING
 
     known = {one.name: one for one in design.scales if one.kind == RATING}
+    if not known:
+        raise InputError(f"{design.path}: compares pairs; study power plans studies of ratings")
     if name is not None and name not in known:
         raise InputError(f"--scale {name}: {design.path} has {', '.join(known)} after each trial")
     return tuple(known.values()) if name is None else (known[name],)

@@ -5,3 +5,5 @@ from .tables import comparison_lines as comparison_lines
 from .tables import condition_lines as condition_lines
 from .tables import csv_tables as csv_tables
 from .tables import pairs_text as pairs_text
+from .tables import preference_lines as preference_lines
+from .tables import score_lines as score_lines

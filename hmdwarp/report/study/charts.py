@@ -64,6 +64,24 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
         return svg_text(figure)
 
 
+def score_chart(part: Row) -> str:
+    """Draw the scores of conditions from paired comparisons, the best on top."""
+    rows = sorted(part["conditions"], key=lambda row: row["jod"])
+    with drawing((part["part"], "scores", [(row["condition"], row["jod"]) for row in rows])):
+        figure, axes = _figure(_WIDTH_IN, 0.9 + 0.42 * max(len(rows), 2))
+        dress(axes, PAGE, grid="x")
+        axes.axvline(0, color=PAGE.ink, linewidth=1)
+        for y, row in enumerate(rows):
+            if row["low"] is not None:
+                axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
+            axes.plot(row["jod"], y, "o", color=_BETTER, markersize=8)
+        axes.set_yticks(range(len(rows)), [_wrapped(condition_text(row)) for row in rows], parse_math=False)
+        axes.set_ylim(-0.6, len(rows) - 0.4)
+        zero = "0 is the reference" if any(row["reference"] for row in rows) else "0 is the mean"
+        axes.set_xlabel(f"JOD, with 95 % intervals; 1 more is preferred in 75 % of choices; {zero}")
+        return svg_text(figure)
+
+
 def place_chart(part: Row, measure: Row) -> str:
     """Draw each rating, less its participant's and condition's mean, against its trial's place."""
     places = np.array([one["place"] for one in part["places"]])

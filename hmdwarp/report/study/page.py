@@ -7,9 +7,9 @@ from typing import Any
 
 from ..parts import PageChart, PageTable, Tile, environment
 from ..words import counted, interval, p_text, pair_text, plain, signed
-from .charts import forest_chart, place_chart, ratings_chart
+from .charts import forest_chart, place_chart, ratings_chart, score_chart
 from .prediction import prediction_of
-from .tables import comparison_lines, condition_lines, felt_lines
+from .tables import comparison_lines, condition_lines, felt_lines, preference_lines, score_lines
 
 Row = Mapping[str, Any]
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
@@ -26,6 +26,7 @@ def render_study_report(data: Row, command: str) -> str:
         origin=_ORIGINS.get(data["origin"], data["origin"]),
         tiles=_tiles(data),
         scales=[_scale(one) for one in data["scales"]],
+        pairs=[_pairs(one) for one in data["preferences"]],
         ends=_ends(data["sittings"]),
         cut=data["sittings"]["cut"],
         sickness=[_sickness(one) for one in data["sickness"]],
@@ -36,17 +37,39 @@ def render_study_report(data: Row, command: str) -> str:
 
 
 def _tiles(data: Row) -> list[Tile]:
-    rows = [row for scale in data["scales"] for row in scale["comparisons"]]
-    shown = sum(row["n"] > 0 and row["holm"] <= 0.05 for row in rows)
-    parts = len(data["scales"][0]["parts"]) if data["scales"] else 0
+    tables = [*data["scales"], *data["preferences"]]
+    rows = [row for table in tables for row in table["comparisons"]]
+    shown = sum(row["holm"] is not None and row["holm"] <= 0.05 for row in rows)
+    parts = len(data["scales"][0]["parts"]) if data["scales"] else len(data["preferences"])
     people = f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"
     missing = f"{data['missing']} missing, listed below" if data["missing"] else "none missing"
     difference = "comparisons with p ≤ .05 after Holm in their family"
     return [
         Tile("Participants", "", str(data["participants"]), people),
-        Tile("Ratings", "", str(data["ratings"]), missing),
+        _answers(data["preferences"]) if data["preferences"] else Tile("Ratings", "", str(data["ratings"]), missing),
         Tile("Differences shown", "", f"{shown} of {len(rows)}", difference),
     ]
+
+
+def _answers(parts: Sequence[Row]) -> Tile:
+    missing, ties = (sum(part[key] for part in parts) for key in ("missing", "ties"))
+    more = f"{missing} missing" if missing else "none missing"
+    return Tile(
+        "Pairs compared", "", str(sum(part["answers"] for part in parts)), f"{ties} without a difference, {more}"
+    )
+
+
+def _pairs(part: Row) -> Row:
+    rows = part["conditions"]
+    scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
+    return {
+        "name": part["part"],
+        "sentences": part["sentences"],
+        "chart": PageChart.of("", score_chart(part), f"Scores in JOD: {scores}") if rows else None,
+        "scores": PageTable.of("Scores", *score_lines(rows)) if rows else None,
+        "comparisons": PageTable.of("Pairs", *preference_lines(part["comparisons"])) if part["comparisons"] else None,
+        "threshold": part["threshold"],
+    }
 
 
 def _scale(scale: Row) -> Row:

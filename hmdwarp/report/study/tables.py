@@ -20,6 +20,13 @@ COMPARISON_COLUMNS = (
 )  # fmt: skip
 RATING_COLUMNS = ("scale", "part", "participant", "condition", "value")
 DIFFERENCE_COLUMNS = ("scale", "part", "condition", "baseline", "participant", "difference")
+SCORE_COLUMNS = (
+    "part", "scale", "condition", "reference", "jod", "low", "high", "preferred", "other_preferred", "neither",
+)  # fmt: skip
+PREFERENCE_COLUMNS = (
+    "part", "scale", "family", "condition", "baseline", "people", "for", "against", "neither", "jod", "low", "high",
+    "share", "share_low", "share_high", "p", "holm", "holm_of",
+)  # fmt: skip
 MISSING_COLUMNS = ("scale", "part", "participant", "session", "condition", "why")
 
 
@@ -95,6 +102,51 @@ def felt_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     return heads, lines
 
 
+def score_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
+    """Return the heads and cells of the table of a part's scores, the best condition first."""
+    heads = (
+        ("condition", ""),
+        ("score", "JOD"),
+        ("95 %", ""),
+        ("preferred", ""),
+        ("other preferred", ""),
+        ("neither", ""),
+    )
+    lines = [
+        [
+            condition_text(row),
+            signed(row["jod"]),
+            interval(row["low"], row["high"]),
+            *(str(row[name]) for name in ("preferred", "other_preferred", "neither")),
+        ]
+        for row in sorted(rows, key=lambda row: -row["jod"])
+    ]
+    return heads, lines
+
+
+def preference_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
+    """Return the heads and cells of the table of compared pairs."""
+    names = ("compared", "answers +/0/-", "JOD", "95 %", "would choose it", "exact p", "Holm")
+    lines = [
+        [
+            pair_text(row["baseline"], row["condition"]),
+            f"{row['for']}/{row['neither']}/{row['against']}",
+            signed(row["jod"]),
+            interval(row["low"], row["high"]),
+            f"{row['share']:.0%}",
+            p_text(row["p"]),
+            p_text(row["holm"]),
+        ]
+        for row in rows
+    ]
+    return tuple((name, "") for name in names), lines
+
+
+def _named(part: Row, row: Row, columns: Sequence[str]) -> dict[str, Any]:
+    own = {"part": part["part"], "scale": part["scale"], **row}
+    return {key: own[key] for key in columns}
+
+
 def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:
     """Return (columns, rows) by file name: every number of the analysis, unrounded."""
     conditions: list[dict[str, Any]] = []
@@ -116,7 +168,11 @@ def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]
                 own | {"participant": who, "difference": value} for who, value in row["differences"].items()
             ]
         missing += [named | row for row in scale["missing"]]
-    return {
+    parts = data["preferences"]
+    scores = [_named(part, row, SCORE_COLUMNS) for part in parts for row in part["conditions"]]
+    preferences = [_named(part, row, PREFERENCE_COLUMNS) for part in parts for row in part["comparisons"]]
+    paired = {"jod.csv": (SCORE_COLUMNS, scores), "preferences.csv": (PREFERENCE_COLUMNS, preferences)}
+    return (paired if parts else {}) | {
         "conditions.csv": (CONDITION_COLUMNS, conditions),
         "comparisons.csv": (COMPARISON_COLUMNS, comparisons),
         "ratings.csv": (RATING_COLUMNS, ratings),

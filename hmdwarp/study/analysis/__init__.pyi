@@ -9,6 +9,8 @@ from .full_analysis import analyse as analyse
 from .full_analysis import analysis_folder as analysis_folder
 from .full_analysis import write_analysis as write_analysis
 from .order_models import order_effects as order_effects
+from .preferences import preference_results as preference_results
+from .ratings import Preference as Preference
 from .ratings import Rating as Rating
 from .ratings import Ratings as Ratings
 from .ratings import ScaleInfo as ScaleInfo

@@ -30,6 +30,7 @@ from .descriptives import (
     sickness_rows,
 )
 from .order_models import order_effects
+from .preferences import preference_results
 from .ratings import Rating, Ratings
 from .shared_rows import copied_rows
 from .store_ratings import TASK_MEASURES
@@ -87,10 +88,14 @@ def analyse(
         "resamples": resampling.resamples,
         "compared": why,
         "notes": list(ratings.notes),
-        "participants": len({(row.part, row.participant) for row in ratings.rows}),
+        "participants": len(
+            {(row.part, row.participant) for row in ratings.rows}
+            | {(one.part, one.participant) for one in ratings.preferences}
+        ),
         "ratings": sum(row.value is not None for row in rated),
         "missing": sum(row.value is None for row in rated),
         "scales": [_on_scale(ratings, name, compare, resampling, claims) for name in ratings.rated_scales()],
+        "preferences": preference_results(ratings, compare, resampling),
         "sittings": session_counts(ratings),
         "sickness": sickness_rows(ratings, known),
         "questionnaires": questionnaire_rows(ratings, known),

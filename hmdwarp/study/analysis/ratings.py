@@ -32,6 +32,24 @@ class Rating:
 
 
 @attrs.frozen
+class Preference:
+    """One answer about a pair, or the reason why it is missing."""
+
+    participant: str
+    part: str
+    scale: str
+    first: str  # name of the condition shown first
+    second: str
+    answer: float | None  # FIRST, SECOND or NEITHER of study.scales
+    allows_ties: bool = False  # whether NEITHER could be said
+    reference: str = ""  # name of the part's hidden reference, "" for none
+    why_missing: str = ""
+    repeat: int = 1
+    place: int = 0  # number of its trial
+    session: int = 1
+
+
+@attrs.frozen
 class ScaleInfo:
     """Direction, range and unit of a scale of ratings."""
 
@@ -94,13 +112,15 @@ class Ratings:
     title: str = ""
     sessions: tuple[SessionSummary, ...] = ()
     survey: tuple[SurveyAnswer, ...] = ()
+    preferences: tuple[Preference, ...] = ()  # of paired comparisons
     scales: Mapping[str, Scale] = attrs.field(factory=dict)  # of ratings and survey, by name, from the plan
     notes: tuple[str, ...] = ()  # remarks made while reading
     long: tuple[Mapping[str, Any], ...] = attrs.field(default=(), repr=False)  # rows of the long table
 
     def parts(self) -> tuple[str, ...]:
         """Return the parts in the order of the plan, else of appearance."""
-        return _in_order(dict.fromkeys(row.part for row in self.rows), tuple(self.planned))
+        rated, compared = (row.part for row in self.rows), (one.part for one in self.preferences)
+        return _in_order(dict.fromkeys((*rated, *compared)), tuple(self.planned))
 
     def rated_scales(self) -> tuple[str, ...]:
         """Return the scales that have rows, in the order of the plan: the most important first."""
@@ -112,12 +132,13 @@ class Ratings:
         return tuple(row for row in self.rows if row.part == part and row.scale == scale)
 
     def conditions(self, part: str) -> tuple[str, ...]:
-        """Return a part's conditions that have rows.
+        """Return a part's conditions that were rated or compared.
 
         In the order of the plan, others last. Without a plan by settings that are numbers
         (latency), else in order of appearance.
         """
         names = dict.fromkeys(row.condition for row in self.rows if row.part == part)
+        names |= dict.fromkeys(name for one in self.preferences if one.part == part for name in (one.first, one.second))
         by_settings = sorted(names, key=lambda name: _place_of(self.settings(part, name)))
         return _in_order(by_settings, self.planned.get(part, ()))
 
@@ -127,7 +148,9 @@ class Ratings:
 
     def references(self, part: str) -> tuple[str, ...]:
         """Return the names of a part's hidden references."""
-        return tuple(dict.fromkeys(row.condition for row in self.rows if row.part == part and row.reference))
+        compared = (one.reference for one in self.preferences if one.part == part and one.reference)
+        rated = (row.condition for row in self.rows if row.part == part and row.reference)
+        return tuple(dict.fromkeys((*rated, *compared)))
 
     def table(self, part: str, scale: str) -> Table:
         """Return the table of participants against conditions."""

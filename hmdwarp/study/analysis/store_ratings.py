@@ -12,9 +12,9 @@ from ...errors import InputError
 from ...report import counted
 from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
 from ..export import declined, long_rows, no_sessions, of_origin, plan_of, unconsented
-from ..scales import RATING
+from ..scales import PREFERENCE, RATING
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session, Showing
-from .ratings import Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
+from .ratings import Preference, Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 
 # Scores of a task, analysed beside the ratings: by the name of a figure of study/actual.py.
 TASK_MEASURES = {
@@ -43,18 +43,22 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
     latest = _latest(kept.answers)
     rows: list[Rating] = []
     survey: list[SurveyAnswer] = []
+    preferences: list[Preference] = []
     summaries: list[SessionSummary] = []
     for session in sessions:
         plan = plan_of(session, design)
         answers = latest.get(session.id, {})
         of_session = _ratings(session, plan, answers)
         rows += of_session + _task_scores(session, plan, kept.showings)
-        rating = {scale.name for scale in plan.scales if scale.kind == RATING}
-        survey += [_survey_answer(session, one) for one in answers.values() if one.scale not in rating]
+        preferred = _preferences(session, plan, answers)
+        preferences += preferred
+        judged = {scale.name for scale in plan.scales if scale.kind in (RATING, PREFERENCE)}
+        survey += [_survey_answer(session, one) for one in answers.values() if one.scale not in judged]
         trials = sum(len(names) for names in session.order)
-        rated = len({row.place for row in of_session if row.value is not None})
+        rated = {row.place for row in of_session if row.value is not None}
+        rated |= {one.place for one in preferred if one.answer is not None}
         summaries.append(
-            SessionSummary(session.sub, session.part, session.number, session.status, session.why, rated, trials)
+            SessionSummary(session.sub, session.part, session.number, session.status, session.why, len(rated), trials)
         )
     found = Ratings(
         rows=tuple(rows),
@@ -67,6 +71,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         title=design.title,
         sessions=tuple(summaries),
         survey=tuple(survey),
+        preferences=tuple(preferences),
         scales={scale.name: scale for scale in every_scale(design)},
         notes=tuple(_notes(contents, sessions, design, origin)),
         long=tuple(long_rows(kept, design)),
@@ -87,6 +92,7 @@ def _without_part(ratings: Ratings) -> Ratings:
         rows=tuple(attrs.evolve(one, part="") for one in ratings.rows),
         sessions=tuple(attrs.evolve(one, part="") for one in ratings.sessions),
         survey=tuple(attrs.evolve(one, part="") for one in ratings.survey),
+        preferences=tuple(attrs.evolve(one, part="") for one in ratings.preferences),
     )
 
 
@@ -113,6 +119,41 @@ def _ratings(session: Session, plan: Design, answers: Mapping[str, Answer]) -> l
     return rows
 
 
+def _preferences(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Preference]:
+    steps = steps_of(plan, session.order, session.part)
+    shows = {step.key: step for step in steps if isinstance(step, Show)}
+    references = [one.name for one in plan.part(session.part).conditions if one.reference]
+    found: list[Preference] = []
+    for ask in steps:
+        if not isinstance(ask, Ask) or ask.scale.kind != PREFERENCE:
+            continue
+        second, answer = shows[ask.about], answers.get(ask.key)
+        found.append(
+            Preference(
+                participant=session.sub,
+                part=session.part,
+                scale=ask.scale.name,
+                first=shows[second.after].condition.name,
+                second=second.condition.name,
+                answer=None if answer is None else answer.value,
+                allows_ties=ask.scale.allows_ties,
+                reference=next(iter(references), ""),
+                why_missing=_why_missing(session, answer),
+                repeat=second.repeat,
+                place=ask.trial,
+                session=session.number,
+            )
+        )
+    return found
+
+
+def _why_missing(session: Session, answer: Answer | None) -> str:
+    """Return why an answer has no value; "" where it has one."""
+    if answer is None:
+        return _WHY[session.status]
+    return "" if answer.value is not None else "the participant could not say"
+
+
 def _task_scores(session: Session, plan: Design, showings: Iterable[Showing]) -> list[Rating]:
     """Return the scores of a session's task, of the last complete showing of each trial."""
     seen = {one.key: one.actual for one in showings if one.session == session.id and one.complete}
@@ -132,8 +173,7 @@ def _task_scores(session: Session, plan: Design, showings: Iterable[Showing]) ->
 
 def _rating(session: Session, show: Show, before: str, ask: Ask, answer: Answer | None) -> Rating:
     value = None if answer is None else answer.value
-    why = _WHY[session.status] if answer is None else "the participant could not say"
-    return _row(session, show, before, ask.scale.name, value, why)
+    return _row(session, show, before, ask.scale.name, value, _why_missing(session, answer))
 
 
 def _row(session: Session, show: Show, before: str, scale: str, value: float | None, why: str) -> Rating:

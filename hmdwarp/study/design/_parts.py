@@ -15,7 +15,20 @@ from ...registry import unknown_name
 from ...scenes import Scene, SceneKey, with_targets
 from ...tables import KeyFault, Table, quoted
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
-from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part, Task
+from .definitions import (
+    ADAPTIVE,
+    ONE,
+    ONLY_PART,
+    ORDERS,
+    PAIR,
+    SHOWS,
+    WILLIAMS,
+    Comparison,
+    Condition,
+    Family,
+    Part,
+    Task,
+)
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
 NAME_WANTED = "expected a name of letters, digits, and . _ + - after the first, 64 at most"
@@ -155,15 +168,21 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
             settings = checker.settings(table, own | chosen, f"condition '{name}'", others=_NO_SETTINGS)
             made.append(Condition(name, settings, reference))
     trial = data.table("trial")
-    if len(made) < 2 and trial.word("order", ORDERS, WILLIAMS) == WILLIAMS:
+    order, pairs = trial.word("order", ORDERS, WILLIAMS), trial.word("shows", SHOWS, ONE) == PAIR
+    if len(made) < 2 and pairs:
+        raise trial.fault("shows", f"is {PAIR}, of one condition: expected two at least")
+    if len(made) < 2 and order == WILLIAMS:
         raise trial.fault(
             "order",
             f"is {WILLIAMS} (the default): one condition has no order; expected two, or order fixed",
         )
-    if len(made) * trial.whole("repeats", 1, _MOST_TRIALS, 1) > _MOST_TRIALS:
+    each = len(made) if not pairs else len(made) - 1 if order == ADAPTIVE else len(made) * (len(made) - 1) // 2
+    repeats = trial.whole("repeats", 1, _MOST_TRIALS, 1)
+    if each * repeats > _MOST_TRIALS:
         raise trial.fault(
-            "repeats",
-            f"makes {len(made)} x {trial.raw('repeats')} trials: expected {_MOST_TRIALS} at most in a session",
+            "repeats" if "repeats" in trial else None,
+            f"makes {each} x {repeats} trials: expected {_MOST_TRIALS} at most in a session"
+            + (f'; order = "{ADAPTIVE}" shows fewer pairs' if pairs and order != ADAPTIVE else ""),
         )
     return tuple(made)
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...tables import Table, quoted, text_of
-from ..scales import QUESTIONNAIRE, RATING, Scale, load_scale
+from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
-from .definitions import Breaks, Condition, Consent, Page, Part, Sickness, Task
+from .definitions import ONE, PAIR, SHOWS, Breaks, Condition, Consent, Page, Part, Sickness, Task
 from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
@@ -47,19 +47,40 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
                 f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores",
                 number,
             )
+        if questionnaires and scale.kind == PREFERENCE:
+            raise table.fault(
+                key, f"has '{name}', a {PREFERENCE}, which is about a pair: it belongs in [trial]", number
+            )
         if scale.name in [one.name for one in made]:
             raise table.fault(key, f"has '{scale.name}' twice: expected each scale once", number)
         made.append(scale)
     if not made and not questionnaires:
         raise table.fault(key, "is empty: expected one scale at least; see 'hmdwarp list scales'")
-    if not questionnaires and all(scale.kind != RATING for scale in made):
-        # Tables of ratings and the analysis hold only that kind.
-        raise table.fault(
-            key,
-            f"has no rating ({', '.join(names)}): expected one scale of kind rating at least; the others belong in "
-            "[sickness]",
-        )
+    if not questionnaires:
+        _check_kinds(table, key, made)
     return tuple(made)
+
+
+def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
+    """Check that the scales after a trial fit what it shows."""
+    names = ", ".join(scale.name for scale in made)
+    preferences = [scale for scale in made if scale.kind == PREFERENCE]
+    if trial.word("shows", SHOWS, ONE) == PAIR:
+        if len(preferences) != 1 or any(scale.kind not in (PREFERENCE, QUESTIONNAIRE) for scale in made):
+            raise trial.fault(
+                key,
+                f"is {names}, after a pair: expected one scale of kind {PREFERENCE}, such as preference, and perhaps "
+                "a short questionnaire",
+            )
+        return
+    if preferences:
+        raise trial.fault(key, f"has '{preferences[0].name}', a {PREFERENCE}: it needs shows = \"{PAIR}\"")
+    if all(scale.kind != RATING for scale in made):
+        # Tables of ratings and the analysis hold only that kind.
+        raise trial.fault(
+            key,
+            f"has no rating ({names}): expected one scale of kind rating at least; the others belong in [sickness]",
+        )
 
 
 def length_of(trial: Table) -> tuple[float, bool]:
@@ -92,6 +113,8 @@ def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | No
     """Return the task, None without [task]; the scenes of all conditions must have room for it."""
     if "task" not in data:
         return None
+    if data.table("trial").word("shows", SHOWS, ONE) != ONE:
+        raise data.fault("task", f'does not go with shows = "{PAIR}": expected trials of one condition')
     table = data.table("task")
     table.word("kind", TASKS)
     names = table.texts("conditions", ())
@@ -130,10 +153,11 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
             "scale",
             f"has '{scale.name}', a questionnaire of {len(scale.items)} items: expected a scale that takes a moment",
         )
-    if scale.kind == RATING:
+    if scale.kind in (RATING, PREFERENCE):
         raise table.fault(
             "scale",
-            f"has '{scale.name}', a rating, and would stand among those of the trials: expected fms, misc or the like",
+            f"has '{scale.name}', a {scale.kind}, and would stand among those of the trials: expected fms, misc or "
+            "the like",
         )
     stop_at = table.within("stop_at", scale.least, scale.most, None)
     if stop_at is not None and scale.badness(stop_at) <= 0:

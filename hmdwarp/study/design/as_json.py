@@ -8,7 +8,7 @@ import attrs
 
 from ..scales import Scale
 from .definitions import Design, Page, Part, every_scale
-from .orders import rows_for
+from .orders import presented, rows_for
 from .outline import balance, notes, session_phases
 
 
@@ -21,6 +21,7 @@ def design_as_json(design: Design) -> dict[str, object]:
         "seed": design.seed,
         "blind": design.blind,
         "order": design.order,
+        "shows": design.shows,
         "repeats": design.repeats,
         "trial_seconds": design.seconds,
         "trial_until_done": design.until_done,
@@ -74,5 +75,5 @@ def _part_json(design: Design, part: Part) -> dict[str, object]:
         ],
         "session_seconds": math.fsum(one.seconds for one in session),
         "orders": rows,
-        "balance": attrs.asdict(balance(rows, part)),
+        "balance": attrs.asdict(balance(rows, presented(design, part.name))) if rows else None,
     }

@@ -8,7 +8,8 @@ import attrs
 
 from ..scales import Scale
 
-ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
+ORDERS = (WILLIAMS, RANDOM, FIXED, ADAPTIVE) = ("williams", "random", "fixed", "adaptive")
+SHOWS = (ONE, PAIR) = ("one", "pair")
 BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
 ONLY_PART = "main"  # name of the part in a study without [[part]]
 
@@ -109,7 +110,8 @@ class Design:
     families: tuple[Family, ...] = ()
     seconds: float = 20.0  # a trial shows its condition for so long, or at most so long
     until_done: bool = False  # whether the participant ends a trial
-    repeats: int = 1  # presentations of each condition
+    shows: str = ONE  # one of SHOWS: what a trial shows before the questions
+    repeats: int = 1  # presentations of each condition, or pair
     order: str = WILLIAMS  # one of ORDERS
     seed: int = 0
     blind: str = BOTH  # one of BLIND: who must not see the condition

@@ -6,9 +6,10 @@ import hashlib
 from collections.abc import Sequence
 
 from ...errors import InputError
-from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
+from .definitions import ADAPTIVE, FIXED, PAIR, RANDOM, WILLIAMS, Design
+from .pair_orders import every_pair, turned
 
-Order = tuple[tuple[str, ...], ...]  # names of conditions, one tuple per repeat
+Order = tuple[tuple[str, ...], ...]  # names of conditions or pairs, one tuple per repeat
 RANDOM_ROWS = 1000  # more than there are participants, so that no two share a row
 
 
@@ -50,14 +51,42 @@ def rows_for(design: Design, part: str) -> tuple[Order, ...]:
     random: RANDOM_ROWS orders; each repeat is its own permutation, and does not begin with the last
     condition of the repeat before.
     fixed: one order, that of the file.
+    adaptive: none; pair_orders.adaptive_order makes each from the answers so far.
+    In a study of pairs the same of pairs. Each order comes a second time with every pair the other
+    way round, and so does each second repeat.
     The same file gives the same orders on every machine and with every version of Python.
     """
-    conditions = design.part(part)
-    names = tuple(one.name for one in conditions.conditions)
+    names = presented(design, part)
+    if design.order == ADAPTIVE:
+        return ()
+    rows = _rows(design, part, names)
+    if design.shows != PAIR:
+        return rows
+    return (*map(_alternating, rows), *(_alternating(row, 1) for row in rows))
+
+
+def presented(design: Design, part: str) -> tuple[str, ...]:
+    """Return what a repeat shows: the names of the part's conditions, or of its pairs."""
+    names = tuple(one.name for one in design.part(part).conditions)
+    return every_pair(names) if design.shows == PAIR else names
+
+
+def trials_of(design: Design, part: str) -> int:
+    """Return the number of trials of a session."""
+    each = len(presented(design, part)) if design.order != ADAPTIVE else len(design.part(part).conditions) - 1
+    return each * design.repeats
+
+
+def _alternating(order: Order, first: int = 0) -> Order:
+    """Turn the pairs of every second repeat. first: 1 to begin with turned ones."""
+    return tuple(tuple(map(turned, names)) if (repeat + first) % 2 else names for repeat, names in enumerate(order))
+
+
+def _rows(design: Design, part: str, names: tuple[str, ...]) -> tuple[Order, ...]:
     if design.order == FIXED:
         return ((names,) * design.repeats,)
     if design.order == RANDOM:
-        return tuple(_random_order(design, conditions, row) for row in range(RANDOM_ROWS))
+        return tuple(_random_order(design, part, names, row) for row in range(RANDOM_ROWS))
     assert design.order == WILLIAMS
     drawn = _shuffled(names, design.seed, "williams", part)
     shifts = _seam_shifts(len(names), design.repeats)
@@ -99,15 +128,14 @@ def _seam_shifts(n: int, repeats: int) -> tuple[int, ...]:
     return tuple(shifts)
 
 
-def _random_order(design: Design, part: Part, row: int) -> Order:
-    names = tuple(one.name for one in part.conditions)
+def _random_order(design: Design, part: str, names: tuple[str, ...], row: int) -> Order:
     order: list[tuple[str, ...]] = []
     for repeat in range(design.repeats):
-        drawn = _shuffled(names, design.seed, "random", part.name, row, repeat)
+        drawn = _shuffled(names, design.seed, "random", part, row, repeat)
         again = 0
         while order and len(names) > 1 and drawn[0] == order[-1][-1]:
             again += 1
-            drawn = _shuffled(names, design.seed, "random", part.name, row, repeat, again)
+            drawn = _shuffled(names, design.seed, "random", part, row, repeat, again)
         order.append(drawn)
     return tuple(order)
 
@@ -125,19 +153,19 @@ def allot(filled: Sequence[int], seed: int) -> int:
         raise InputError("there is no order to allot: the part has no conditions")
     least = min(filled)
     tied = [row for row, count in enumerate(filled) if count == least]
-    return tied[_draw(len(tied), seed, "allot", *filled)]
+    return tied[draw(len(tied), seed, "allot", *filled)]
 
 
 def _shuffled(names: Sequence[str], seed: int, *words: object) -> tuple[str, ...]:
     """Return a permutation that the seed and these words decide (Fisher and Yates)."""
     out = list(names)
     for last in range(len(out) - 1, 0, -1):
-        chosen = _draw(last + 1, seed, *words, last)
+        chosen = draw(last + 1, seed, *words, last)
         out[last], out[chosen] = out[chosen], out[last]
     return tuple(out)
 
 
-def _draw(below: int, seed: int, *words: object) -> int:
+def draw(below: int, seed: int, *words: object) -> int:
     """Draw from 0 .. below-1, decided by seed and words alone.
 
     NumPy's and Python's generators may change what a seed gives; SHA-256 does not. With 256 bits

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import attrs
 
 from ...report import counted
 from ..scales import QUESTIONNAIRE, Scale
-from .definitions import FIXED, RANDOM, WILLIAMS, Design, Part
-from .orders import Order
+from .definitions import FIXED, PAIR, RANDOM, WILLIAMS, Design, Part
+from .orders import Order, presented, trials_of
+from .pair_orders import turned
 from .steps import Ask, PageStep, Pause, Read, Show, Step, steps_of
 
 # Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to
@@ -44,9 +45,9 @@ class Balance:
 
 def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     """Return the phases of a session of that part, from beginning to end."""
-    names = tuple(one.name for one in design.part(part).conditions)
+    trials = trials_of(design, part)
+    names = presented(design, part)[: trials // design.repeats]
     steps = steps_of(design, (names,) * design.repeats, part)
-    trials = len(names) * design.repeats
     asked = [scale.name for scale in design.scales]
     every = design.sickness.every if design.sickness is not None else 0
     sick = (
@@ -59,7 +60,7 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
         "before": ", ".join(_asked(scale) for scale in design.before),
         "instructions": "a page to read",
         "practice": f"{design.practice_seconds:g} s, not scored",
-        "trials": f"{trials} {_lasting(design)}, {'each ' if trials > 1 else ''}rated: {', '.join(asked + sick)}",
+        "trials": f"{trials} {_lasting(design)}, {_asked_after(design, trials)}: {', '.join(asked + sick)}",
         "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(design.breaks.every)}",
         "after": ", ".join(_asked(scale) for scale in design.after),
     }
@@ -75,7 +76,13 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
 
 def _lasting(design: Design) -> str:
     lasting = f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
+    if design.shows == PAIR:
+        return f"pairs, each condition {lasting.removeprefix('of ')}"
     return f"{lasting}, with {counted(design.task.count, 'target')} to find" if design.task else lasting
+
+
+def _asked_after(design: Design, trials: int) -> str:
+    return f"{'each ' if trials > 1 else ''}{'compared' if design.shows == PAIR else 'rated'}"
 
 
 def _asked(scale: Scale) -> str:
@@ -120,9 +127,12 @@ def reading_s(text: str) -> float:
     return max(10.0, WORD_S * len(text.split()))
 
 
-def balance(orders: Sequence[Order], part: Part) -> Balance:
-    """Count how these orders of a part are balanced."""
-    names = [one.name for one in part.conditions]
+def balance(orders: Sequence[Order], names: Sequence[str]) -> Balance:
+    """Count how these orders of a part are balanced.
+
+    names: what they order, as orders.presented; of a pair it does not matter which one is first.
+    """
+    orders = [tuple(tuple(map(_unturned(names), row)) for row in order) for order in orders]
     rows = [row for order in orders for row in order]
     places = Counter((place, name) for row in rows for place, name in enumerate(row))
     pairs = Counter(pair for row in rows for pair in zip(row, row[1:], strict=False))
@@ -135,6 +145,11 @@ def balance(orders: Sequence[Order], part: Part) -> Balance:
         _range([seams[pair] for pair in unequal]) if unequal and seams else None,
         sum(count for (a, b), count in seams.items() if a == b),
     )
+
+
+def _unturned(names: Sequence[str]) -> Callable[[str], str]:
+    known = set(names)
+    return lambda name: name if name in known else turned(name)
 
 
 def _range(counts: Sequence[int]) -> tuple[int, int]:
@@ -172,7 +187,7 @@ def _of_order(design: Design) -> list[str]:
         )
     for part in design.parts:
         count = len(part.conditions)
-        if design.order == WILLIAMS and count % 2:
+        if design.order == WILLIAMS and count % 2 and design.shows != PAIR:
             out.append(
                 f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would "
                 f"need {count + 1}"

@@ -20,7 +20,7 @@ from ._sections import (
     sickness_of,
     task_of,
 )
-from .definitions import BLIND, BOTH, ORDERS, WILLIAMS, Design, Sickness
+from .definitions import ADAPTIVE, BLIND, BOTH, ONE, ORDERS, PAIR, SHOWS, WILLIAMS, Design, Sickness
 
 SCHEMA = 1
 SHIPPED = Path(__file__).resolve().parent.parent / "ready"
@@ -69,6 +69,9 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
     folder = Path(path).parent
     trial = data.table("trial")
+    shows, order = trial.word("shows", SHOWS, ONE), trial.word("order", ORDERS, WILLIAMS)
+    if order == ADAPTIVE and shows != PAIR:
+        raise trial.fault("order", f'is {ADAPTIVE}, which chooses pairs: expected shows = "{PAIR}" beside it')
     checker = Checker(folder, data.table("common") if "common" in data else None, checked)
     scales = scales_of(trial, "scales", folder)
     sickness = sickness_of(data, folder)
@@ -85,7 +88,8 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         seconds=seconds,
         until_done=until_done,
         repeats=trial.whole("repeats", 1, 1000, 1),
-        order=trial.word("order", ORDERS, WILLIAMS),
+        shows=shows,
+        order=order,
         seed=data.whole("seed", 0, 2**63 - 1, 0),
         blind=data.word("blind", BLIND, BOTH),
         task=task_of(data, parts, checker),

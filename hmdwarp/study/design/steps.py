@@ -9,7 +9,10 @@ from __future__ import annotations
 import attrs
 
 from ..scales import Item, Scale
-from .definitions import Condition, Design, Page, Task
+from .definitions import PAIR, Condition, Design, Page, Task
+from .pair_orders import pair_of
+
+TURNS = (FIRST_SHOWN, SECOND_SHOWN) = ("first", "second")
 
 
 @attrs.frozen
@@ -40,6 +43,8 @@ class Show:
     block: int = 1  # of trials between two planned breaks, from 1 on; 0 for the practice
     until_done: bool = False  # whether the participant ends it; with a task the last target does
     task: Task | None = None
+    turn: str = ""  # which showing of its trial: one of TURNS, "" for the only one or the one that counts
+    after: str = ""  # key of the Show that must have been seen just before; "" for none
 
 
 @attrs.frozen
@@ -79,35 +84,42 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
         steps.append(PageStep("instructions", design.instructions))
     if design.practice is not None:
         steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0, task=design.task))
-        steps += _sickness(design, "practice", 0)
+        steps += _sickness(design, "practice", 0, "practice")
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
-        steps += _trial(design, trial, conditions.condition(name), repeat)
+        shown_names = pair_of(name) if design.shows == PAIR else (name,)
+        steps += _trial(design, trial, [conditions.condition(one) for one in shown_names], repeat)
         if design.breaks.every and trial % design.breaks.every == 0 and trial < len(shown):
             steps.append(Pause(f"break/{trial // design.breaks.every}", design.breaks.seconds))
     steps += [ask for scale in design.after for ask in _asks(scale, "after", "after")]
     return tuple(steps)
 
 
-def _trial(design: Design, trial: int, condition: Condition, repeat: int) -> list[Step]:
+def _trial(design: Design, trial: int, conditions: list[Condition], repeat: int) -> list[Step]:
     key = f"trial/{trial}"
     block = 1 + (trial - 1) // design.breaks.every if design.breaks.every else 1
     task = design.task
-    if task is not None and task.conditions and condition.name not in task.conditions:
+    if task is not None and task.conditions and conditions[-1].name not in task.conditions:
         task = None
-    steps: list[Step] = [Show(key, trial, condition, design.seconds, repeat, block, design.until_done, task)]
-    steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial)]
+    turns = TURNS if len(conditions) > 1 else ("",)
+    shows: list[Show] = []
+    for condition, turn in zip(conditions, turns, strict=True):
+        after = shows[-1].key if shows else ""
+        at = f"{key}/{turn}" if turn else key
+        shows.append(Show(at, trial, condition, design.seconds, repeat, block, design.until_done, task, turn, after))
+    steps: list[Step] = [*shows]
+    about = shows[-1].key
+    steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial, about)]
     if design.sickness is not None and trial % design.sickness.every == 0:
-        steps += _sickness(design, key, trial)
+        steps += _sickness(design, key, trial, about)
     return steps
 
 
-def _sickness(design: Design, key: str, trial: int) -> tuple[Ask, ...]:
+def _sickness(design: Design, key: str, trial: int, about: str) -> tuple[Ask, ...]:
     if design.sickness is None:
         return ()
-    return _asks(design.sickness.scale, key, "trial" if trial else "practice", trial)
+    return _asks(design.sickness.scale, key, "trial" if trial else "practice", trial, about)
 
 
-def _asks(scale: Scale, key: str, phase: str, trial: int = 0) -> tuple[Ask, ...]:
-    about = key if phase in ("trial", "practice") else ""
+def _asks(scale: Scale, key: str, phase: str, trial: int = 0, about: str = "") -> tuple[Ask, ...]:
     return tuple(Ask(f"{key}/{scale.name}/{item.key}", scale, item, phase, trial, about) for item in scale.items)

@@ -95,9 +95,13 @@ def message_panel(title: str, text: str = "", hint: str = "") -> MessagePanel:
     return MessagePanel(title, wrapped(text, TEXT, WIDTH - 2 * PAD), hint=hint)
 
 
-def trial_panel(trial: int, trials: int, hint: str = "") -> MessagePanel:
-    """Make the panel before a trial: its number, never its condition. trial: 0 for the practice."""
-    title = f"Trial {trial} of {trials}" if trial else "Practice: look around, it is not rated"
+def trial_panel(trial: int, trials: int, hint: str = "", turn: str = "") -> MessagePanel:
+    """Make the panel before a trial: its number, never its condition.
+
+    trial: 0 for the practice. turn: which of its showings follows, "" for the only one.
+    """
+    number = f"Trial {trial} of {trials}{f': {turn}' if turn else ''}"
+    title = number if trial else "Practice: look around, it is not rated"
     return message_panel(title, hint=hint)
 
 

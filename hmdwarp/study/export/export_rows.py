@@ -10,7 +10,7 @@ import attrs
 
 from ...errors import InputError
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
-from ..scales import RATING, Scale, scored
+from ..scales import PREFERENCE, RATING, Scale, scored
 from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
 from .short_tables import duration_s, onset_s
 from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS, column_of
@@ -118,6 +118,17 @@ def revision_rows(contents: Contents, design: Design) -> list[Row]:
         for ask in data.asks.values()
         for answer in data.answers.get(ask.key, ())
     ]
+
+
+def pair_rows(contents: Contents, design: Design) -> list[tuple[Row, Show, Show]]:
+    """Return each planned question about a pair, as answer_rows, with the two showings."""
+    found = []
+    for data in sessions_of(contents, design):
+        for ask in data.asks.values():
+            if ask.scale.kind == PREFERENCE:
+                second = data.shows[ask.about]
+                found.append((_row(design, data, ask, _last(data, ask)), data.shows[second.after], second))
+    return found
 
 
 def score_rows(contents: Contents, design: Design) -> list[Row]:

@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Any
 
 from ..design import Show
+from ..scales import FIRST, NEITHER, SECOND
 from ..store import Session, Showing
 from .table_columns import NUMBER, TEXT, Column, column_of
 
@@ -27,6 +28,15 @@ SHORT = (
     _DURATION,
     column_of("seconds_to_answer"),
 )
+PREFERENCES = (
+    *SHORT[:8],
+    Column("first", TEXT, "Condition shown first"),
+    Column("second", TEXT, "Condition shown second"),
+    column_of("scale"),
+    Column("preferred", TEXT, "Condition that was preferred; neither where no difference was seen"),
+    *SHORT[-4:],
+)
+NEITHER_WORD = "neither"
 EVENTS = (
     _ONSET,
     _DURATION,
@@ -40,6 +50,16 @@ RUN_EVENTS = (Column("onset", NUMBER, "From the first pose of the recording", "s
 def short_rows(ratings: Iterable[Row]) -> list[Row]:
     """Return rows by SHORT. ratings: as export_rows.long_rows."""
     return [{**row, "ppid": row["participant"], "rating": row["value"]} for row in ratings]
+
+
+def preference_rows(asked: Iterable[tuple[Row, Show, Show]]) -> list[Row]:
+    """Return rows by PREFERENCES. asked: rows as export_rows.answer_rows, with both showings."""
+    rows = []
+    for row, first, second in asked:
+        names = {FIRST: first.condition.name, SECOND: second.condition.name, NEITHER: NEITHER_WORD, None: None}
+        pair = {"first": names[FIRST], "second": names[SECOND], "preferred": names[row["value"]]}
+        rows.append({**row, **pair, "ppid": row["participant"]})
+    return rows
 
 
 def onset_s(session: Session, showing: Showing) -> float | None:

@@ -85,7 +85,7 @@ _PHASE = (
         "before the first trial", "after the practice", "after a trial", "after the last trial"), strict=True))),
     Column("kind", TEXT, "Kind of the scale", levels=dict(zip((*SCALE_KINDS, "score"), (
         "a rating of what was shown", "sickness", "an answer to one question of several",
-        "a score of a questionnaire"), strict=True))),
+        "which of two was preferred", "a score of a questionnaire"), strict=True))),
     Column("text", TEXT, "The answer in words: the choice, or what was typed; n/a for the answers of a scale"),
 )  # fmt: skip
 

@@ -12,17 +12,28 @@ from ...extra import install_line
 from ...report import OutputFolder, counted
 from ...version import __version__
 from ..design import Design
-from ..scales import QUESTIONNAIRE, RATING, Scale
+from ..scales import QUESTIONNAIRE, RATING, SICKNESS, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
-from .export_rows import Row, all_scales, answer_rows, declined, of_origin, revision_rows, score_rows, unconsented
+from .export_rows import (
+    Row,
+    all_scales,
+    answer_rows,
+    declined,
+    of_origin,
+    pair_rows,
+    revision_rows,
+    score_rows,
+    unconsented,
+)
 from .formats import csv_text, has_parquet, tsv_text, write_parquet
-from .short_tables import SHORT, short_rows
+from .short_tables import PREFERENCES, SHORT, preference_rows, short_rows
 from .table_columns import Column, columns_for
 
 EXTRA = ("phase", "kind", "text")
 OWNED = (
     "ratings.*",
+    "preferences.csv",
     "sickness.tsv",
     "questionnaires.tsv",
     "revisions.tsv",
@@ -130,7 +141,10 @@ def _tables(
         folder.write_text(f"sessions/{session.sub}_ses-{session.number:02d}.csv", csv_text(own, SHORT))
     notes.append(f"ratings_short.csv: the same in {len(SHORT)} columns; sessions/: the same, a file for each session")
     notes.append(_parquet(folder, ratings, columns, design, options.parquet))
-    sickness = [row for row in answers if row["kind"] not in (RATING, QUESTIONNAIRE)]
+    if pairs := preference_rows(pair_rows(contents, design)):
+        folder.write_text("preferences.csv", csv_text(pairs, PREFERENCES))
+        notes.append(f"preferences.csv: {counted(len(pairs), 'pair')} that were compared")
+    sickness = [row for row in answers if row["kind"] == SICKNESS]
     questionnaires = [row for row in answers if row["kind"] == QUESTIONNAIRE] + score_rows(contents, design)
     for name, rows in (("sickness", sickness), ("questionnaires", questionnaires)):
         if rows:
@@ -142,7 +156,9 @@ def _tables(
         notes.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
     if options.remarks:
         notes.append(_remarks(folder, contents))
-    folder.write_json("columns.json", sidecar((*columns_for(answers, EXTRA), *SHORT), all_scales(contents, design)))
+    folder.write_json(
+        "columns.json", sidecar((*columns_for(answers, EXTRA), *SHORT, *PREFERENCES), all_scales(contents, design))
+    )
     return [text for text in notes if text]
 
 
@@ -232,7 +248,7 @@ row per rating, missing ones included, and what was shown. ratings_short.csv: th
 analysis needs first, with onset, duration and block of each trial; sessions/ has the same, one file
 for each session. ppid is the participant, as UXF and similar programs name the column. If the study
 has them: sickness.tsv, sickness between the trials, and questionnaires.tsv, answers and scores
-before and after the session.
+before and after the session; preferences.csv, which of two conditions was preferred.
 columns.json: meaning, units and values of each column. bids/: the same as a BIDS data set, with the
 motion of the heads.
 In bids/ authors, licence and institution are left for you to fill in.
@@ -248,4 +264,6 @@ withdraw later must be erased here too, by hand: delete this folder and export a
 
 
 def _scale_text(scale: Scale) -> str:
+    if not scale.has_answers:
+        return scale.name
     return f"{scale.name} ({scale.least:g} to {scale.most:g}, {'low' if scale.low_is_good else 'high'} is good)"

@@ -12,11 +12,11 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..design import Design, Order, Part, allot, rows_for
-from ..scales import QUESTIONNAIRE, Scale
+from ..design import PAIR, Design, Order, Part, allot, pair_of, rows_for, trials_of
+from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, Scale
 from ..store import COMPLETE, SICK, STOPPED
 from .random_draws import table_of
-from .response_model import Floats, Model, mean_on_scale, of_share, on_scale
+from .response_model import Floats, Model, mean_on_scale, normal, of_share, on_scale
 
 Ints = NDArray[np.intp]
 
@@ -26,7 +26,7 @@ class Cohort:
     """Answers of n people with T trials each; NaN where there is no answer."""
 
     part: Part
-    order: Ints  # (n, T) numbers of the part's conditions in the order shown
+    order: Ints  # (n, T) numbers of the part's conditions in the order shown, of a pair the second
     trials: Ints  # (n) trials shown and rated before the end
     why: tuple[str, ...]  # (n) status of the session
     answers: dict[str, Floats]  # (n, T) by scale, rounded to the scale
@@ -56,6 +56,7 @@ class Population:
         self.model, self.design, self.part = model, design, design.part(part)
         self._rows = rows_for(design, part)
         self._names = {one.name: number for number, one in enumerate(self.part.conditions)}
+        self._trials = trials_of(design, part)
         self._orders = np.array([self._flat(row) for row in self._rows])
         self._ratings = {
             scale.name: model.rating(scale)
@@ -79,16 +80,19 @@ class Population:
         """
         drawn = _Draws.of(self, persons, seed, study)
         trials, why, sickness = self._ends(drawn)
-        order = self._orders[self._allotted(why)] if orders is None else np.array([self._flat(one) for one in orders])
+        shown = self._orders[self._allotted(why)] if orders is None else np.array([self._flat(one) for one in orders])
+        first, order = np.moveaxis(shown, -1, 0)
         over = np.arange(order.shape[1]) >= trials[:, None]
         answers, latent = {}, {}
         for number, scale in enumerate(self.design.scales):
             if scale.name not in self._means:
                 continue
-            felt = self._felt(drawn, number, order)
+            is_choice = scale.kind == PREFERENCE
+            felt = self._preferred(drawn, number, first, order) if is_choice else self._felt(drawn, number, order)
             none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
             latent[scale.name] = np.where(none, np.nan, felt)
-            answers[scale.name] = np.where(none, np.nan, on_scale(felt, scale))
+            said = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
+            answers[scale.name] = np.where(none, np.nan, said)
         return Cohort(self.part, order, trials, why, answers, latent, sickness, drawn.susceptible)
 
     def expected(self, scale: str, *, latent: bool = False) -> Floats:
@@ -97,19 +101,24 @@ class Population:
         Drift and carry-over count as in a session without dropouts. latent: before steps and ends
         of the scale.
         """
-        rating, means = self._ratings[scale], self._means[scale][self._orders]
+        orders = self._orders[..., 1]
+        rating, means = self._ratings[scale], self._means[scale][orders]
         at = rating.latent_mean(means, _before(means), np.arange(means.shape[1]))
         if not latent:
             answers = next(one for one in self.design.scales if one.name == scale)
             values, where = np.unique(at, return_inverse=True)
             on = np.array([mean_on_scale(float(value), rating.latent_sd, answers) for value in values])
             at = on[where].reshape(at.shape)
-        numbers = self._orders.ravel()
+        numbers = orders.ravel()
         return np.bincount(numbers, weights=at.ravel()) / np.bincount(numbers)
 
-    def _flat(self, order: Order) -> list[int]:
-        """Return the numbers of the conditions, trial by trial, over all repeats."""
-        return [self._names[name] for repeat in order for name in repeat]
+    def _flat(self, order: Order) -> list[tuple[int, int]]:
+        """Return the numbers of the conditions, trial by trial, over all repeats.
+
+        Of both of a pair, and of a single condition twice.
+        """
+        pairs = (pair_of(name) if self.design.shows == PAIR else (name, name) for names in order for name in names)
+        return [(self._names[first], self._names[second]) for first, second in pairs]
 
     def _felt(self, drawn: _Draws, number: int, order: Ints) -> Floats:
         scale = self.design.scales[number]
@@ -120,9 +129,26 @@ class Population:
             means, _before(means), place, drawn.level[:, number, None], taste, drawn.noise[:, number]
         )
 
+    def _preferred(self, drawn: _Draws, number: int, first: Ints, second: Ints) -> Floats:
+        """Compute by how much each second condition is felt to be better than the first, in JOD."""
+        name = self.design.scales[number].name
+        rating, means = self._ratings[name], self._means[name]
+
+        def at(order: Ints) -> Floats:
+            taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
+            return means[order] + rating.condition_sd * normal(taste)
+
+        return at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number])
+
+    def _choice(self, felt: Floats, scale: Scale) -> Floats:
+        """Return the answers to a preference: below the threshold neither, if that may be said."""
+        chosen = np.where(felt > 0, SECOND, FIRST)
+        threshold = self._ratings[scale.name].threshold
+        return np.where(np.abs(felt) < threshold, NEITHER, chosen) if scale.allows_ties else chosen
+
     def _ends(self, drawn: _Draws) -> tuple[Ints, tuple[str, ...], Floats]:
         """Return (trials, why, sickness) as in Cohort."""
-        count = self._orders.shape[1]
+        count = self._trials
         sickness, sick_after = _sickness(self.model, self.design, drawn.sickness, drawn.susceptible)
         leaves = drawn.dropout < self.model.dropout
         left_after = np.where(leaves.any(axis=1), leaves.argmax(axis=1) + 1, count)
@@ -164,7 +190,7 @@ class _Draws:
         """Draw for these people."""
         design, part = population.design, population.part
         s, c = len(design.scales), len(part.conditions)
-        t = c * design.repeats
+        t = trials_of(design, part.name)
         # In the order of the fields: the table is cut in this order, and that decides every answer.
         shapes: list[tuple[int, ...]] = [(), (s,), (s, c), (t + 1,), (t,), (s, t), (s, t)]
         ends = np.cumsum([int(np.prod(shape)) for shape in shapes])

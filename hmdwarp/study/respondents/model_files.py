@@ -69,6 +69,7 @@ def _rating(table: Table) -> RatingModel:
         drift=table.number("drift", 0.0),
         carry_over=table.within("carry_over", -1, 1, 0.0),
         missing=_share(table, "missing"),
+        threshold=_spread(table, "threshold"),
     )
 
 

@@ -16,16 +16,22 @@ from scipy.special import ndtr, ndtri
 
 from ...errors import InputError
 from ..design import Part
-from ..scales import Scale
+from ..scales import PREFERENCE, Scale
+from ..statistics import JOD_SPREAD
 
 Floats = NDArray[np.float64]
 # Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.
 TINY = 2.0**-54
+PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where a preference is asked for instead
 
 
 @attrs.frozen
 class RatingModel:
-    """Model of the ratings on one scale, in the unit and the direction of that scale."""
+    """Model of the ratings on one scale, in the unit and the direction of that scale.
+
+    Of a preference it is that of what is felt of each of the two, where more is better; in JOD if
+    noise_sd is JOD_SPREAD / sqrt 2. Levels, drift and carry-over do not count in it.
+    """
 
     # Latent rating by condition, or a table of them by part, where the parts differ.
     means: Mapping[str, object] = attrs.field(factory=dict, hash=False)
@@ -36,6 +42,7 @@ class RatingModel:
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
     carry_over: float = 0.0
     missing: float = 0.0  # share of trials answered with "cannot say"
+    threshold: float = 0.0  # of a preference: a smaller difference is called none, where that may be said
     # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
     # None: an error.
     mean: float | None = None
@@ -98,6 +105,15 @@ class OtherRatings:
 
     def on(self, scale: Scale) -> RatingModel:
         """Return the model in the unit and the direction of a scale."""
+        if scale.kind == PREFERENCE:  # in JOD, of which the noise defines the unit
+            return RatingModel(
+                condition_sd=PREFERENCE_JOD * self.condition_sd,
+                noise_sd=JOD_SPREAD / np.sqrt(2),
+                missing=self.missing,
+                threshold=PREFERENCE_JOD * self.condition_sd,
+                mean=-PREFERENCE_JOD * self.mean,
+                reference=-PREFERENCE_JOD * self.reference,
+            )
         width = scale.most - scale.least
         best, way = (scale.least, width) if scale.low_is_good else (scale.most, -width)
         return RatingModel(

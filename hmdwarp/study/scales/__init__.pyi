@@ -2,11 +2,15 @@ from ._load import FOLDER as FOLDER
 from ._load import load_scale as load_scale
 from ._load import scale_names as scale_names
 from ._scale_model import CHOICE as CHOICE
+from ._scale_model import FIRST as FIRST
 from ._scale_model import KINDS as KINDS
+from ._scale_model import NEITHER as NEITHER
 from ._scale_model import NUMBER as NUMBER
 from ._scale_model import OWN_ANSWERS as OWN_ANSWERS
+from ._scale_model import PREFERENCE as PREFERENCE
 from ._scale_model import QUESTIONNAIRE as QUESTIONNAIRE
 from ._scale_model import RATING as RATING
+from ._scale_model import SECOND as SECOND
 from ._scale_model import SICKNESS as SICKNESS
 from ._scale_model import WORDS as WORDS
 from ._scale_model import AnswerRange as AnswerRange

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...registry import unknown_name
 from ...tables import Table, parsed, quoted, text_of
-from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, QUESTIONNAIRE, SUMS, Item, Scale, Score
+from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, PREFERENCE, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 FOLDER = Path(__file__).parent
 _EXAMPLE = "the scale of docs/scales.md"
@@ -36,7 +36,9 @@ def load_scale(name: str) -> Scale:
 
 def _scale(data: Table, name: str) -> Scale:
     kind = data.word("kind", KINDS)
-    items = _items(data, own=kind == QUESTIONNAIRE)
+    items = _items(data, own=kind in (QUESTIONNAIRE, PREFERENCE))
+    if kind == PREFERENCE:
+        _check_preference(data, items)
     made = Scale(
         name=name,
         title=data.line("title"),
@@ -48,6 +50,16 @@ def _scale(data: Table, name: str) -> Scale:
         prompt=data.line("prompt", ""),
     )
     return made.with_scores(_scores(data, made))
+
+
+def _check_preference(data: Table, items: tuple[Item, ...]) -> None:
+    """Check that there is one question, answered by the first, the second, and perhaps neither."""
+    if len(items) != 1 or items[0].answer != CHOICE or len(items[0].choices) not in (2, 3):
+        raise data.fault(
+            "item",
+            f'is no preference: expected one [[item]] with answer = "{CHOICE}" and 2 choices, for the first and for '
+            "the second of a pair, or 3, the last of them for neither",
+        )
 
 
 def _answers(data: Table) -> dict[str, Any]:
@@ -84,7 +96,9 @@ def _items(data: Table, own: bool) -> tuple[Item, ...]:
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
         if "answer" in table and not own:
-            raise table.fault("answer", f"is for kind {QUESTIONNAIRE}: expected the answers of the scale alone")
+            raise table.fault(
+                "answer", f"is for kind {QUESTIONNAIRE} or {PREFERENCE}: expected the answers of the scale alone"
+            )
         items.append(Item(key, table.line("text"), **(_own_answers(table) if "answer" in table else {})))
     return tuple(items)
 

@@ -10,7 +10,9 @@ import attrs
 from ...errors import InputError
 from ...registry import unknown_name
 
-KINDS = (RATING, SICKNESS, QUESTIONNAIRE) = ("rating", "sickness", "questionnaire")
+KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
+# Answers to a preference, and so the numbers of its choices.
+FIRST, SECOND, NEITHER = 1.0, 2.0, 3.0
 OF = (SUMS, SCORES) = ("sums", "scores")
 OWN_ANSWERS = (CHOICE, NUMBER, WORDS) = ("choice", "number", "text")
 
@@ -44,12 +46,12 @@ class Score:
 
 @attrs.frozen
 class Scale:
-    """Rating scale, sickness scale or questionnaire; its fields are what its file says."""
+    """Rating, sickness scale, questionnaire or preference; its fields are what its file says."""
 
     name: str  # the stem of its file
     title: str
     kind: str  # one of KINDS
-    items: tuple[Item, ...]  # exactly one for a rating
+    items: tuple[Item, ...]  # exactly one for a rating or a preference
     least: float  # lowest answer
     most: float  # highest answer
     step: float  # distance between two answers
@@ -73,6 +75,11 @@ class Scale:
     def direction(self) -> str:
         """Which answers are good, in words; "" where each question has answers of its own."""
         return "" if not self.has_answers else f"{'low' if self.low_is_good else 'high'} is good"
+
+    @property
+    def allows_ties(self) -> bool:
+        """Whether a preference may be for neither."""
+        return self.kind == PREFERENCE and len(self.items[0].choices) >= NEITHER
 
     @property
     def has_answers(self) -> bool:

@@ -75,6 +75,7 @@ class SessionRunner:
     about: dict[str, Showing] = attrs.field(factory=dict)  # showing that a question was about, by key
     seen: dict[str, Showing] = attrs.field(factory=dict)  # showing seen to its end in this run, by key
     why: str = ""  # why the session ended, where that needs words
+    _just_seen: str = ""  # key of the Show that came to its end last, with nothing shown since
     _asking_again: bool = False
     _is_sick: bool = False
     _knows_how_to_look: bool = False
@@ -158,6 +159,8 @@ class SessionRunner:
             self._wait_until_ready(step, context.design.ready)
             self._knows_how_to_look = True
         while True:
+            if step.after and self._just_seen != step.after:
+                self._show(self._show_of(step.after))
             panel_ns = context.display.now_ns()
             panel = number_panel(step, context.steps, self.hints, context.found)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
@@ -166,6 +169,7 @@ class SessionRunner:
             score = handler.score
             context.found = None if score is None else (len(score.times_s), len(score.places_m))
             self._refuse_signal()
+            self._just_seen = step.key if showing.complete else ""
             if showing.complete:
                 break
             if handler.interrupt != LOST:
@@ -179,12 +183,15 @@ class SessionRunner:
     def _ask(self, step: Ask) -> None:
         """Ask a question; a trial not seen in this run of the program is shown again first."""
         if step.about and step.about not in self.seen:
-            shown = next(one for one in self.context.steps if one.key == step.about)
-            assert isinstance(shown, Show)
-            self._show(shown)
+            self._show(self._show_of(step.about))
         if step.about:
             self.about[step.key] = self.seen[step.about]
         self._answer(step)
+
+    def _show_of(self, key: str) -> Show:
+        shown = next(one for one in self.context.steps if one.key == key)
+        assert isinstance(shown, Show)
+        return shown
 
     def _answer(self, step: Ask) -> None:
         context = self.context

@@ -37,7 +37,8 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     if isinstance(step, Ask) and not step.about:
         items, title = step.scale.items, step.scale.title
         return title if len(items) == 1 else f"{title}, item {items.index(step.item) + 1} of {len(items)}"
-    return f"trial {step.trial} of {_trials(steps)}" if step.trial else "practice"
+    turn = f", {step.turn}" if isinstance(step, Show) and step.turn else ""
+    return f"trial {step.trial} of {_trials(steps)}{turn}" if step.trial else "practice"
 
 
 def ready_panel(
@@ -78,7 +79,7 @@ def number_panel(
         hint = f"{before}Find {balls}: bring one to the middle of your view. {hints.confirm}: select"
     else:
         hint = before + (f"Look around as long as you like. {hints.confirm}: done" if step.until_done else "")
-    return trial_panel(step.trial, _trials(steps), hint.rstrip())
+    return trial_panel(step.trial, _trials(steps), hint.rstrip(), step.turn)
 
 
 def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:

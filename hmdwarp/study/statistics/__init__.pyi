@@ -17,3 +17,11 @@ from .signed_rank import rank_biserial as rank_biserial
 from .signed_rank import signed_rank_null as signed_rank_null
 from .signed_rank import smallest_p as smallest_p
 from .signed_rank import wilcoxon_exact as wilcoxon_exact
+from .thurstone import JOD_SPREAD as JOD_SPREAD
+from .thurstone import Scores as Scores
+from .thurstone import expected_information as expected_information
+from .thurstone import jod_scores as jod_scores
+from .thurstone import left_out_scores as left_out_scores
+from .thurstone import resampled_interval as resampled_interval
+from .thurstone import resampled_scores as resampled_scores
+from .thurstone import with_expected as with_expected

@@ -50,9 +50,10 @@ def folder_to_read(design: Design, folder: Path | None, origin: str) -> Path:
     )
 
 
-def trace_name(sub: str, number: int, trial: int, presentation: int) -> str:
-    """Name the file of a head trace. trial: 0 for the practice."""
-    return f"{sub}_ses-{number}_trial-{trial}_{presentation}.csv"
+def trace_name(sub: str, number: int, trial: int, turn: str, presentation: int) -> str:
+    """Name the file of a head trace. trial: 0 for the practice. turn: as Show has it."""
+    which = f"{trial}-{turn}" if turn else f"{trial}"
+    return f"{sub}_ses-{number}_trial-{which}_{presentation}.csv"
 
 
 def make_folders(folder: Path) -> None:

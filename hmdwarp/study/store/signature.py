@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..design import Condition, Design
+from ..design import ONE, Condition, Design
 from ..scales import Item, Scale
 
 
@@ -34,8 +34,14 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
         "sickness": _sickness(design),
         "before": [_scale(one) for one in design.before],
         "after": [_scale(one) for one in design.after],
+        **_shows(design),
         **_task(design),
     }
+
+
+def _shows(design: Design) -> dict[str, Any]:
+    """Return what a trial shows; nothing for one condition, as older sessions have it."""
+    return {} if design.shows == ONE else {"shows": design.shows}
 
 
 def _task(design: Design) -> dict[str, Any]:

@@ -273,7 +273,7 @@ class Store:
 
     def path_for(self, session: Session, step: Show, presentation: int) -> Path:
         """Return the path of a head trace."""
-        return self.traces / trace_name(session.sub, session.number, step.trial, presentation)
+        return self.traces / trace_name(session.sub, session.number, step.trial, step.turn, presentation)
 
     def measured(self, showing_id: int, data: Mapping[str, Any]) -> None:
         """Replace the figures measured of a showing's pictures.

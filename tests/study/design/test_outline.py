@@ -15,6 +15,7 @@ from hmdwarp.study.design import (
     design_from_text,
     least_participants,
     notes,
+    presented,
     rows_for,
     session_phases,
     steps_of,
@@ -74,7 +75,7 @@ def test_trials_until_done_take_at_most_their_longest_time():
 
 def test_balance_is_counted():
     plan = design()
-    found = balance(rows_for(plan, "run-1"), plan.part("run-1"))
+    found = balance(rows_for(plan, "run-1"), presented(plan, "run-1"))
     assert (found.orders, found.places, found.pairs, found.repeated) == (
         6,
         (4, 4),
@@ -83,7 +84,7 @@ def test_balance_is_counted():
     )  # 3 conditions, 6 orders of 2 repeats
     assert found.seams == (1, 1)
     fixed = design(('order = "williams"', 'order = "fixed"'))
-    found = balance(rows_for(fixed, "run-1"), fixed.part("run-1"))
+    found = balance(rows_for(fixed, "run-1"), presented(fixed, "run-1"))
     assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))
 
 

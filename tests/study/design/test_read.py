@@ -216,7 +216,12 @@ BROKEN = [
     ("seconds = 20", 'seconds = "until done"\nlongest = 0', "trial.longest is 0: expected a number", "longest = 0"),
     ("repeats = 2", "repeats = 0", "trial.repeats is 0: expected a whole number", None),
     ("repeats = 2", "repeats = 400", "trial.repeats makes 3 x 400 trials: expected 1000 at most", None),
-    ('order = "williams"', 'order = "latin"', "trial.order is 'latin': expected williams, random or fixed", None),
+    (
+        'order = "williams"',
+        'order = "latin"',
+        "trial.order is 'latin': expected williams, random, fixed or adaptive",
+        None,
+    ),
     (
         'scales = ["grade", "acr"]',
         'scales = ["grade", "grades"]',

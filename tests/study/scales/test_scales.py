@@ -14,14 +14,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.study.scales import FOLDER, KINDS, QUESTIONNAIRE, Scale, load_scale, most_scored, scale_names, scored
+from hmdwarp.study.scales import (
+    FOLDER,
+    KINDS,
+    PREFERENCE,
+    QUESTIONNAIRE,
+    Scale,
+    load_scale,
+    most_scored,
+    scale_names,
+    scored,
+)
 
 SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 
 def test_what_is_shipped():
-    assert scale_names() == ["acr", "comments", "demographics", "fms", "grade", "misc", "slider", "ssq", "vrsq"]
+    assert scale_names() == [
+        "acr", "comments", "demographics", "fms", "grade", "misc", "nasa_tlx", "preference", "preference_or_tie",
+        "slider", "ssq", "vrsq",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", [name for name in scale_names() if load_scale(name).has_answers])
@@ -38,7 +51,7 @@ def test_a_shipped_scale_is_whole(name):
 @pytest.mark.parametrize("name", [name for name in scale_names() if not load_scale(name).has_answers])
 def test_a_questionnaire_whose_questions_have_their_own_answers(name):
     scale = load_scale(name)
-    assert scale.kind == QUESTIONNAIRE and not scale.scores and not scale.anchors and not scale.direction
+    assert scale.kind in (QUESTIONNAIRE, PREFERENCE) and not scale.scores and not scale.anchors and not scale.direction
     assert scored(scale, {item.key: None for item in scale.items}) == {}
     for item in scale.items:
         own = scale.of(item)
@@ -82,6 +95,16 @@ def test_the_most_a_vrsq_can_come_to():
 
 
 # The published table of Kennedy and others, a line for each item: in which of N, O, D it counts.
+def test_task_load_is_the_mean_of_six():
+    """Raw TLX, as Hart 2006 has it: every scale from 0 to 100 in steps of 5, none weighted."""
+    tlx = load_scale("nasa_tlx")
+    given = dict(zip([item.key for item in tlx.items], (80, 5, 40, 25, 60, 0), strict=True))
+    found = scored(tlx, given)
+    assert found.pop("load") == pytest.approx(35)
+    assert found == given
+    assert scored(tlx, given | {"effort": None})["load"] is None
+
+
 SSQ_TABLE = ["NO", "O", "O", "O", "OD", "N", "N", "ND", "NO", "D", "OD", "D", "D", "D", "N", "N"]
 WEIGHTS = {"N": 9.54, "O": 7.58, "D": 13.92}
 NAMES = {"N": "nausea", "O": "oculomotor", "D": "disorientation"}
@@ -164,7 +187,12 @@ def test_unknown_names_and_absent_files(tmp_path):
         (GRADE, '2 = "good"', '2 = "good"\n"2.0" = "fine"', "says a second time what this answer means"),
         (GRADE, '2 = "good"', '2 = ""', "answer.anchors.2 is '': expected a text"),
         (GRADE, '2 = "good"', '2 = "a\\nb"', "expected a text of one line"),
-        (GRADE, 'kind = "rating"', 'kind = "slider"', "kind is 'slider': expected rating, sickness or questionnaire"),
+        (
+            GRADE,
+            'kind = "rating"',
+            'kind = "slider"',
+            "kind is 'slider': expected rating, sickness, questionnaire or preference",
+        ),
         (GRADE, "[[item]]", "[item]", "expected tables, each beginning with [[item]]"),
         (GRADE, "[[item]]", "[[items]]", "item comes 0 times: expected 1 to 500 questions"),
         (GRADE, 'key = "grade"', 'key = "the grade"', "item.key is 'the grade': expected a word"),

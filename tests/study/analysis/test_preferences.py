@@ -1,0 +1,199 @@
+"""Paired comparisons of simulated people with known scores: model, store, analysis, export."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from hmdwarp.report.study import render_study_report
+from hmdwarp.study.analysis import Preference, Ratings, Resampling, analyse, from_contents, preference_results
+from hmdwarp.study.design import Ask, Show, design_from_text, pair_of, steps_of
+from hmdwarp.study.export import ExportOptions, export
+from hmdwarp.study.respondents import Population, Simulated, load_model, model_from_text, person_of
+from hmdwarp.study.scales import NEITHER
+from hmdwarp.study.statistics import JOD_SPREAD
+from hmdwarp.study.store import COMPLETE, SIMULATED, Store
+
+STUDY = """schema = 1
+name = "pairs"
+title = "Which is better?"
+seed = 4
+[common]
+scene = "planes"
+[trial]
+shows = "pair"
+seconds = 1
+repeats = {repeats}
+order = "{order}"
+scales = ["{scale}"]
+[[condition]]
+name = "late"
+latency = 400
+warp = "none"
+fill = "none"
+[[condition]]
+name = "turned"
+latency = 400
+warp = "rotation"
+[[condition]]
+name = "warped"
+latency = 400
+warp = "forward"
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+[[family]]
+name = "a warp against none"
+compare = [{{ better = "warped", baseline = "late" }}, {{ better = "turned", baseline = "late" }}]
+"""
+MODEL = """schema = 1
+title = "people with known scores"
+[rating.{scale}]
+noise_sd = {noise}
+condition_sd = {taste}
+threshold = {threshold}
+[rating.{scale}.means]
+late = -2.0
+turned = -1.4
+warped = -0.8
+reference = 0.0
+"""
+SCORES = {"late": -2.0, "turned": -1.4, "warped": -0.8, "reference": 0.0}
+STUDIES, PEOPLE = 150, 14
+
+
+def design_of(scale: str = "preference", order: str = "williams", repeats: int = 1):
+    text = STUDY.format(scale=scale, order=order, repeats=repeats)
+    return design_from_text(text, "pairs.toml", checked=False)
+
+
+def simulated(design, model, study: int, people: int = PEOPLE) -> Ratings:
+    """A whole study, without pictures."""
+    scale = design.scales[0]
+    population = Population(model, design, "main")
+    cohort = population.of(range(people), 7, study)
+    orders = population._orders[population._allotted(cohort.why)]  # noqa: SLF001  (who saw what first)
+    names = [one.name for one in cohort.part.conditions]
+    said = [
+        Preference(
+            f"p{k}", "main", scale.name, names[first], names[second], float(answer), scale.allows_ties, "reference"
+        )
+        for k in range(people)
+        for (first, second), answer in zip(orders[k], cohort.answers[scale.name][k], strict=True)
+    ]
+    return Ratings(rows=(), scale_info={}, preferences=tuple(said), families=design.families)
+
+
+@pytest.mark.parametrize(("scale", "taste"), [("preference", 0.0), ("preference_or_tie", 0.6)])
+def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
+    """95 % intervals hold the true score in 95 % of 150 studies, as the binomial tells: fewer
+    than the bound come once in 1000 times at that rate, and so do more.
+
+    Case V counts what differs between people as noise: a score of q is then one of q / sqrt(1 + 2
+    (taste / JOD_SPREAD)^2).
+    """
+    design = design_of(scale, repeats=2)
+    text = MODEL.format(scale=scale, noise=JOD_SPREAD / np.sqrt(2), taste=taste, threshold=0.5)
+    model = model_from_text(text, "test")
+    shrunk = 1 / np.sqrt(1 + 2 * (taste / JOD_SPREAD) ** 2)
+    held = dict.fromkeys(("late", "turned", "warped", "warped over late"), 0)
+    for study in range(STUDIES):
+        (found,) = preference_results(simulated(design, model, study), design.families, Resampling(study, 400))
+        for row in found["conditions"]:
+            if not row["reference"]:
+                held[row["condition"]] += row["low"] <= SCORES[row["condition"]] * shrunk <= row["high"]
+        row = found["comparisons"][0]
+        held["warped over late"] += row["low"] <= (SCORES["warped"] - SCORES["late"]) * shrunk <= row["high"]
+    least, most = stats.binom.ppf((0.001, 0.999), STUDIES, 0.95)
+    assert all(least <= count <= most for count in held.values()), held
+
+
+def test_what_an_analysis_says():
+    design = design_of("preference_or_tie")
+    model = model_from_text(MODEL.format(scale="preference_or_tie", noise=1.0, taste=0.2, threshold=0.6), "test")
+    ratings = simulated(design, model, 1, people=20)
+    (found,) = preference_results(ratings, design.families, Resampling())
+    assert (found["people"], found["answers"], found["missing"]) == (20, 120, 0)
+    assert found["ties"] == sum(one.answer == NEITHER for one in ratings.preferences) > 0
+    assert found["threshold"] > 0
+    reference = next(row for row in found["conditions"] if row["reference"])
+    assert (reference["jod"], reference["low"]) == (0, None)
+    row = found["comparisons"][0]
+    own = [one for one in ratings.preferences if {one.first, one.second} == {"late", "warped"}]
+    preferred = [{1: one.first, 2: one.second}.get(one.answer, "") for one in own]
+    assert (row["for"], row["against"], row["neither"]) == tuple(map(preferred.count, ("warped", "late", "")))
+    net = preferred.count("warped") + preferred.count("late")
+    # Each person saw the pair once: the exact test of their choices is that of signs.
+    assert row["p"] == pytest.approx(stats.binomtest(preferred.count("warped"), net).pvalue)
+    assert row["holm_of"] == 2
+    assert f"in {row['for']} of 20 answers" in row["sentence"]
+    assert "of choices would go to it" in row["sentence"]
+
+
+def test_few_people_and_no_answers():
+    design = design_of()
+    model = model_from_text(MODEL.format(scale="preference", noise=1.0, taste=0.0, threshold=0.0), "test")
+    two = simulated(design, model, 1, people=2)
+    (found,) = preference_results(two, design.families, Resampling())
+    assert found["comparisons"][0]["low"] is None
+    assert "who give no interval" in found["comparisons"][0]["sentence"]
+    none = Ratings(rows=(), scale_info={}, preferences=(Preference("a", "", "preference", "x", "y", None),))
+    (found,) = preference_results(none, (), Resampling())
+    assert found["sentences"] == ["No pair was compared."]
+
+
+def fill(store: Store, design, code: str) -> None:
+    """A session of a simulated person, whose trials are shown in words only."""
+    session = store.begin(design, None, code, SIMULATED)
+    respondent = Simulated(load_model("quick"), design, "main", design.seed, person_of(code), session.order)
+    for step in steps_of(design, session.order, "main"):
+        if isinstance(step, Show):
+            store.shown(session, step, dict(step.condition.settings), False, {}, complete=True)
+        elif isinstance(step, Ask):
+            store.answer(session, step, respondent.answer(step, step.trial), 1.0, "simulated")
+    store.end(session, COMPLETE)
+
+
+@pytest.mark.parametrize("order", ["williams", "adaptive"])
+def test_from_the_store_to_the_page(tmp_path, order):
+    """Adaptive sessions show three pairs of four conditions, that connect them; no two sessions of
+    this study need show the same.
+    """
+    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+    design = design_of("preference_or_tie", order)
+    with Store(tmp_path / "data", create=True, study=design.name) as store:
+        for person in range(8):
+            fill(store, design, f"P{person}")
+        contents = store.contents()
+    ratings = from_contents(contents, design, SIMULATED)
+    shown = [[pair_of(name) for name in session.order[0]] for session in contents.sessions]
+    assert [len(one) for one in shown] == [6 if order == "williams" else 3] * 8
+    if order == "adaptive":
+        assert all({name for pair in one for name in pair} == set(SCORES) for one in shown)
+        assert len({frozenset(map(frozenset, one)) for one in shown}) > 2
+        assert [session.row for session in contents.sessions] == list(range(8))
+    assert len(ratings.preferences) == sum(map(len, shown))
+    assert [one.rated for one in ratings.sessions] == [
+        sum(p.answer is not None for p in ratings.preferences if p.participant == one.participant)
+        for one in ratings.sessions
+    ]
+    data = analyse(ratings)
+    assert data["participants"] == 8
+    assert data["questionnaires"] == data["sickness"] == []
+    page = render_study_report(data, "hmdwarp study analyse")
+    assert "What was preferred" in page
+    assert "Every rating" not in page
+    export(contents, design, tmp_path / "out", ExportOptions(origin=SIMULATED, parquet=False))
+    lines = (tmp_path / "out" / "preferences.csv").read_text().splitlines()
+    heads = lines[0].split(",")
+    rows = [SimpleNamespace(**dict(zip(heads, line.split(","), strict=True))) for line in lines[1:]]
+    assert len(rows) == len(ratings.preferences)
+    for row, one in zip(rows, ratings.preferences, strict=True):
+        said = {1.0: one.first, 2.0: one.second, NEITHER: "neither", None: "n/a"}[one.answer]
+        assert (row.participant, row.first, row.second, row.preferred) == (one.participant, one.first, one.second, said)
