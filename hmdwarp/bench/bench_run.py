@@ -22,14 +22,14 @@ from ..metrics import QualityPool, worker_count
 from ..pipeline.build import check_held
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
-from ..pipeline.recorded_server import empty_scene
+from ..pipeline.recorded_scene import display_of, recorded_scene
 from ..pipeline.sizes import eye_sizes, guarded_size, memory_bytes
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.combination_bench import Comparison
 from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from ..run.options import RunOptions
-from ..run.recorded_frames import about, display_of, own_trace
+from ..run.recorded_frames import about, own_trace
 from ..run.replay_setup import schedule_for, set_up_replay
 from ..run.run_summary import machine_of
 from ..scenes import load_scene
@@ -149,7 +149,7 @@ def _checked(
     combinations_of(options, None)  # names, before any scene is built
     combinations, called, notes = {}, {}, outside_notes(options)
     for name in options.scenes:
-        scene = load_scene(name, options.scene_options) if sequence is None else empty_scene(sequence)
+        scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
         build_plan_for(
             run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
@@ -163,7 +163,6 @@ def _checked(
         if sequence is None
         else {"": own_trace(sequence)}
     )
-    notes += [] if sequence is None else about(sequence)
     _refuse_one_name(
         "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
     )
@@ -174,6 +173,7 @@ def _checked(
         run = run_options(options, case, start_s=starts[case.recording])
         count = schedule_for(run, sequence, traces[case.recording], rate_hz).count
         works.append(_Work(case, run, combinations[case.scene], len(instants_of(count, options.instants))))
+    notes += [] if sequence is None else [about(sequence, works[0].run)]
     return works, notes
 
 

@@ -23,8 +23,8 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION, LinkOptions
 from ..link.codec import Coding, codecs
+from ..poses.looped import Moment
 from ..scenes import Scene
-from ..sequences import Sequence
 from ..server import Server
 from .changes import Changes
 from .channel import Channel
@@ -36,7 +36,8 @@ from .loop import Loop
 from .options import PipelineOptions
 from .planning import proxy_plan_for
 from .proxy import GuardedEyes, KnownHead, Proxy
-from .recorded_server import RecordedServer
+from .recorded_scene import RecordedScene
+from .recorded_server import MomentOf, RecordedServer
 from .remote import Remote, RemoteChannel, RemoteFrames
 from .requested import PoseRequest
 from .sized import SizedCompensator
@@ -183,13 +184,13 @@ def build_pipeline(
     plans: Several[Plan],
     requested: PoseRequest,
     levels: tuple[QualityLevel, ...] = (),
-    sequence: Sequence | None = None,
     remote: Remote | None = None,
+    moment_of: MomentOf = Moment,
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level. sequence: recorded frames in place of the scene.
-    remote: draws the frames elsewhere; it belongs to the caller.
+    plans: one, or one for each quality level. remote: draws the frames elsewhere; it belongs to the
+    caller. moment_of: where recorded frames are at an instant.
     Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
@@ -197,7 +198,11 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = Server(gpu, scene, options.mirrors) if sequence is None else RecordedServer(gpu, sequence)
+        server: Server
+        if isinstance(scene, RecordedScene):
+            server = RecordedServer(gpu, scene, moment_of)
+        else:
+            server = Server(gpu, scene, options.mirrors)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)

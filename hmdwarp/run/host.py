@@ -14,11 +14,14 @@ from ..pipeline.build import Pipeline, Target, build_pipeline, check_held, expec
 from ..pipeline.loop import Loop
 from ..pipeline.options import AUTO
 from ..pipeline.planning import plans_for
+from ..pipeline.recorded_scene import RecordedScene, fitted, scene_of
 from ..pipeline.sizes import guarded_size
-from ..scenes import Scene, load_scene
+from ..poses.looped import LoopedSource, Moment
+from ..scenes import Scene
 from .bench_levels import LevelSet, levels_from_file
 from .options import LiveOptions
 from .pose_request import RecentPoses, check_names, pose_request
+from .recorded_frames import ONE_EYE
 
 
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
@@ -29,7 +32,7 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     check_names(options)
     if options.lens != AUTO:
         lenses.get(options.lens)
-    scene = scene or load_scene(*options.scene_key)
+    scene = scene or scene_of(options)
     if not options.chooses_warp:
         plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
     return scene
@@ -47,8 +50,9 @@ class PipelineHost:
     def __init__(self, display: Display, options: LiveOptions, scene: Scene | None = None) -> None:
         self._display = display
         self._recent = RecentPoses(display.source)
-        self.options, self.scene = options, scene or load_scene(*options.scene_key)
-        self.pipeline = self._build(options, self.scene)
+        self.scene = scene or scene_of(options)
+        self.options = fitted(options, self.scene)
+        self.pipeline = self._build(self.options, self.scene)
 
     @property
     def loop(self) -> Loop:
@@ -89,7 +93,7 @@ class PipelineHost:
 
     def _rebuild(self, options: LiveOptions) -> None:
         same = options.scene_key == self.options.scene_key
-        scene = self.scene if same else load_scene(*options.scene_key)
+        scene = self.scene if same else scene_of(options)
         made = self._seen(options, scene)
         self.pipeline.close()
         self.pipeline, self.scene = made, scene
@@ -110,7 +114,9 @@ class PipelineHost:
         """Rebuild if the shown field of view has changed enough to resize the rendered frames."""
         options, sizes = self.options, self.pipeline.sizes
         guard = options.guard_band
-        if guard != GuardBand() and guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
+        if guard == GuardBand() or options.is_recorded:
+            return
+        if guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
             self._rebuild(options)
 
     def _levels_for(self, options: LiveOptions) -> LevelSet:
@@ -141,13 +147,17 @@ class PipelineHost:
         plans = self._plans(options, scene, choice)
         needs = needs_of(plans)
         refuse_one_eye(needs, len(shown.eyes.views(Pose())))
+        if isinstance(scene, RecordedScene):
+            refuse_one_eye(needs, 1, ONE_EYE)
         size = options.size or shown.size
         guarded_size(options.guard_band, shown.eyes, size)
         rate_hz = options.rate_hz or shown.rate_hz
         age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
         request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs)
         target = Target(shown.gpu, shown.eyes, rate_hz, latency_ns(options), shown.headset)
-        return build_pipeline(options, scene, target, plans, request, choice.levels)
+        source = self._display.source
+        moment_of = source.moment if isinstance(source, LoopedSource) else Moment
+        return build_pipeline(options, scene, target, plans, request, choice.levels, moment_of=moment_of)
 
     def close(self) -> None:
         """Free the pipeline."""

@@ -18,6 +18,7 @@ from ..metrics import aggregate_columns, middle_and_tail
 from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions
+from .recorded_frames import recorded_notes
 from .run_summary import Facts, chosen_passes, machine_of, summary_of
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
     named = options.record or options.trace
     shared = Facts(
         options=options,
-        trace=Path(named).stem if named else display.name,
+        trace=Path(named).stem if named else display.about.get("trace", display.name),
         scene=host.scene.name,
         effects=list(plan.effects),
         headset=headset,
@@ -63,7 +64,14 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         clock=gpu.timer.clock,
         trace_axes=display.about.get("trace_axes", ""),
     )
-    return LiveFacts(shared, options, display.name, dict(display.about), plan.lens.name, tuple(host.scene.notes))
+    return LiveFacts(
+        shared,
+        options,
+        display.name,
+        dict(display.about),
+        plan.lens.name,
+        (*recorded_notes(options, host.scene), *host.scene.notes),
+    )
 
 
 def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, pictures: Pictures | None) -> dict[str, Any]:

@@ -42,6 +42,8 @@ class Probe:
         self._empty: dict[str, list[float]] = {}
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
+        # Of the eye without a truth, by refresh: the share of its pixels that the warp left empty.
+        self.untrue_holes: dict[int, float] = {}
 
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
@@ -62,8 +64,13 @@ class Probe:
         return number % self._every == 0 or (number + 1) % self._every == 0
 
     def read(self, number: int, refresh: Refresh) -> None:
-        """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
-        for eye in range(len(refresh.eyes)):
+        """Read back the eyes of refresh `number`, and submit them if it is a measured one.
+
+        An eye that nothing was recorded for has holes alone.
+        """
+        if len(refresh.eyes) > self._setup.true_eyes and number % self._every == 0:
+            self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.true_eyes)))
+        for eye in range(min(len(refresh.eyes), self._setup.true_eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
             truth = draw_truth(
@@ -100,7 +107,7 @@ class Probe:
         covered = [("warp", coverage(result))]
         covered += [(name, download(canvas.texture)[..., 3]) for name, canvas in result.filled]
         for name, alpha in covered:
-            self._empty.setdefault(name, []).append(float((alpha == 0).mean()))
+            self._empty.setdefault(name, []).append(_hole_share(alpha))
 
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty").
@@ -148,6 +155,10 @@ class Probe:
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)
+
+
+def _hole_share(alpha: NDArray[np.floating]) -> float:
+    return float((alpha == 0).mean())
 
 
 def _about_scanout(setup: ReplaySetup) -> str:

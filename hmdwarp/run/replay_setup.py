@@ -20,16 +20,15 @@ from ..headsets import Headset, load_headset
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
-from ..pipeline.recorded_server import empty_scene
+from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
 from ..pipeline.remote import Remote, check_carried, check_remote
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
-from ..repairs import parse_repairs
-from ..scenes import Scene, load_scene
+from ..scenes import Scene
 from .host import refuse_one_eye
 from .options import RunOptions
 from .pose_request import check_names, pose_request
-from .recorded_frames import ONE_EYE, about, beside, display_of, own_trace, schedule_at_frames
+from .recorded_frames import ONE_EYE, beside, own_trace, recorded_notes, schedule_at_frames
 from .schedule import Schedule, schedule_of
 from .serve_options import secret_in
 
@@ -90,6 +89,11 @@ class ReplaySetup:
         return self.pipeline.auto
 
     @property
+    def true_eyes(self) -> int:
+        """How many eyes have a truth: of recorded frames the camera's alone."""
+        return 1 if self.options.is_recorded else 2
+
+    @property
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
@@ -119,8 +123,10 @@ def set_up_replay(
     software.
     """
     check_names(options)
-    sequence = sequence_of(options)
-    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
+    scene = scene_of(options) if options.is_recorded else None
+    sequence = scene.sequence if isinstance(scene, RecordedScene) else None
+    options = fitted(options, scene) if scene is not None else options
+    headset = load_headset(options.headset) if scene is None else headset_of(options, scene)
     plans_for(options, headset, None, levels)
     against = _needs_of_against(options)
     trace = _trace(options, sequence)
@@ -130,10 +136,10 @@ def set_up_replay(
     guarded_size(options.guard_band, headset, size)
     if options.connect:
         check_remote(options, recorded=sequence is not None)
-    scene = load_scene(*options.scene_key) if sequence is None else empty_scene(sequence)
+    scene = scene or scene_of(options)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
-    refuse_one_eye(needs, len(headset.views(Pose())), ONE_EYE)
+    refuse_one_eye(needs, len(headset.views(Pose())) if sequence is None else 1, ONE_EYE)
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     name = track.name or trace.path.stem
     with ExitStack() as stack:
@@ -153,9 +159,8 @@ def set_up_replay(
         age_ns = expected_age_ns(options, schedule.age_ns, rate_hz)
         request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
-        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, sequence, remote))
-        told = about(sequence) if sequence is not None else []
-        notes[:0] = [*told, *trace.notes(), *scene.notes]
+        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, remote))
+        notes[:0] = [*recorded_notes(options, scene), *trace.notes(), *scene.notes]
         notes.extend(options.notes)
         parts = (options, trace, track, scene, headset, size, schedule, gpu, pipeline, remote, notes)
         return ReplaySetup(*parts, stack.pop_all())
@@ -183,15 +188,6 @@ def schedule_for(options: RunOptions, sequence: Sequence | None, trace: LoadedTr
     if sequence is not None and not options.trace and options.rate_hz is None:
         return schedule_at_frames(sequence, options)
     return schedule_of(trace.track, options, rate_hz)
-
-
-def sequence_of(options: RunOptions) -> Sequence | None:
-    """Return the recorded frames of the options, None for a scene."""
-    if options.frames is None:
-        return None
-    from .. import sequences
-
-    return sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
 
 
 def _trace(options: RunOptions, sequence: Sequence | None) -> LoadedTrace:

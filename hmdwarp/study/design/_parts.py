@@ -11,8 +11,9 @@ from pathlib import Path, PurePath
 
 from ...errors import InputError
 from ...options import as_keys
+from ...pipeline.options import SceneKey
 from ...registry import unknown_name
-from ...scenes import Scene, SceneKey, with_targets
+from ...scenes import Scene, with_targets
 from ...tables import KeyFault, Table, quoted
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import ONLY_PART, ORDERS, WILLIAMS, Comparison, Condition, Family, Part, Task
