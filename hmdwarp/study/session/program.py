@@ -49,6 +49,8 @@ def run_session(
     machine lacks, and for a display that does not come back. Each says how to resume.
     """
     design = load_design(options.study)
+    # Refuses a display without a head, before there is a store.
+    live_options(design.parts[0].conditions[0].settings, source=options.source, trace=options.trace)
     with ExitStack() as stack:
         ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
         folder = store_folder(design, options.store, options.origin)
