@@ -16,6 +16,7 @@ from ..metrics import PRIMARY, Figure, metrics, pareto
 from .named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
 from .parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, environment
 from .pictures import jpeg_bytes
+from .recorded import source_facts
 from .style import PAGE, css_variables, drawing, dress, not_measured, svg_text
 from .tables import axes_of_traces
 
@@ -206,7 +207,7 @@ def _facts(rows: Sequence[Row]) -> list[tuple[str, str]]:
         ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
         *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
-        ("scene", first["scene"]),
+        *source_facts(first),
         ("an eye", "x".join(map(str, first["size"]))),
         ("codec", link["codec"]),
         ("refreshes a run", str(first["frames"])),

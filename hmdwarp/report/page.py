@@ -13,6 +13,7 @@ from .charts import Series, time_series
 from .frame_ways import timeline_svg
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
+from .recorded import eyes_text, source_facts
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
 from .transit import coding_rows, filled_rows, frame_rows, model_rows, response_rows
 from .words import listed
@@ -66,6 +67,8 @@ def render_report(
     template = environment().get_template("report.html")
     return template.render(
         summary=summary,
+        source=source_facts(summary),
+        eyes=eyes_text(summary),
         command=command,
         notes=list(notes),
         columns=names,

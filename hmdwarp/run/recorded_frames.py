@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from ..errors import InputError
-from ..geometry import GuardBand, Pose
+from ..geometry import Fov, GuardBand, Pose
 from ..pipeline.build import refreshes_of
 from ..pipeline.recorded_scene import RecordedScene, display_of
 from ..poses import LoadedTrace, PoseTrack
@@ -109,10 +109,29 @@ def recorded_notes(options: PipelineOptions, scene: Scene) -> list[str]:
     return [about(scene.sequence, options)] if isinstance(scene, RecordedScene) else []
 
 
+def recorded_entry(options: PipelineOptions, scene: Scene) -> dict[str, Any] | None:
+    """Return the `recorded` of summary.json; None for a scene."""
+    if not isinstance(scene, RecordedScene):
+        return None
+    sequence = scene.sequence
+    return {
+        "folder": str(sequence.path),
+        "layout": sequence.layout,
+        "frames": len(sequence.frames),
+        "size": list(sequence.frames[0].size),
+        "fov_deg": [round(angle, 2) for angle in _degrees(sequence.frames[0].fov)],
+        "eye_distance_mm": options.eye_distance_mm,
+    }
+
+
+def _degrees(fov: Fov) -> tuple[float, float]:
+    left, right, down, up = np.degrees(np.arctan(fov.tangents)).tolist()
+    return right - left, up - down
+
+
 def about(sequence: Sequence, options: PipelineOptions) -> str:
     """Return what takes the place of a renderer, how much of it is shown, and to which eyes."""
-    (wide, high), tangents = sequence.frames[0].size, sequence.frames[0].fov.tangents
-    across, down = np.degrees(np.diff(np.arctan(tangents.reshape(2, 2)), axis=1))[:, 0]
+    (wide, high), (across, down) = sequence.frames[0].size, _degrees(sequence.frames[0].fov)
     told = [
         f"{len(sequence.frames)} recorded frames of {sequence.path} ({sequence.layout}) take the place of a renderer: "
         f"{wide}x{high} pixels, {across:.1f} x {down:.1f} degrees.",
@@ -156,8 +175,7 @@ def about_second_eye(found: Mapping[str, float]) -> str:
 
 
 def _shown(sequence: Sequence, options: PipelineOptions) -> str:
-    shown = display_of(sequence, options.guard_factors)
-    across, down = np.degrees(np.diff(np.arctan(shown.left_fov.tangents.reshape(2, 2)), axis=1))[:, 0]
+    across, down = _degrees(display_of(sequence, options.guard_factors).left_fov)
     return f"{across:.1f} x {down:.1f} degrees"
 
 
