@@ -19,6 +19,7 @@ from functools import partial
 from pathlib import Path
 
 import aims
+import before
 import bench_tables
 import chains
 import front_page
@@ -474,6 +475,18 @@ def speed(_: Path) -> None:
     replace("speed", printed("bench_quick.py"))
 
 
+def before_and_after(folder: Path, *older: str) -> None:
+    """Measure this version and an older one in turns: an hour.
+
+    older: the folder of its checkout.
+    """
+    if not older:
+        print("before is left out: it needs the folder of an older checkout, as in OPTIONS=before:FOLDER")
+        return
+    (folder / "before").mkdir()
+    replace("before", before.table(Path(older[0]).resolve(), folder / "before"))
+
+
 def speed_aims(_: Path) -> None:
     """Measure how near the warps' aims of speed are, in processor time."""
     replace("speed aims", printed("bench_aims.py", markdown=True))
@@ -580,6 +593,7 @@ PARTS = {
     "effects-picture": effects_picture,
     "speed": speed,
     "speed-aims": speed_aims,
+    "before": before_and_after,
     "gpu": on_a_gpu,
     "bench": bench,
     "bench-large": bench_large,

@@ -127,6 +127,10 @@ class ReceivedPhotons(Protocol):
 class ClientGeometry(Protocol):
     """Draws for any view and instant; programs and buffers are made on first use."""
 
+    @property
+    def is_still(self) -> bool:
+        """Whether the scene is known to look the same at all times and from everywhere."""
+
     def draw_depth(self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int) -> object:
         """Draw inverse depth alone into an r32f texture, -1 where nothing is."""
 

@@ -21,7 +21,6 @@ from ..server import (
     Target,
     clear_depth,
     moving_parts,
-    stands_still,
 )
 from .arriving_scene import ArrivingScene
 from .client_photons import ClientPhotons
@@ -63,6 +62,11 @@ class ClientScene:
         self._photons: dict[PhotonMap, ClientPhotons] = {}
         self._lit: SceneUnderLight | None = None
         self._soft: ClientSoftBodies | None = None
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing changes, see ClientGeometry.is_still; unknown of recorded frames."""
+        return self._server.scene.is_still
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw the depth of every triangle, see ClientGeometry.draw_depth."""
@@ -198,7 +202,7 @@ class DrawnModel:
         self._gl = gpu.gl
         self.scene = scene = scene if lit else unlit(scene)
         self._textures = SceneTextures(gpu, scene)
-        self._buffers = SceneBuffers(gpu, list(filter(stands_still, scene.meshes)), self._textures)
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in scene.meshes if mesh.stands_still], self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving)
         self._framebuffers = Framebuffers(gpu.gl)

@@ -53,7 +53,14 @@ class ServerFrames:
         with timer.stage("render"):
             views, (size, guard) = self.eyes.views(head.pose), self._resolution(scale)
             frame = self.server.draw_frame(
-                views, now_ns, size, guard, asked.needs, shown_size=asked.size, age_ns=asked.age_ns
+                views,
+                now_ns,
+                size,
+                guard,
+                asked.needs,
+                shown_size=asked.size,
+                age_ns=asked.age_ns,
+                pictures=asked.pictures,
             )
         return attrs.evolve(frame, head=frame.head or head, drawing=timer.lap())
 

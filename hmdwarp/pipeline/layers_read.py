@@ -9,6 +9,7 @@ import attrs
 
 from ..client.plan import needs_of
 from ..frames import Needs
+from ..frames.layers import layers
 
 if TYPE_CHECKING:
     from ..client.plan import Plan
@@ -31,6 +32,11 @@ class Reads:
         """Return what any of the plans reads."""
         plans = tuple(plans)
         return cls(frozenset(name for plan in plans for name in plan.layers), needs_of(plans))
+
+    @property
+    def pictures(self) -> bool:
+        """Whether anything is read that the server draws for an eye."""
+        return any(layer.readable() in self.names and not layer.per_frame for layer in layers)
 
     def __or__(self, other: Reads) -> Reads:
         return Reads(self.names | other.names, self.needs | other.needs)

@@ -82,8 +82,9 @@ class RecordedServer(Server):
         needs: Needs | None = None,
         shown_size: Size | None = None,
         age_ns: int = 0,
+        pictures: bool = True,
     ) -> Frame:
-        """Return the last frame that was taken by now, all of it, whatever the guard."""
+        """Return the last frame that was taken by now, all of it, always with its picture."""
         moment, rendered = self._moment_of(drawn_ns), guarded_eyes(views, guard, size)[1]
         taken = self.taken_by(moment)
         taken_ns = drawn_ns - abs(moment.since_ns - taken.time_ns)

@@ -32,6 +32,8 @@ class PoseRequest:
     scanout_ns: int = 0
     # From drawing a frame to showing it, as far as that is known beforehand.
     age_ns: int = 0
+    # Whether the eyes' pictures are drawn.
+    pictures: bool = True
 
     def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
         """Return the pose for a frame drawn now: the current or the predicted one.

@@ -13,7 +13,6 @@ from ..server import (
     ScenePasses,
     SceneTextures,
     moving_parts,
-    stands_still,
 )
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ class _Surfaces:
         self.scene = scene
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
         self._textures = SceneTextures(gpu, scene)
-        self._buffers = SceneBuffers(gpu, list(filter(stands_still, surfaces)), self._textures)
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._passes = {
             source: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, indirect=source)

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..frames import Needs
 from ..geometry import GuardBand, Pose
 from ..pipeline.build import Pipeline, Target, build_pipeline, check_held, expected_age_ns, latency_ns
+from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.options import AUTO
 from ..pipeline.planning import plans_for
@@ -86,7 +87,8 @@ class PipelineHost:
         if before.chooses_warp or options.chooses_warp or attrs.evolve(options, **same) != before:
             return False
         (plan,) = self._plans(options, self.scene, LevelSet())
-        if not self.pipeline.requested.needs.serve(plan.needs):
+        carried = self.pipeline.requested
+        if not carried.needs.serve(plan.needs) or Reads.of([plan]).pictures > carried.pictures:
             return False
         self.pipeline.exchange(plan)
         return True
@@ -153,7 +155,8 @@ class PipelineHost:
         guarded_size(options.guard_band, shown.eyes, size)
         rate_hz = options.rate_hz or shown.rate_hz
         age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
-        request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs)
+        pictures = Reads.of(plans).pictures
+        request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs, pictures=pictures)
         target = Target(shown.gpu, shown.eyes, rate_hz, latency_ns(options), shown.headset)
         source = self._display.source
         moment_of = source.moment if isinstance(source, LoopedSource) else Moment

@@ -150,7 +150,7 @@ class Probe:
             truth_inverse_depth,
             rendered.view,
             rendered.size,
-            rendered_picture=picture_from_linear(download(rendered.colour)) if which == MAIN else None,
+            rendered_picture=_late_picture(rendered) if which == MAIN else None,
             regions=which == MAIN,
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
@@ -159,6 +159,10 @@ class Probe:
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:
     return float((alpha == 0).mean())
+
+
+def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:
+    return picture_from_linear(download(rendered.colour)) if rendered.is_drawn else None
 
 
 def _about_scanout(setup: ReplaySetup) -> str:

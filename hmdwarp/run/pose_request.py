@@ -9,6 +9,7 @@ import numpy as np
 
 from ..client.variants import parse_indirect
 from ..frames import Needs
+from ..link import CHANGES
 from ..link.codec import check_codec
 from ..pipeline.options import PipelineOptions
 from ..pipeline.requested import PoseRequest
@@ -43,18 +44,23 @@ def pose_request(
     age_ns: int,
     size: tuple[int, int],
     needs: Needs,
+    *,
+    pictures: bool = True,
 ) -> PoseRequest:
     """Return the poses and picture format for the server.
 
     known(now_ns): head motion up to that instant, and maybe later. age_ns: from drawing a frame to
-    showing it. size: (w, h) of one eye.
+    showing it. size: (w, h) of one eye. pictures: whether any plan reads pictures of frames.
     """
 
     def predicted(now_ns: int, later_ns: int) -> PoseSample:
         return predict(known(now_ns), now_ns, now_ns + age_ns + later_ns, options.predict, options.horizon_ns)
 
     predicts = predicted if options.predict != "none" else None
-    return PoseRequest(source, predicts, size, options.guard_band, needs, round(options.scanout_ms * 1e6), age_ns)
+    # What has moved since a frame was sent is known from its picture.
+    pictures = pictures or options.network.send == CHANGES
+    scanout_ns = round(options.scanout_ms * 1e6)
+    return PoseRequest(source, predicts, size, options.guard_band, needs, scanout_ns, age_ns, pictures)
 
 
 class RecentPoses:

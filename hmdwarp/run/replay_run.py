@@ -54,7 +54,7 @@ def replay(
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels, say=say) as setup:
+    with set_up_replay(options, levels=choice.levels, say=say, alone=True) as setup:
         setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
         workers = worker_count(options.workers)
         with QualityPool(
@@ -124,7 +124,10 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
     """
     if options.chooses_warp or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
-    with set_up_replay(options) as setup, QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool:
+    with (
+        set_up_replay(options, alone=True) as setup,
+        QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool,
+    ):
         log = _run(setup, Probe(setup, pool, _keep_every(setup)), None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))

@@ -18,6 +18,7 @@ from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
+from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
 from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
@@ -114,11 +115,15 @@ def set_up_replay(
     also: Needs | None = None,
     levels: tuple[QualityLevel, ...] = (),
     say: Callable[[str], None] = lambda text: None,
+    *,
+    alone: bool = False,
 ) -> ReplaySetup:
     """Load, check, then start the GPU.
 
     also: layers that frames must carry for plans other than the run's. levels: candidates of warp
-    "auto". say: called with a sentence once all is checked, before what takes seconds.
+    "auto". say: called with a sentence once all is checked, before what takes seconds. alone:
+    whether other plans on these frames take their inputs from WholePictures; a picture that the
+    run's own plan does not read is not drawn then.
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
@@ -157,7 +162,8 @@ def set_up_replay(
         source.start()
         stack.callback(source.close)
         age_ns = expected_age_ns(options, schedule.age_ns, rate_hz)
-        request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs)
+        pictures = not alone or Reads.of(plans).pictures
+        request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs, pictures=pictures)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
         pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, remote))
         notes[:0] = [*recorded_notes(options, scene), *trace.notes(), *scene.notes]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ..frames.layers import layers
+from ..pipeline.layers_read import Reads
 
 if TYPE_CHECKING:
     from ..client.inputs import PassInputs
@@ -20,8 +21,9 @@ class WholePictures:
     """The inputs of plans that run beside others on the same frames.
 
     Frames for a plan with effects lack what its layers show by themselves (mirrors, glass, the
-    HUD). A plan without such layers gets the picture as if frames were drawn for it alone: it is
-    drawn again, once for each frame and eye, and held until the next frame.
+    HUD), and frames that no plan reads a picture of have none. A plan without such layers gets the
+    picture as if frames were drawn for it alone: it is drawn again, once for each frame and eye,
+    and held until the next frame.
     """
 
     def __init__(self, server: Server) -> None:
@@ -32,7 +34,7 @@ class WholePictures:
     def inputs(self, loop: Loop, refresh: Refresh, plan: Plan) -> tuple[PassInputs, ...]:
         """Return the inputs of the plan for the refresh just shown."""
         every = loop.inputs(refresh, plan.needs)
-        if not _is_apart(refresh.frame, plan):
+        if not _is_apart(refresh.frame, plan) and not _lacks_pictures(refresh.frame, plan):
             return every
         if refresh.frame is not self._frame:
             self.close()
@@ -45,13 +47,17 @@ class WholePictures:
             self._drawn[inputs.eye] = self._server.draw(image.view, image.size, time_ns=image.drawn_ns)
             self._server.gpu.timer.collect()
         drawn = self._drawn[inputs.eye]
-        return attrs.evolve(image, colour=drawn.colour, inverse_depth=drawn.inverse_depth)
+        return attrs.evolve(image, colour=drawn.colour, inverse_depth=drawn.inverse_depth, is_drawn=True)
 
     def close(self) -> None:
         """Return the pictures to the server."""
         for image in self._drawn.values():
             self._server.pool(image.size).release(image.colour)
         self._drawn, self._frame = {}, None
+
+
+def _lacks_pictures(frame: Frame, plan: Plan) -> bool:
+    return not frame.eyes[0].is_drawn and Reads.of([plan]).pictures
 
 
 def _is_apart(frame: Frame, plan: Plan) -> bool:

@@ -122,3 +122,8 @@ class Mesh:
     def is_surface(self) -> bool:
         """Whether it stands in the world and hides what is behind it."""
         return not (self.material.see_through or self.material.head_locked)
+
+    @property
+    def stands_still(self) -> bool:
+        """Whether it belongs to no body and does not deform."""
+        return not self.body and self.deformation is None

@@ -118,6 +118,12 @@ class Scene:
         return mirrors_of(self.name, self.meshes, self.origin_m)
 
     @property
+    def is_still(self) -> bool:
+        """Whether there is something, and all of it looks the same at all times from everywhere."""
+        plain = (mesh.is_surface and mesh.stands_still and not mesh.material.reflectivity for mesh in self.meshes)
+        return bool(self.meshes) and not self.lamps and all(plain)
+
+    @property
     def triangle_count(self) -> int:
         """Triangles of all meshes together."""
         return sum(len(mesh.triangles) for mesh in self.meshes)

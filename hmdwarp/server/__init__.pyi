@@ -3,7 +3,6 @@ from .draw import Server as Server
 from .lighting import Indirect as Indirect
 from .moving import DeformingMesh as DeformingMesh
 from .moving import moving_parts as moving_parts
-from .moving import stands_still as stands_still
 from .passes import ScenePasses as ScenePasses
 from .passes import clear_depth as clear_depth
 from .passes import draw_moving as draw_moving

@@ -15,7 +15,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..registry import unknown_name
 from ..scenes import Scene
-from .moving import moving_parts, stands_still
+from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import ScenePasses
 from .targets import Framebuffers, Target, TargetPool
@@ -40,7 +40,7 @@ class Server:
     def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY) -> None:
         self.gpu, self.scene, self._marched = gpu, scene, _is_marched(mirrors)
         self._textures = SceneTextures(gpu, scene)
-        still = [mesh for mesh in scene.meshes if mesh.is_surface and stands_still(mesh)]
+        still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
         self._buffers = SceneBuffers(gpu, still, self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._framebuffers = Framebuffers(gpu.gl)
@@ -107,12 +107,14 @@ class Server:
         needs: Needs | None = None,
         shown_size: Size | None = None,
         age_ns: int = 0,
+        pictures: bool = True,
     ) -> Frame:
         """Draw all eyes, and the needed layers, into pooled targets.
 
         guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
         enlarged views. shown_size: of the display's picture, if the frame has another resolution.
-        age_ns: how old it will be when it is seen.
+        age_ns: how old it will be when it is seen. pictures: False leaves the eyes' pictures empty,
+        for needs that both eyes share.
         Return the frame to the pools with recycle(). Errors: as guarded_eyes; InputError for a cube
         beyond the GL limit.
         """
@@ -123,8 +125,16 @@ class Server:
         shared: dict[str, Any] = {}
         for part in self._parts_for(needs):
             shared |= part.of_frame(guarded, drawings[0])
-        eyes = [self._draw(view, grown, drawing) for view, drawing in zip(guarded, drawings, strict=True)]
+        if pictures:
+            eyes = [self._draw(view, grown, drawing) for view, drawing in zip(guarded, drawings, strict=True)]
+        else:
+            eyes = [self._empty(view, grown, drawn_ns) for view in guarded]
         return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
+
+    def _empty(self, view: View, size: Size, time_ns: int) -> EyeImage:
+        target = self.acquire(size)
+        self.clear(target)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, is_drawn=False)
 
     def clear(self, into: Target) -> None:
         """Empty a target: coverage 0, no depth."""

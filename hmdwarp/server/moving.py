@@ -127,8 +127,3 @@ def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Movin
         MovingBody(gpu, scene, [mesh for mesh in surfaces if mesh.body == number], textures) for number in numbers
     ]
     return (*bodies, *(DeformingMesh(gpu, scene, mesh, textures) for mesh in surfaces if mesh.deformation is not None))
-
-
-def stands_still(mesh: Mesh) -> bool:
-    """Return whether the mesh belongs to no body and does not deform."""
-    return not mesh.body and mesh.deformation is None

@@ -11,7 +11,7 @@ import pytest
 from holed import Holed
 from reference.memory import fill_from, forgotten
 from reference.picture import RenderedPicture
-from replays import run
+from replays import run, small
 from scipy.spatial.transform import Rotation
 from worlds import World, read
 
@@ -33,6 +33,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, Canvas, allocate
+from hmdwarp.run import set_up_replay
 
 SIZE = (120, 96)
 
@@ -232,6 +233,21 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
     assert len(client.fill._kept) == 3
     assert len({one.slot for one in client.fill._kept}) == 3
     client.close()
+
+
+@pytest.mark.parametrize(("scene", "forgets"), [("room", False), ("workshop", True), ("lantern", True)])
+def test_scenes_that_look_the_same_at_all_times_do_not_pay_for_forgetting(monkeypatch, scene, forgets):
+    from hmdwarp.client.fill_parts import Keeper
+
+    compared, kept = [], []
+    compare, keep = Keeper.compare_with, Keeper.keep
+    monkeypatch.setattr(Keeper, "compare_with", lambda self, seen: (compared.append(seen), compare(self, seen)))
+    monkeypatch.setattr(Keeper, "keep", lambda self, seen, slot: (kept.append(seen), keep(self, seen, slot)))
+    with set_up_replay(small(scene=scene, fill="memory", seconds=0.2)) as setup:
+        for _, instant_ns in setup.schedule.numbered():
+            setup.loop.draw(instant_ns)
+            setup.loop.show(instant_ns)
+    assert kept and bool(compared) == forgets
 
 
 def test_two_runs_of_the_same_frames_give_the_same_bits(gpu):

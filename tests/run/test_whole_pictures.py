@@ -8,6 +8,7 @@ from replays import small
 
 from hmdwarp.client import build_plan
 from hmdwarp.gpu import download
+from hmdwarp.link import LinkOptions
 from hmdwarp.run import set_up_replay
 from hmdwarp.run.whole_pictures import WholePictures
 from hmdwarp.scenes import scenes
@@ -45,3 +46,33 @@ def test_none_beside_another_warp_is_none_alone(scene):
         own = whole.inputs(setup.loop, refresh, setup.plan)
         assert all(one.rendered is sent.rendered for one, sent in zip(own, refresh.inputs, strict=True))
         whole.close()
+
+
+@pytest.mark.parametrize("warp", ["model", "model:arrives=progressive", "points", "irradiance", "photons"])
+def test_a_picture_that_no_plan_reads_is_not_drawn_and_shows_the_same(warp):
+    asked = small(scene="lantern", latency_ms=50.0, warp=warp, fill="none", effects="none")
+    with set_up_replay(asked) as setup:
+        drawn = refreshed(setup)
+        assert all(eye.is_drawn for eye in drawn.frame.eyes)
+        expected = [download(eye.panel.texture) for eye in drawn.eyes]
+        late = [download(eye.colour) for eye in drawn.frame.eyes]
+    with set_up_replay(asked, alone=True) as setup:
+        refresh, whole = refreshed(setup), WholePictures(setup.server)
+        for eye, wanted in zip(refresh.eyes, expected, strict=True):
+            assert np.array_equal(download(eye.panel.texture), wanted)
+        for eye in refresh.frame.eyes:
+            assert not eye.is_drawn
+            # Holes all over, should anything read it.
+            assert not download(eye.colour).any() and (download(eye.inverse_depth) == -1).all()
+        beside = setup.compensator(PLAN)
+        for one, colour in zip(whole.inputs(setup.loop, refresh, PLAN), late, strict=True):
+            assert np.array_equal(download(one.rendered.colour), colour)
+            assert download(beside.run(one).panel.texture)[..., 3].any()
+        whole.close()
+
+
+@pytest.mark.parametrize("warp", ["forward", "model"])
+def test_pictures_are_drawn_where_they_say_what_has_changed(warp):
+    asked = small(latency_ms=50.0, warp=warp, fill="none", effects="none", network=LinkOptions(send="changes"))
+    with set_up_replay(asked, alone=True) as setup:
+        assert all(eye.is_drawn for eye in refreshed(setup).frame.eyes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 
@@ -34,6 +35,12 @@ def test_a_scene_says_what_its_source_says(scene):
     source = scenes.get(scene.name)
     assert (source.summary, source.effects) == (scene.summary, effects.of(scene))
     assert scene.summary
+
+
+def test_what_looks_the_same_from_everywhere_at_all_times_calls_for_no_effect(scene):
+    moves = scene.lamps or any(mesh.body or mesh.deformation is not None for mesh in scene.meshes)
+    assert scene.is_still == (not moves and not effects.of(scene))
+    assert not attrs.evolve(scene, meshes=()).is_still  # nothing is known of what a camera sees
 
 
 def test_meshes_are_drawable(scene):

@@ -61,9 +61,9 @@ class Memory(Fill):
 
     Both eyes share the pictures. Each new rendered picture is compared with one of the kept ones,
     in turn (all of 12 within six refreshes of two eyes). A kept pixel is erased where the new
-    picture sees clearly farther than its place, or a clearly different colour at it. Moving objects
-    are never kept. The newest rendered picture comes first: it closes cracks, and no older one
-    overrules it.
+    picture sees clearly farther than its place, or a clearly different colour at it; not in scenes
+    known to look the same at all times and from everywhere. Moving objects are never kept. The
+    newest rendered picture comes first: it closes cracks, and no older one overrules it.
     """
 
     name = "memory"
@@ -87,6 +87,7 @@ class Memory(Fill):
         self._kept: list[Keyframe] = []
         self._last: dict[int, tuple[View, int]] = {}
         self._turn = 0
+        self._forgets = self.geometry is None or not self.geometry.is_still
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         rendered, shown = inputs.rendered, inputs.middle
@@ -111,7 +112,7 @@ class Memory(Fill):
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
         rendered = inputs.as_drawn  # moving things can still be told apart in it
         self._drop_old(rendered.drawn_ns)
-        concerned = overlapping(rendered.view, self._kept)
+        concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:
             self._turn += 1
             one = concerned[self._turn % len(concerned)]

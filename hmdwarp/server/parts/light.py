@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...scenes import only_light
-from ..moving import moving_parts, stands_still
+from ..moving import moving_parts
 from ..passes import ScenePasses
 from ..upload import SceneBuffers, SceneTextures
 from . import parts
@@ -27,7 +27,7 @@ class Light(Part):
         gpu, scene = context.gpu, only_light(context.scene)
         self._textures = SceneTextures(gpu, scene)
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
-        self._buffers = SceneBuffers(gpu, list(filter(stands_still, surfaces)), self._textures)
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving)
 
