@@ -15,8 +15,7 @@ from statistics import median
 import numpy as np
 
 from hmdwarp import Fov, Pose, View, Warper
-from hmdwarp.client.compensator import Compensator
-from hmdwarp.client.inputs import PassInputs
+from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
 
