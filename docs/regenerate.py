@@ -605,8 +605,20 @@ def ratings(folder: Path) -> None:
     replace("jod", "\n".join(lines))
 
 
+def warper_cost(_: Path) -> None:
+    """Measure a Warper beside its passes, on this machine's processor."""
+    replace("warper cost", printed("bench_warper.py", markdown=True))
+
+
+def check_rates(_: Path) -> None:
+    """Misread a thousand recordings of a depth camera, and count what `hmdwarp check` names."""
+    replace("check rates", printed("check_rates.py", markdown=True))
+
+
 PARTS = {
     "rgbd": frames_of_cameras,
+    "warper-cost": warper_cost,
+    "check-rates": check_rates,
     "layouts": trace_layouts,
     "study": study,
     "study-simulated": study_simulated,

@@ -112,7 +112,7 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
         benches.append(run.results(f"bench {size}", "bench", *what, *chosen, *work.bench_options, file="bench.json"))
     for size, *_ in work.benches:
         what = ("--source", "offscreen", "--trace", "look-around", "--scene", work.scene, "--size", size)
-        lives.append(run.results(f"live {size}", "live", *what, "--frames", str(work.frames), file="summary.json"))
+        lives.append(run.results(f"live {size}", "live", *what, "--pictures", str(work.frames), file="summary.json"))
     # Status 1: a limit is exceeded, which it says.
     loop = run.part("bench-live", str(TESTS / "bench_live.py"), "--frames", str(work.refreshes), statuses=(0, 1))
     return {

@@ -150,7 +150,7 @@ def test_a_page_of_a_format_names_every_key(page):
 @needs.programs("Xvfb")
 @pytest.mark.parametrize("command", LIVE)
 def test_the_live_commands_open_a_window(command, tmp_path):
-    small = " --frames 3 --size 96x120 --scene planes"  # of an option given twice the last counts
+    small = " --pictures 3 --size 96x120 --scene planes"  # of an option given twice the last counts
     kept = tmp_path / "screen"
     kept.mkdir()
     with VirtualScreen(kept) as screen:

@@ -7,12 +7,12 @@ import functools
 import attrs
 
 from ..headsets import Headset, load_headset
-from ..pipeline.recorded_server import empty_scene
+from ..pipeline.recorded_scene import display_of, recorded_scene
 from ..pipeline.sizes import guarded_size
 from ..poses import load_trace
 from ..run.combinations import Case, Combination, batches, instants_of
 from ..run.options import RunOptions
-from ..run.recorded_frames import display_of, own_trace
+from ..run.recorded_frames import own_trace
 from ..run.replay_setup import schedule_for
 from ..scenes import load_scene
 from ..sequences import Sequence
@@ -90,5 +90,5 @@ def _of_scene(options: BenchOptions) -> BenchOptions:
 def _combinations(options: BenchOptions) -> tuple[Combination, ...]:
     sequence = sequence_of(options)
     (name,) = options.scenes
-    scene = load_scene(name, options.scene_options) if sequence is None else empty_scene(sequence)
+    scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
     return tuple(combinations_of(options, scene))

@@ -14,11 +14,11 @@ from ..clients import load_client
 from ..errors import InputError
 from ..headsets import Headset, load_headset
 from ..pipeline.planning import build_plan_for
-from ..pipeline.recorded_server import empty_scene
+from ..pipeline.recorded_scene import display_of, recorded_scene
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.combinations import Case
-from ..run.recorded_frames import about, display_of, own_trace
+from ..run.recorded_frames import about, own_trace
 from ..scenes import load_scene
 from ..sequences import Sequence as RecordedFrames
 from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
@@ -149,7 +149,7 @@ def _checked(
     combinations_of(options, None)  # names, before any scene is built
     called, notes = {}, outside_notes(options)
     for name in options.scenes:
-        scene = load_scene(name, options.scene_options) if sequence is None else empty_scene(sequence)
+        scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
         build_plan_for(
             run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
@@ -164,12 +164,12 @@ def _checked(
         if sequence is None
         else {"": own_trace(sequence)}
     )
-    notes += [] if sequence is None else about(sequence)
     _refuse_one_name(
         "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
     )
     starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = [prepared(options_of_case(options, case, starts[case.recording])) for case in cases_of(options)]
+    notes += [] if sequence is None else [about(sequence, works[0].run)]
     return works, notes
 
 

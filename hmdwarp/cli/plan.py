@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import typer
 
-from ..errors import InputError
+from ..errors import InputError, counted
 from ..options import DEFAULT_GUARD, Option
 from ..pipeline.options import PipelineOptions
 from ..run.options import DESKTOP, OPENXR, LiveOptions
@@ -35,28 +35,31 @@ def plan(said: Said) -> None:
     Tells what makes the scene slow to draw, and what to do about it.
     """
     from ..headsets import load_headset
-    from ..run import check_names
-    from ..scenes import load_scene, slow_in
+    from ..pipeline.recorded_scene import fitted, headset_of, scene_of
+    from ..run import check_names, recorded_notes
+    from ..scenes import slow_in
 
-    source, headset = said["source"], load_headset(said["headset"])
+    source = said["source"]
+    load_headset(said["headset"])
     kind, told = _driver(source)
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
     check_names(options)
-    scene = load_scene(*options.scene_key)
-    slow = list(slow_in(scene))
+    scene = scene_of(options)
+    options, headset = fitted(options, scene), headset_of(options, scene)
+    slow, noted = list(slow_in(scene)), [*recorded_notes(options, scene), *scene.notes]
     about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
     if said["json"]:
         names = ("scene", "indirect", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
-        notes = [*about.notes, *scene.notes]
+        notes = [*about.notes, *noted]
         typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": notes}))
         return
     about.show()
     light = [("Light", options.light_note)] if options.light_note else []
     in_columns([*_assumed(source, options.headset), *light, *(("Slow", line) for line in slow)])
-    for note in scene.notes:
+    for note in noted:
         paragraph(f"note: {note}")
 
 
@@ -183,9 +186,11 @@ def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dic
 
     rate_hz = options.rate_hz or headset.refresh_hz
     needs, sizes = needs_of(plans), eye_sizes(options.guard_band, headset, options.size or headset.eye_size_px)
-    layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers})
+    # One picture of a camera serves all eyes.
+    pictures = 1 if options.is_recorded else 2
+    layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
     return {
-        "eyes": 2,
+        "eyes": pictures,
         **rendered_entry(options.guard_band, sizes),
         "layers": layers,
         "bytes": sum(layers.values()),
@@ -211,7 +216,7 @@ def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
 
     at_once = f"at most {frame['at_once']} of them at {frame['latency_ms']:g} ms and {frame['rate_hz']:g} Hz"
     return [
-        ("A frame", f"2 eyes, {frame['bytes'] / 1e6:.1f} MB uncompressed: {layers}"),
+        ("A frame", f"{counted(frame['eyes'], 'eye')}, {frame['bytes'] / 1e6:.1f} MB uncompressed: {layers}"),
         ("An eye", f"{rendered_text(frame)}"),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]

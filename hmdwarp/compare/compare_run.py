@@ -12,17 +12,18 @@ import attrs
 from numpy.typing import NDArray
 
 from ..clients import load_client
-from ..errors import PlanError
-from ..headsets import load_headset
+from ..errors import InputError, PlanError
 from ..link.codec import codecs
 from ..metrics import QUALITY
 from ..pipeline.build import refreshes_of
 from ..pipeline.planning import build_plan_for
+from ..pipeline.recorded_scene import RecordedScene, headset_of, scene_of
 from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
+from ..run.host import refuse_one_eye
 from ..run.options import RunOptions
-from ..run.schedule import schedule_of
-from ..scenes import Scene, load_scene
+from ..run.recorded_frames import ONE_EYE, own_trace
+from ..run.replay_setup import schedule_for
 from ..strategies import strategies
 from ..sweep import SweepCase, Swept, raise_failures, run_cases
 from ..version import __version__
@@ -84,7 +85,7 @@ def compare(
     """
     started = time.perf_counter()
     clients = [load_client(name) for name in options.clients]
-    runs, left_out = _checked(options, load_scene(options.scene, options.scene_options))
+    runs, left_out = _checked(options)
     with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
         cases = [_case(run, options.clients) for run in runs]
         swept = run_cases(CompareWork(), cases, options.out, options.sweep, progress, say)
@@ -114,41 +115,54 @@ def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
     return SweepCase.of("compare", f"{run.strategy}, {front}", ComparePart(run, tuple(clients)), group=front)
 
 
-def _checked(options: CompareOptions, scene: Scene) -> tuple[list[RunOptions], list[dict[str, str]]]:
+def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
     """Return the options of every run, and which strategies are left out and why.
 
-    Those that nobody named are left out where the scene does not call for them.
-    Errors: as build_plan_for and schedule_of; UnknownNameError for a codec.
+    Those that nobody named are left out where the scene does not call for them, and where recorded
+    frames lack what they send.
+    Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
     """
-    headset, left_out, names = load_headset(options.headset), [], []
+    first = _run_options(options, "", options.recordings[0], 0.0, 0.0)
+    scene = scene_of(first)
+    headset, left_out, names = headset_of(first, scene), [], []
     for text in options.strategies or strategies.names():
         try:
-            build_plan_for(_run_options(options, text, options.recordings[0], 0.0, 0.0), headset, scene)
+            run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
+            build_plan_for(run, headset, None)
+            plan = build_plan_for(run, headset, scene)
+            if run.is_recorded:
+                refuse_one_eye(plan.needs, 1, ONE_EYE)
             names.append(text)
-        except PlanError as error:
-            if options.strategies:
+        except (PlanError, InputError) as error:
+            if options.strategies or not (isinstance(error, PlanError) or options.frames):
                 raise
             left_out.append({"strategy": text, "why": str(error)})
     rate_hz = options.rate_hz or headset.refresh_hz
     start_s = max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)
     cases = itertools.product(options.recordings, options.latencies_ms, names)
     runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
-    tracks = {recording: load_trace(recording, options.trace_options).track for recording in options.recordings}
+    sequence = scene.sequence if isinstance(scene, RecordedScene) else None
+    traces = {
+        recording: load_trace(recording, options.trace_options) if sequence is None else own_trace(sequence)
+        for recording in options.recordings
+    }
     for run in runs:
         codecs.get(run.coding.codec)
-        schedule_of(tracks[run.trace], run, rate_hz)
+        schedule_for(run, sequence, traces[run.trace], rate_hz)
     return runs, left_out
 
 
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:
     """Return the options of one run. Errors: as RunOptions.of."""
-    by_strategy = RunOptions.of({"strategy": text}, trace=recording)
+    by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
     # The same way for all: a proxy stands somewhere on it.
     proxy = by_strategy.proxy.within(latency_ms) if by_strategy.proxy.on else by_strategy.proxy
     return attrs.evolve(
         by_strategy,
         scene=options.scene,
         scene_options=options.scene_options,
+        sequence_options=options.sequence_options,
+        repair=options.repair,
         headset=options.headset,
         size=options.eye_size,
         rate_hz=options.rate_hz,

@@ -115,6 +115,8 @@ class DisplayOptions:
     """Options that a display needs before it is opened."""
 
     headset: str = "rift-dk1"  # name of the one a window emulates
+    # in place of the one of that name
+    emulated: Headset | None = None
     view: str = "both"  # "both" eyes or one "flat" one
     size: tuple[int, int] | None = None  # (w, h) of one eye; None for the display's preference
     full_screen: bool = False  # of a window

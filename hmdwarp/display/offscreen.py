@@ -39,7 +39,7 @@ class OffscreenDisplay(SwitchableView):
     def __init__(self, options: DisplayOptions, gpu: Gpu | None = None) -> None:
         if options.trace is None:
             raise InputError("an offscreen display has no head to follow: name a recorded one by --trace")
-        headset = load_headset(options.headset)
+        headset = options.emulated or load_headset(options.headset)
         super().__init__(headset, options.size, options.view)
         self.rate_hz = options.rate_hz or headset.refresh_hz
         self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0

@@ -103,7 +103,13 @@ class Frame:
             return self.timings_ms.get("render", 0.0)
         return sum(milliseconds for _, milliseconds in self.drawing.read())
 
+    def pictures(self) -> Iterator[tuple[int, EyeImage]]:
+        """Yield the number and the picture of each eye, a picture that both see once."""
+        for number, eye in enumerate(self.eyes):
+            if number == 0 or eye.colour is not self.eyes[0].colour:
+                yield number, eye
+
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:
         """Yield every layer of every eye with its data; what both eyes share comes once."""
-        for number, eye in enumerate(self.eyes):
+        for number, eye in self.pictures():
             yield from (one for one in eye.contents() if number == 0 or not one[0].per_frame)

@@ -110,7 +110,9 @@ class Gpu:
         try:
             yield self
         finally:
-            _make_current(before)
+            # Not where nothing has changed: making a context current flushes it, even if it is.
+            if getattr(_thread, "gpu", None) is not before:
+                _make_current(before)
 
     def step_aside(self) -> None:
         """Make the previous Gpu current.

@@ -3,7 +3,17 @@
 All code that assumes two eyes and a panel is here.
 """
 
+from ._camera import CameraDisplay, camera_display
 from ._load import headset_names, load_headset
 from ._model import COLOURS, MAX_COEFFICIENTS, Headset, RadialLens
 
-__all__ = ["COLOURS", "MAX_COEFFICIENTS", "Headset", "RadialLens", "headset_names", "load_headset"]
+__all__ = [
+    "COLOURS",
+    "MAX_COEFFICIENTS",
+    "CameraDisplay",
+    "Headset",
+    "RadialLens",
+    "camera_display",
+    "headset_names",
+    "load_headset",
+]

@@ -102,8 +102,6 @@ class Headset:
     # Luminance of white and of black; None where nobody has measured it.
     peak_cd_m2: float | None = None
     black_cd_m2: float | None = None
-    # A camera's display: one eye, where the head is.
-    one_eye: bool = False
 
     def __attrs_post_init__(self) -> None:
         _refuse_unless_positive(
@@ -128,10 +126,23 @@ class Headset:
 
     @cached_property
     def _eyes(self) -> tuple[tuple[Pose, Fov], ...]:
-        if self.one_eye:
-            return ((Pose(), self.left_fov),)
-        half = self.ipd_m / 2
-        return tuple((Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate((-half, half)))
+        return tuple((Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate(self.places_m))
+
+    @property
+    def places_m(self) -> tuple[float, ...]:
+        """How far each eye sits to the right of the head's origin."""
+        return -self.ipd_m / 2, self.ipd_m / 2
+
+    @property
+    def flat_view(self) -> tuple[Fov, float]:
+        """The field of view of one flat picture, and its width over its height.
+
+        It sees to both sides as far as the left eye to its wider side, and has the shape of both
+        eyes' panels side by side.
+        """
+        wide, aspect = float(np.abs(self.left_fov.tangents[:2]).max()), 2 * self.eye_size_m[0] / self.eye_size_m[1]
+        high = wide / aspect
+        return Fov.from_tangents((-wide, wide, -high, high)), aspect
 
     def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return (scale, offset), each (2,).

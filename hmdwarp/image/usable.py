@@ -7,9 +7,11 @@ from ..client.fills import fills
 from ..client.plan import CLIENT_DEPTH, OTHERS, PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..errors import InputError, PlanError
+from ..frames.layers import readable
 
-# What a caller can give: pictures with depth, and the depth of what is to be shown.
-GIVEN = (*PICTURE, OTHERS, CLIENT_DEPTH)
+# What a caller can give: pictures with depth, the depth of what is to be shown, and some layers.
+LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent")
+GIVEN = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, LAYERS))
 
 
 def usable_warps() -> list[str]:

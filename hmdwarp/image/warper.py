@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
+from numbers import Real
+from types import MappingProxyType
 from typing import Any
 
 import attrs
@@ -23,6 +26,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, check_size, download, upload
 from ..repairs import parse_repairs
 from .given_arrays import LINEAR, SRGB, SRGB8, GivenPicture, checked, checked_size, checked_view, encoding_of
+from .given_layers import GivenLayers
 from .given_textures import INVERSE, GivenTextures
 from .shared_gpu import shared_gpu
 from .usable import OTHERS, plan_of
@@ -101,6 +105,8 @@ class Warper:
             self._compensator = Compensator(current, self.plan, None, self.rendered_size, self.size)
             stack.callback(self._compensator.close)
             self._given = GivenTextures(current, self.rendered_size)
+            self._layers = GivenLayers(current, self.plan.needs, self.rendered_size, self.size)
+            stack.callback(self._layers.close)
             self._client_depth = None
             if self.plan.reads(CLIENT_DEPTH):
                 self._client_depth = allocate(current.gl, self.size, SCALAR)
@@ -125,6 +131,8 @@ class Warper:
         *,
         others: Sequence[Other] = (),
         client_depth_m: ArrayLike | None = None,
+        layers: Mapping[str, Any] = MappingProxyType({}),
+        age_s: float = 0.0,
         depth_scale: float | None = None,
         encoding: str | None = None,
         result: str | None = None,
@@ -141,6 +149,8 @@ class Warper:
         picture = self._checked("", colour, depth_m, depth_scale, encoding)
         beside = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
         self._check_given(len(beside), client_depth_m is not None)
+        self._layers.check(layers, self._named)
+        age_ns = _checked_age_ns(age_s)
         client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
         with self._gpu() as gpu:
             gpu.timer.collect()
@@ -149,9 +159,10 @@ class Warper:
                 self._taken_over(textures, one, gpu).as_image(view, drawn_ns)
                 for textures, (one, view) in zip(self._pictures, [(picture, views[0]), *beside], strict=False)
             ]
+            images[0] = images[0].having(**self._layers.hold(layers))
             if client is not None and self._client_depth is not None:
                 upload(self._client_depth, client)
-            inputs = self._inputs(images, views[1], eye)
+            inputs = self._inputs(images, views[1], eye, age_ns)
             made = self._compensator.run(inputs)
             if self._confidence is not None:
                 held = {one.pair[0]: one.sure for one in self._pictures}
@@ -184,6 +195,7 @@ class Warper:
         _check_eye(eye)
         views = (checked_view("rendered", rendered), checked_view("shown", shown))
         self._check_given(0, client_depth=False)
+        self._layers.check({}, f"{self._named} runs on arrays where it")
         if self.repair.steps:
             raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
         if self._own_gpu is None:
@@ -242,10 +254,13 @@ class Warper:
         name = f"others[{number}]: "
         return self._checked(name, colour, depth_m, scale, encoding), checked_view(f"others[{number}]", view)
 
+    @property
+    def _named(self) -> str:
+        return f"warp '{self.plan.choice}'" + "".join(f" with effect '{name}'" for name in self.plan.effects)
+
     def _check_given(self, others: int, client_depth: bool) -> None:
         """Check that the plan gets what it reads, and nothing that it does not."""
-        named, most = f"warp '{self.plan.choice}'", self.plan.needs.others.count
-        named += "".join(f" with effect '{name}'" for name in self.plan.effects)
+        named, most = self._named, self.plan.needs.others.count
         if most and not others and self.plan.reads(OTHERS):
             raise InputError(f"{named} reads other pictures: give others=[(colour, depth_m, view), ..], at most {most}")
         if others > most:
@@ -273,14 +288,14 @@ class Warper:
         textures.hold(given)
         return textures
 
-    def _inputs(self, images: list[EyeImage], shown: View, eye: int) -> PassInputs:
+    def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
         return PassInputs(
             images[0],
             shown,
             eye,
             others=tuple(images[1:]),
             client_inverse_depth=self._client_depth,
-            shown_ns=self._count,
+            shown_ns=self._count + age_ns,
         )
 
     def _read(self, made: EyeResult, wanted: str, gpu: Gpu) -> WarpedImage:
@@ -342,6 +357,12 @@ def _checked_result(result: str | None, given: str) -> str:
     if result is not None and result not in known:
         raise InputError(f"result is {result!r}: expected {', '.join(known)}, or None for that of the picture")
     return given if result is None else result
+
+
+def _checked_age_ns(age_s: float) -> int:
+    if isinstance(age_s, bool) or not isinstance(age_s, Real) or not math.isfinite(age_s):
+        raise InputError(f"age_s is {age_s!r}: expected seconds from drawing the picture to showing it")
+    return round(float(age_s) * 1e9)
 
 
 def _check_eye(eye: int) -> None:

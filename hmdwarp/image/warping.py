@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -26,6 +28,8 @@ def warp_image(
     repair: str = "none",
     others: Sequence[Other] = (),
     client_depth_m: ArrayLike | None = None,
+    layers: Mapping[str, Any] = MappingProxyType({}),
+    age_s: float = 0.0,
     depth_scale: float | None = None,
     encoding: str | None = None,
     result: str | None = None,
@@ -44,7 +48,9 @@ def warp_image(
     depth has the confidence of the guess as its coverage.
     others: further pictures of the scene as (colour, depth_m, view), for warps and effects that
     read them: the other eye's, then older ones, newest first. client_depth_m: (h, w)
-    metres in the shown view, for warps that read it.
+    metres in the shown view, for warps that read it. layers: further layers by name, for effects
+    and warps that read them: velocity, ids, overlay, peeled, transparent; docs/rgbd.md says what
+    each holds. age_s: seconds from drawing the picture to showing it, for what moves.
     depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres.
     encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
@@ -75,6 +81,8 @@ def warp_image(
             shown,
             others=others,
             client_depth_m=client_depth_m,
+            layers=layers,
+            age_s=age_s,
             depth_scale=depth_scale,
             encoding=encoding,
             result=result,

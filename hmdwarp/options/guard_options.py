@@ -68,7 +68,9 @@ def _check_guard(instance: object, field: attrs.Attribute[Any], value: Guard | s
 
 
 def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
-    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD):
+    # The guard band of recorded frames is what the display leaves of their own pixels.
+    is_recorded = getattr(instance, "frames", None) is not None
+    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD) and not is_recorded:
         raise InputError(_BOTH)
 
 

@@ -23,8 +23,8 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION, LinkOptions
 from ..link.codec import Coding, codecs
+from ..poses.looped import Moment
 from ..scenes import Scene
-from ..sequences import Sequence
 from ..server import Server
 from .changes import Changes
 from .channel import Channel
@@ -36,7 +36,8 @@ from .loop import Loop
 from .options import PipelineOptions
 from .planning import proxy_plan_for
 from .proxy import GuardedEyes, KnownHead, Proxy
-from .recorded_server import RecordedServer
+from .recorded_scene import RecordedScene
+from .recorded_server import MomentOf, RecordedServer
 from .remote import Remote, RemoteChannel, RemoteFrames
 from .remote_server import SERVER_SCENE, RemoteServer
 from .requested import PoseRequest
@@ -184,13 +185,13 @@ def build_pipeline(
     plans: Several[Plan],
     requested: PoseRequest,
     levels: tuple[QualityLevel, ...] = (),
-    sequence: Sequence | None = None,
     remote: Remote | None = None,
+    moment_of: MomentOf = Moment,
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level. sequence: recorded frames in place of the scene.
-    remote: draws the frames elsewhere; it belongs to the caller.
+    plans: one, or one for each quality level. remote: draws the frames elsewhere; it belongs to the
+    caller. moment_of: where recorded frames are at an instant.
     Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
@@ -198,7 +199,7 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = _server(options, gpu, scene, sequence, remote)
+        server = _server(options, gpu, scene, remote, moment_of)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)
@@ -228,11 +229,9 @@ def build_pipeline(
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
 
 
-def _server(
-    options: PipelineOptions, gpu: Gpu, scene: Scene, sequence: Sequence | None, remote: Remote | None
-) -> Server:
-    if sequence is not None:
-        return RecordedServer(gpu, sequence)
+def _server(options: PipelineOptions, gpu: Gpu, scene: Scene, remote: Remote | None, moment_of: MomentOf) -> Server:
+    if isinstance(scene, RecordedScene):
+        return RecordedServer(gpu, scene, moment_of)
     if remote is not None and options.scene == SERVER_SCENE:
         return RemoteServer(gpu, remote.feed)
     return Server(gpu, scene, options.mirrors)

@@ -43,7 +43,7 @@ class Reads:
 
     def contents(self, frame: Frame) -> Iterator[tuple[Place, type[Layer], Any]]:
         """Yield each layer that is read, with its data; what both eyes share comes once."""
-        for eye, image in enumerate(frame.eyes):
+        for eye, image in frame.pictures():
             for layer, data in image.only(self.needs).contents():
                 if layer.readable() in self.names and not (eye and layer.per_frame):
                     yield (eye, layer.name), layer, data

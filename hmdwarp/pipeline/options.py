@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import attrs
 
@@ -32,13 +32,19 @@ from ..options import (
     parse_size,
     rendered_size_field,
 )
-from ..scenes.options import SceneKey, SceneOptions
+from ..scenes.options import SceneOptions
+from ..sequences.options import SequenceOptions, repair_field
 from ..strategies import options_of_strategy, with_strategy
 from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
 from .proxy_options import ProxyOptions
+from .recorded_options import refuse_set, with_frames
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
+
+
+# What tells one scene from another.
+SceneKey = Hashable
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -67,11 +73,35 @@ class PipelineOptions(Declared):
     Errors: InputError for a value out of range.
     """
 
+    # Where recorded frames are shown.
+    usual_eye_distance_mm: ClassVar[float] = 0.0
+
     scene: str = option(
         "room", f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.", study=PICTURE
     )
     # Where the scene is a file.
     scene_options: SceneOptions = group(SceneOptions)
+    frames: Path | None = option(
+        None,
+        "Folder of recorded frames with depth, in place of a scene: hmdwarp list layouts; the display is the camera.",
+        kind=Path,
+        convert=attrs.converters.optional(Path),
+        study=DISPLAY,
+    )
+    sequence_options: SequenceOptions = group(SequenceOptions)
+    # Of late frames; the truth is what was recorded.
+    repair: str = repair_field()
+    # 0 for the camera's eye alone.
+    eye_distance_mm: float = option(
+        attrs.Factory(lambda self: self.usual_eye_distance_mm, takes_self=True),
+        "Show recorded frames to a second eye too, so many millimetres to the right of the camera. [default: 0, one "
+        "eye; 63 in live]",
+        default=None,
+        kind=float,
+        unit="mm",
+        valid=Number(most=500.0),
+        study=DISPLAY,
+    )
     # From drawing a frame to showing it.
     latency_ms: float = option(
         200.0,
@@ -197,6 +227,10 @@ class PipelineOptions(Declared):
     )
 
     def __attrs_post_init__(self) -> None:
+        if self.is_recorded:
+            self._check_recorded()
+        elif self.repair != "none":
+            raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()
@@ -214,7 +248,8 @@ class PipelineOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
-        said = with_strategy(said, {one.name: one.default for one in options_of(cls)})
+        usual = {one.name: one.default for one in options_of(cls)}
+        said = with_strategy(with_frames(said, usual), usual)
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
@@ -225,13 +260,13 @@ class PipelineOptions(Declared):
 
     @property
     def scene_key(self) -> SceneKey:
-        """What load_scene takes: the scene's name or file, and how the file is read."""
-        return self.scene, self.scene_options
+        """What tells the scene, or the recorded frames in its place, from others."""
+        return self.scene, self.scene_options, self.frames, self.sequence_options, self.repair
 
     @property
     def is_recorded(self) -> bool:
         """Whether recorded frames take the place of a scene."""
-        return False
+        return self.frames is not None
 
     @property
     def chooses_warp(self) -> bool:
@@ -264,6 +299,11 @@ class PipelineOptions(Declared):
         return guard_band(self)
 
     @property
+    def guard_factors(self) -> GuardBand:
+        """The guard band in factors, whatever pixels are drawn. Errors: as guard_band."""
+        return guard_band(attrs.evolve(self, rendered_size=None))
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What a reader of the results must know of the options, one sentence each."""
         told, found = f"The latency of {self.latency_ms:g} ms is", []
@@ -290,6 +330,17 @@ class PipelineOptions(Declared):
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
+
+    def _check_recorded(self) -> None:
+        asked = {
+            "guard": (f"--guard {self.guard}", self.guard == AUTO),
+            "predict": (f"--predict {self.predict}", self.predict != "none"),
+            "lens": (f"--lens {self.lens}", self.lens not in ("none", AUTO)),
+            "proxy": ("--proxy", self.proxy.on),
+            "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
+            "warp": (f"--warp {self.warp}", self.chooses_warp),
+        }
+        refuse_set(asked)
 
     def _check_strategy(self) -> None:
         sets = options_of_strategy(self.strategy) if self.strategy else {}

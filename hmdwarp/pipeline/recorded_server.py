@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable
 from collections.abc import Sequence as Several
 from functools import lru_cache
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..frames import EyeImage, Frame, Needs
-from ..geometry import Guard, View, inverse_depth_from_metres
+from ..geometry import Fov, Guard, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
+from ..poses.looped import Moment
 from ..repairs import RepairChain
-from ..scenes import Scene
-from ..sequences import RecordedFrame, Sequence
+from ..sequences import RecordedFrame
 from ..server import Server, Target
+from .recorded_scene import RecordedScene
 
 Size = tuple[int, int]
+Box = tuple[float, float, float, float]
 # Decoded frames that are kept: those under way, and the truth beside them; fewer of large ones.
 _KEPT, _LEAST_KEPT, _KEPT_BYTES = 32, 4, 500_000_000
 _PIXEL_BYTES = 8 + 4
@@ -28,33 +32,36 @@ _NONE = -1.0
 AS_RECORDED = RepairChain()
 
 
-def empty_scene(sequence: Sequence) -> Scene:
-    """Return a scene of that name without anything in it, as recorded frames have none."""
-    everywhere = np.array([[-np.inf] * 3, [np.inf] * 3])
-    first = sequence.frames[0].pose
-    return Scene(sequence.name, f"recorded frames ({sequence.layout})", (), viewpoint=first, walk_bounds_m=everywhere)
+MomentOf = Callable[[int], Moment]
 
 
 class RecordedServer(Server):
     """A Server whose pictures are recorded frames, with the exact pose and field of view of each.
 
-    What it is asked to look at is ignored, and so is a guard band: a recording is as wide as it is.
-    Pixels without depth keep their colour. The sequence's repair mends late frames, the truth stays
-    as it was recorded. One eye. Another size than the recording's is made by averaging light and
-    taking the nearest depth.
+    What it is asked to look at is ignored: a late frame is all that the camera took, for every eye
+    the same picture, and the truth that part of it which the display shows. Pixels without depth
+    keep their colour. The sequence's repair mends late frames, the truth stays as it was recorded.
+    Another size than the recording's is made by averaging light and taking the nearest depth.
+
+    moment_of: where the recording is at an instant; by default it is played once, from 0.
     """
 
-    def __init__(self, gpu: Gpu, sequence: Sequence) -> None:
-        super().__init__(gpu, empty_scene(sequence))
-        self._sequence = sequence
+    def __init__(self, gpu: Gpu, scene: RecordedScene, moment_of: MomentOf = Moment) -> None:
+        super().__init__(gpu, scene)
+        self._sequence, self._moment_of = scene.sequence, moment_of
+        sequence = scene.sequence
         self._times = [frame.time_ns for frame in sequence.frames]
         wide, high = sequence.frames[0].size
         fit = _KEPT_BYTES // (wide * high * _PIXEL_BYTES)
         self._pixels = lru_cache(min(max(fit, _LEAST_KEPT), _KEPT))(_pixels)
 
-    def taken_before(self, time_ns: int) -> RecordedFrame:
-        """Return the last frame at or before an instant; the first one before all."""
-        return self._sequence.frames[max(0, bisect_right(self._times, time_ns) - 1)]
+    def taken_by(self, moment: Moment) -> RecordedFrame:
+        """Return the last frame that has been seen by then, in the direction of playing."""
+        if moment.is_backwards:
+            at = min(bisect_left(self._times, moment.since_ns), len(self._times) - 1)
+        else:
+            at = max(0, bisect_right(self._times, moment.since_ns) - 1)
+        return self._sequence.frames[at]
 
     def nearest_to(self, time_ns: int) -> RecordedFrame:
         """Return the frame nearest to an instant, the earlier of two."""
@@ -63,8 +70,8 @@ class RecordedServer(Server):
         return self._sequence.frames[min(beside, key=lambda i: (abs(self._times[i] - time_ns), i))]
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Return the frame nearest to the instant: the truth of that instant."""
-        return self._image(self.nearest_to(time_ns), size, into)
+        """Return the frame nearest to the instant, as far as the view reaches: its truth."""
+        return self._image(self.nearest_to(self._moment_of(time_ns).since_ns), view.fov, size, into)
 
     def draw_frame(
         self,
@@ -77,43 +84,66 @@ class RecordedServer(Server):
         age_ns: int = 0,
         pictures: bool = True,
     ) -> Frame:
-        """Return the last frame that was taken by now; its picture is always there."""
-        taken = self.taken_before(drawn_ns)
-        head = PoseSample(taken.time_ns, taken.pose, Origin.MEASURED)
-        return Frame((self._image(taken, size, repair=self._sequence.repair),), taken.time_ns, head)
+        """Return the last frame that was taken by now, all of it, always with its picture."""
+        moment, rendered = self._moment_of(drawn_ns), guarded_eyes(views, guard, size)[1]
+        taken = self.taken_by(moment)
+        taken_ns = drawn_ns - abs(moment.since_ns - taken.time_ns)
+        image = self._image(taken, taken.fov, rendered, repair=self._sequence.repair)
+        image = attrs.evolve(image, drawn_ns=taken_ns)
+        return Frame((image,) * len(views), taken_ns, PoseSample(taken_ns, taken.pose, Origin.MEASURED))
 
     def _image(
-        self, taken: RecordedFrame, size: Size, into: Target | None = None, repair: RepairChain = AS_RECORDED
+        self, taken: RecordedFrame, fov: Fov, size: Size, into: Target | None = None, repair: RepairChain = AS_RECORDED
     ) -> EyeImage:
         target = into if into is not None else self.acquire(size)
-        colour, inverse_depth = self._pixels(taken, size, repair)
+        colour, inverse_depth = self._pixels(taken, fov, size, repair)
         upload(target.colour, colour)
         upload(target.inverse_depth, inverse_depth)
-        return EyeImage(taken.view, target.colour, target.inverse_depth, drawn_ns=taken.time_ns)
+        view = attrs.evolve(taken.view, fov=fov)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=taken.time_ns)
 
 
-def _pixels(taken: RecordedFrame, size: Size, repair: RepairChain) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
-    """Return linear light (h, w, 4) and inverse depth (h, w) of a frame in (w, h) pixels."""
+def _pixels(
+    taken: RecordedFrame, fov: Fov, size: Size, repair: RepairChain
+) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
+    """Return linear light (h, w, 4) and inverse depth (h, w) of a frame in (w, h) pixels.
+
+    fov: what they show, within that of the frame.
+    """
     colour, depth_m = taken.read()
     light = linear_from_srgb(colour).astype(np.float32)
     inverse: NDArray[np.floating] = inverse_depth_from_metres(depth_m)
     if repair.steps:
         inverse = repair.run(colour * np.float32(1 / 255), inverse).inverse_depth
-    if size != taken.size:
-        light, inverse = _averaged(light, size), _nearest(inverse, size)
+    box = _box(taken, fov)
+    if size != taken.size or box != (0, 0, *taken.size):
+        light, inverse = _averaged(light, size, box), _nearest(inverse, size, box)
     covered = np.ones((*light.shape[:2], 1), np.float32)
     rgba = np.concatenate([light, covered], axis=2).astype(np.float16)
     return rgba, np.where(np.isnan(inverse), _NONE, inverse).astype(np.float32)
 
 
-def _averaged(light: NDArray[np.float32], size: Size) -> NDArray[np.float32]:
+def _box(taken: RecordedFrame, fov: Fov) -> Box:
+    """Return left, top, right and bottom of a field of view in the pixels of the frame."""
+    (wide, high), (left, right, down, up) = taken.size, taken.fov.tangents.tolist()
+    of = fov.tangents.tolist()
+    columns = [(side - left) * wide / (right - left) for side in of[:2]]
+    rows = [(up - side) * high / (up - down) for side in (of[3], of[2])]
+    # A millionth of a pixel is rounding: whole pixels are taken as they are.
+    found = [round(at, 6) for at in (columns[0], rows[0], columns[1], rows[1])]
+    return found[0], found[1], found[2], found[3]
+
+
+def _averaged(light: NDArray[np.float32], size: Size, box: Box) -> NDArray[np.float32]:
     from PIL import Image
 
-    channels = (Image.fromarray(light[..., i]).resize(size, Image.Resampling.BOX) for i in range(3))
+    channels = (Image.fromarray(light[..., i]).resize(size, Image.Resampling.BOX, box) for i in range(3))
     return np.stack([np.asarray(channel) for channel in channels], axis=2)
 
 
-def _nearest(inverse: NDArray[np.floating], size: Size) -> NDArray[np.floating]:
-    (rows, columns), (wide, high) = inverse.shape, size
-    row, column = ((np.arange(n) + 0.5) * m / n for n, m in ((high, rows), (wide, columns)))
-    return inverse[row.astype(int)[:, None], column.astype(int)]
+def _nearest(inverse: NDArray[np.floating], size: Size, box: Box) -> NDArray[np.floating]:
+    row, column = (
+        (low + (np.arange(n) + 0.5) * (high - low) / n).astype(int)
+        for low, high, n in ((box[1], box[3], size[1]), (box[0], box[2], size[0]))
+    )
+    return inverse[row[:, None], column]

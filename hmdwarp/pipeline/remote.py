@@ -24,7 +24,6 @@ from ..geometry import guarded_eyes
 from ..link import LinkOptions
 from ..link.codec import Undecodable, check_codec
 from ..link.options import ALL, DROP
-from ..scenes import Scene
 from .channel import Channel
 from .feed_coding import FeedDecoder, codec_of, depth_error
 from .layers_read import Reads
@@ -373,11 +372,6 @@ def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
     check_codec(options.coding.codec)
     if options.proxy.on or options.chooses_warp:
         raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
-
-
-def scene_elsewhere(address: str) -> Scene:
-    """Return a scene without anything in it, for a loop whose frames are drawn at that address."""
-    return Scene(address, "what a server elsewhere draws", ())
 
 
 def check_shown_elsewhere(plans: Sequence[Plan]) -> None:

@@ -32,16 +32,28 @@ class LoopedSource:
 
         read_ns: the clock at the call.
         """
-        sample = self.track.at(self.track.start_ns + folded(time_ns - self._begun_ns, self.track.duration_ns))
+        sample = self.track.at(self.track.start_ns + self.moment(time_ns).since_ns)
         return attrs.evolve(sample, time_ns=time_ns, read_ns=self._now_ns())
+
+    def moment(self, time_ns: int) -> Moment:
+        """Return where the recording is at an instant of the clock."""
+        return folded(time_ns - self._begun_ns, self.track.duration_ns)
 
     def close(self) -> None:
         """Do nothing: a track holds no device."""
 
 
-def folded(since_ns: int, length_ns: int) -> int:
+@attrs.frozen
+class Moment:
+    """An instant of a recording that is played, since its beginning."""
+
+    since_ns: int
+    is_backwards: bool = False
+
+
+def folded(since_ns: int, length_ns: int) -> Moment:
     """Return 0 to length and back again, endlessly; 0 before the beginning."""
     if since_ns <= 0 or length_ns <= 0:
-        return 0
+        return Moment(0)
     turn, at_ns = divmod(since_ns, length_ns)
-    return length_ns - at_ns if turn % 2 else at_ns
+    return Moment(length_ns - at_ns, True) if turn % 2 else Moment(at_ns)

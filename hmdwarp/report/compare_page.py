@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import PRIMARY, Figure, metrics, pareto
+from .frame_sources import source_facts
 from .named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
 from .parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, environment
 from .pictures import jpeg_bytes
@@ -217,7 +218,7 @@ def _facts(rows: Sequence[Row]) -> list[tuple[str, str]]:
         ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
         *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
-        ("scene", first["scene"]),
+        *source_facts(first),
         ("an eye", "x".join(map(str, first["size"]))),
         ("codec", link["codec"]),
         ("refreshes a run", str(first["frames"])),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..metrics import Figure, metrics
+from .frame_sources import drawing_text, eyes_text
 from .tables import TIME_FIGURES, Summary
 from .words import counted
 
@@ -20,14 +21,15 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
     """
     if not summary:
         return ["no picture was shown"]
-    live = summary["live"]
+    live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
+    of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
     figures = [
         ("shown", _shown(live)),
         ("frame age at display", _pair(live["age_ms"])),
         ("pose age at hand-over", _pair(live["pose_age_ms"])),
         ("from picture to picture", _pair(live["period_ms"])),
         ("time per eye", _per_eye(summary)),
-        ("drawing and both eyes", _pair(live["refresh_ms"]["total"], f", of {live['budget_ms']:.2f} ms for a refresh")),
+        (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
         ("holes before the fill", _holes(summary)),
     ]
     lines = [f"{label:<24}{text}" for label, text in figures if text]
@@ -45,7 +47,7 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     live = summary["live"]
     rows = []
     for name, entry in live["refresh_ms"].items():
-        what = {"render": "drawing by the server", "total": "total"}.get(name, name)
+        what = {"render": f"{drawing_text(summary)} by the server", "total": "total"}.get(name, name)
         share = (entry["median"] or 0.0) / live["budget_ms"]
         rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), share))
     return rows

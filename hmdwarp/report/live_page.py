@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
+from .frame_sources import drawing_text, eyes_text, source_facts
 from .frame_ways import timeline_svg
 from .live_lines import budget_rows, missed_share
 from .parts import CLOCK_NAMES, Chart, Tile, environment
@@ -35,6 +36,7 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     return template.render(
         summary=summary,
         live=live,
+        sources=source_facts(summary),
         command=command,
         about=[(name, text) for name, text in live["about"].items() if text],
         notes=summary["notes"],
@@ -104,7 +106,7 @@ def _charts(summary: Summary, column: Column) -> list[Chart]:
         ("Pose age at hand-over", [Series("", time_s, column("pose_age_ms"))], "ms"),
         ("From picture to picture", [Series("from picture to picture", time_s, column("period_ms")), limit], "ms"),
         (
-            "Drawing and all passes of both eyes",
+            f"{drawing_text(summary).capitalize()} and all passes of {eyes_text(summary)}",
             [Series("drawing and passes", time_s, column("busy_ms")), limit],
             "ms",
         ),

@@ -10,6 +10,7 @@ import attrs
 
 from ..metrics import PRIMARY, Kept, metrics_in_order
 from .charts import Series, time_series
+from .frame_sources import eyes_text, source_facts
 from .frame_ways import timeline_svg
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
@@ -66,6 +67,8 @@ def render_report(
     template = environment().get_template("report.html")
     return template.render(
         summary=summary,
+        source=source_facts(summary),
+        eyes=eyes_text(summary),
         command=command,
         notes=list(notes),
         columns=names,

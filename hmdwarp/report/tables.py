@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..metrics import LEAST_INSTANTS, STAGES, Figure, excludes_zero, metrics, metrics_in_order
+from .frame_sources import source_text
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -98,7 +99,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> Table:
     from rich.table import Table
     from rich.text import Text
 
-    title = f"{summary['trace']} at {summary['latency_ms']:g} ms, scene {summary['scene']}, {summary['frames']} frames"
+    title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {source_text(summary)}, {summary['frames']} frames"
     table = Table(
         title=title, title_justify="left", caption=_caption(summary, baselines), caption_justify="left",
         box=SIMPLE_HEAD, show_edge=False, pad_edge=False,

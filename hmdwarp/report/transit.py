@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from .frame_sources import drawing_text, eyes_text
 from .tables import Summary
 
 Pairs = list[tuple[str, str]]
 
 _RESPONSE = {
-    "render_ms": "drawing, both eyes",
+    "render_ms": "{drawing}, {eyes}",
     "encode_ms": "encoding of the shown frames",
     "queue_ms": "waiting for earlier frames",
     "transfer_ms": "size over bandwidth",
     "round_trip_ms": "the network, both ways",
     "decode_ms": "decoding of the shown frames",
-    "warp_ms": "warp to lens, both eyes",
-    "total_ms": "{} (mean: the sum of these)",
-    "median_ms": "{} (median)",
-    "p95_ms": "{} (95th percentile)",
+    "warp_ms": "warp to lens, {eyes}",
+    "total_ms": "{kind} (mean: the sum of these)",
+    "median_ms": "{kind} (median)",
+    "p95_ms": "{kind} (95th percentile)",
 }
 # With --response fixed a frame is as old as the latency says, whatever the stages took here.
 _WITH_STAGES = "the latency and this machine's stages on top"
@@ -94,7 +95,8 @@ def _response(summary: Summary, *names: str) -> Pairs:
     link = summary.get("link") or {}
     kind = "response time" if link.get("response") == "sum" else _WITH_STAGES
     took = link.get("response_ms") or {}
-    return [(_RESPONSE[name].format(kind), f"{took[name]:.2f} ms") for name in names if took.get(name)]
+    words = {"kind": kind, "drawing": drawing_text(summary), "eyes": eyes_text(summary)}
+    return [(_RESPONSE[name].format(**words), f"{took[name]:.2f} ms") for name in names if took.get(name)]
 
 
 def frame_rows(summary: Summary) -> Pairs:
@@ -108,7 +110,8 @@ def coding_rows(summary: Summary) -> Pairs:
     link = summary.get("link") or {}
     if "mbit_s" not in link:
         return []
-    rows = [("rate, both eyes", f"{link['mbit_s']:.1f} Mbit/s{' uncompressed' if link['codec'] == 'none' else ''}")]
+    coded = " uncompressed" if link["codec"] == "none" else ""
+    rows = [(f"rate, {eyes_text(summary)}", f"{link['mbit_s']:.1f} Mbit/s{coded}")]
     layers: Mapping[str, float] = link.get("layers_mbit_s") or {}
     if len(layers) > 1:
         rows.append(("of that", ", ".join(f"{name.replace('_', ' ')} {rate:.1f}" for name, rate in layers.items())))

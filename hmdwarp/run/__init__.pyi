@@ -22,6 +22,8 @@ from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions
 from .pose_request import check_names as check_names
 from .record_run import record as record
+from .recorded_frames import ONE_EYE as ONE_EYE
+from .recorded_frames import recorded_notes as recorded_notes
 from .recorder import Recorder as Recorder
 from .recorder import origin_of as origin_of
 from .replay_run import ReplayResult as ReplayResult

@@ -19,13 +19,17 @@ from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.options import AUTO
 from ..pipeline.planning import plans_for
-from ..pipeline.remote import Remote, check_remote, check_shown_elsewhere, scene_elsewhere
+from ..pipeline.recorded_scene import RecordedScene, fitted, scene_of
+from ..pipeline.remote import Remote, check_remote, check_shown_elsewhere
+from ..pipeline.remote_server import scene_elsewhere
 from ..pipeline.sizes import guarded_size
 from ..poses import Origin, PoseSample
-from ..scenes import Scene, load_scene
+from ..poses.looped import LoopedSource, Moment
+from ..scenes import Scene
 from .bench_levels import LevelSet, levels_from_file
 from .options import OFFSCREEN, LiveOptions
 from .pose_request import RecentPoses, check_names, pose_request
+from .recorded_frames import ONE_EYE
 
 
 def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
@@ -37,9 +41,9 @@ def checked_scene(options: LiveOptions, scene: Scene | None = None) -> Scene:
     if options.lens != AUTO:
         lenses.get(options.lens)
     if options.feed.is_used:
-        check_remote(options, recorded=False)
+        check_remote(options, recorded=options.is_recorded)
         scene = scene_elsewhere(options.feed.connect)
-    scene = scene or load_scene(*options.scene_key)
+    scene = scene or scene_of(options)
     if not options.chooses_warp:
         plans = plans_for(attrs.evolve(options, lens="none", fused=False), None, scene)
         if options.feed.is_used:
@@ -76,8 +80,9 @@ class PipelineHost:
                 self._remote = Remote(options.feed, holds=options.source == OFFSCREEN, say=say)
                 unfinished.callback(self._remote.close)
                 options = self._with_latency_to(self._remote, options)
-            self.options, self.scene = options, scene or load_scene(*options.scene_key)
-            self.pipeline = self._build(options, self.scene)
+            self.scene = scene or scene_of(options)
+            self.options = fitted(options, self.scene)
+            self.pipeline = self._build(self.options, self.scene)
             unfinished.pop_all()
 
     def _with_latency_to(self, remote: Remote, options: LiveOptions) -> LiveOptions:
@@ -135,7 +140,7 @@ class PipelineHost:
 
     def _rebuild(self, options: LiveOptions) -> None:
         same = options.scene_key == self.options.scene_key
-        scene = self.scene if same else load_scene(*options.scene_key)
+        scene = self.scene if same else scene_of(options)
         made = self._seen(options, scene)
         self.pipeline.close()
         self.pipeline, self.scene = made, scene
@@ -156,7 +161,9 @@ class PipelineHost:
         """Rebuild if the shown field of view has changed enough to resize the rendered frames."""
         options, sizes = self.options, self.pipeline.sizes
         guard = options.guard_band
-        if guard != GuardBand() and guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
+        if guard == GuardBand() or options.is_recorded:
+            return
+        if guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
             self._rebuild(options)
 
     def _levels_for(self, options: LiveOptions) -> LevelSet:
@@ -190,6 +197,8 @@ class PipelineHost:
         plans = self._plans(options, scene, choice)
         needs = needs_of(plans)
         refuse_one_eye(needs, len(shown.eyes.views(Pose())))
+        if isinstance(scene, RecordedScene):
+            refuse_one_eye(needs, 1, ONE_EYE)
         size = options.size or shown.size
         guarded_size(options.guard_band, shown.eyes, size)
         rate_hz = options.rate_hz or shown.rate_hz
@@ -197,7 +206,11 @@ class PipelineHost:
         pictures = Reads.of(plans).pictures
         request = pose_request(options, self._recent, self._recent.track_until, age_ns, size, needs, pictures=pictures)
         target = Target(shown.gpu, shown.eyes, rate_hz, latency_ns(options), shown.headset)
-        return build_pipeline(options, scene, target, plans, request, choice.levels, remote=self._remote)
+        source = self._display.source
+        moment_of = source.moment if isinstance(source, LoopedSource) else Moment
+        return build_pipeline(
+            options, scene, target, plans, request, choice.levels, remote=self._remote, moment_of=moment_of
+        )
 
     def close(self) -> None:
         """Free the pipeline, and hang up."""

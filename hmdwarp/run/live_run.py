@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager, ExitStack, closing
 from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions
 from ..errors import MachineError
 from ..pipeline.loop import Refresh
+from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
 from ..poses import load_trace
 from .commands import CommandHandler, choices, values
 from .driver import AfterRefresh, Driver, FrameHandler, Say
@@ -16,6 +17,7 @@ from .ending import Ending
 from .host import PipelineHost, checked_scene
 from .live_log import LiveLog, LiveResult
 from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
+from .recorded_frames import beside, own_trace, recorded_notes
 from .recorder import Recorder
 from .watchdog import Watchdog
 
@@ -32,9 +34,10 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     point are written in any case.
     """
     scene = checked_scene(options)
+    options = fitted(options, scene)
     with ExitStack() as stack:
         # Outermost: a signal ends the program only after everything is written.
-        ending = stack.enter_context(Ending(options.seconds, options.frames))
+        ending = stack.enter_context(Ending(options.seconds, options.pictures))
         recorder = None
         if options.record is not None:
             recorder = stack.enter_context(Recorder(options.record, say, force=options.force))
@@ -46,7 +49,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             say(f"calling {options.feed.connect}; its scene is not loaded here")
         host = PipelineHost(display, options, scene, say)
         stack.callback(host.close)
-        for note in host.scene.notes:
+        for note in (*recorded_notes(options, scene), *host.scene.notes):
             say(f"note: {note}")
         stack.callback(log.leave)
         if recorder is not None:
@@ -126,7 +129,8 @@ def open_display(
     wanted = display_options(options, watching, controls)
     if options.source == OFFSCREEN:
         return _offscreen(wanted)
-    if options.source == DESKTOP:
+    # What was recorded is seen from where the camera was, not from a headset's head.
+    if options.source == DESKTOP or options.is_recorded:
         return _desktop(wanted)
     try:
         return _openxr(wanted)
@@ -151,9 +155,19 @@ def _first_clause(why: str) -> str:
 def display_options(
     options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS
 ) -> DisplayOptions:
-    """Return the options that the display needs of the run."""
+    """Return the options that the display needs of the run.
+
+    Errors: as scene_of, where recorded frames take the place of a scene.
+    """
+    trace, emulated = load_trace(options.trace) if options.trace else None, None
+    if options.is_recorded:
+        scene = scene_of(options)
+        assert isinstance(scene, RecordedScene)
+        options, emulated = fitted(options, scene), headset_of(options, scene)
+        trace = own_trace(scene.sequence) if trace is None else beside(trace, scene.sequence)
     return DisplayOptions(
         headset=options.headset,
+        emulated=emulated,
         view=options.view,
         size=options.size,
         full_screen=options.full_screen,
@@ -161,7 +175,7 @@ def display_options(
         control_panel=options.panel,
         depth_layer=options.depth_layer,
         watching=watching,
-        trace=load_trace(options.trace).track if options.trace else None,
+        trace=trace.track if trace is not None else None,
         rate_hz=options.rate_hz,
         controls=controls,
     )

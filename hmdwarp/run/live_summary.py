@@ -18,6 +18,7 @@ from ..metrics import aggregate_columns, middle_and_tail
 from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .options import LiveOptions
+from .recorded_frames import recorded_entry, recorded_notes
 from .run_summary import Facts, chosen_passes, machine_of, summary_of
 
 if TYPE_CHECKING:
@@ -50,9 +51,10 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
     (view, *_) = display.eyes.views(Pose())
     headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
     named = options.record or options.trace
+    own = display.about.get("trace") if options.is_recorded else ""
     shared = Facts(
         options=options,
-        trace=Path(named).stem if named else display.name,
+        trace=Path(named).stem if named else own or display.name,
         scene=host.scene.name,
         effects=list(plan.effects),
         headset=headset,
@@ -62,8 +64,16 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         machine=machine_of(gpu),
         clock=gpu.timer.clock,
         trace_axes=display.about.get("trace_axes", ""),
+        recorded=recorded_entry(options, host.scene),
     )
-    return LiveFacts(shared, options, display.name, dict(display.about), plan.lens.name, tuple(host.scene.notes))
+    return LiveFacts(
+        shared,
+        options,
+        display.name,
+        dict(display.about),
+        plan.lens.name,
+        (*recorded_notes(options, host.scene), *host.scene.notes),
+    )
 
 
 def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, pictures: Pictures | None) -> dict[str, Any]:

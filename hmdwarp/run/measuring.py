@@ -47,6 +47,8 @@ class Probe:
         self.without_truth = 0
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
+        # Of the eye without a truth, by refresh: the share of its pixels that the warp left empty.
+        self.untrue_holes: dict[int, float] = {}
 
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
@@ -67,8 +69,13 @@ class Probe:
         return self.clips is not None or number % self._every == 0 or (number + 1) % self._every == 0
 
     def read(self, number: int, refresh: Refresh) -> None:
-        """Read back both eyes of refresh `number`, and submit them if it is a measured one."""
-        for eye in range(len(refresh.eyes)):
+        """Read back the eyes of refresh `number`, and submit them if it is a measured one.
+
+        An eye that nothing was recorded for has holes alone.
+        """
+        if len(refresh.eyes) > self._setup.true_eyes and number % self._every == 0:
+            self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.true_eyes)))
+        for eye in range(min(len(refresh.eyes), self._setup.true_eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
             measured = number % self._every == 0
@@ -108,7 +115,7 @@ class Probe:
         covered = [("warp", coverage(result))]
         covered += [(name, download(canvas.texture)[..., 3]) for name, canvas in result.filled]
         for name, alpha in covered:
-            self._empty.setdefault(name, []).append(float((alpha == 0).mean()))
+            self._empty.setdefault(name, []).append(_hole_share(alpha))
 
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty").
@@ -165,6 +172,10 @@ def _clips(setup: ReplaySetup) -> Clips:
     given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
     known = {name: value for name, value in given.items() if value is not None}
     return Clips(setup.options.jod_s, ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
+
+
+def _hole_share(alpha: NDArray[np.floating]) -> float:
+    return float((alpha == 0).mean())
 
 
 def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:

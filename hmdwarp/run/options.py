@@ -21,36 +21,18 @@ from ..options import (
     names_in,
     one_of,
     option,
-    options_of,
     out_field,
     same_as,
 )
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
-from ..sequences.options import SequenceOptions, repair_field
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
 VIEWS = (BOTH, FLAT) = ("both", "flat")
 MOST_COMPARED = 2  # what a chart shows beside the run
 _BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's settings
-# What recorded frames set by themselves, and what is nothing to them.
-_OF_FRAMES = {"guard": "1", "predict": "none", "lens": "none"}
-_ONLY_RENDERED = {
-    "guard": "a recording is as wide as it was taken; nothing wider can be drawn: leave it out",
-    "predict": "each frame was taken where the camera was; leave it out",
-    "lens": "the display is the camera, which has no lens to correct; leave it out",
-    "proxy": "a proxy draws for heads of its own; leave it out",
-    "scanout": "the truth of each row was not recorded; leave it out",
-    "warp": "its benchmark draws a scene; name a warp",
-}
-_NOT_WITH_FRAMES = {
-    "scene": "recorded frames take the place of a scene",
-    "headset": "the display is the camera",
-    "rendered_size": _ONLY_RENDERED["guard"].partition(":")[0],
-    "wide": "a recording has no second view",
-}
 _SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
@@ -71,15 +53,6 @@ class RunOptions(PipelineOptions):
         positional=True,
         default=None,
     )
-    frames: Path | None = option(
-        None,
-        "Folder of recorded frames with depth, in place of a scene: hmdwarp list layouts; the display is the camera.",
-        kind=Path,
-        convert=attrs.converters.optional(Path),
-    )
-    sequence_options: SequenceOptions = group(SequenceOptions)
-    # Of late frames; the truth is what was recorded.
-    repair: str = repair_field()
     start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())
     seconds: float | None = option(
         None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
@@ -119,49 +92,14 @@ class RunOptions(PipelineOptions):
     )
     command: str = ""
 
-    @classmethod
-    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields whose options were set; recorded frames have defaults of their own."""
-        if said.get("frames") is None:
-            return super().values_of(said)
-        usual = {one.name: one.default for one in options_of(cls)}
-        for name, why in _NOT_WITH_FRAMES.items():
-            if said.get(name) not in (None, usual[name]):
-                raise InputError(f"--{name.replace('_', '-')} with --frames: {why}; leave it out")
-        own = {name: value for name, value in _OF_FRAMES.items() if said.get(name) is None}
-        return super().values_of({**said, **own})
-
     def __attrs_post_init__(self) -> None:
         super().__attrs_post_init__()
-        if self.is_recorded:
-            self._check_recorded()
-        elif self.repair != "none":
-            raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
-        elif not self.trace:
+        if not self.trace and not self.is_recorded:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
                 f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"
             )
-
-    @property
-    def is_recorded(self) -> bool:
-        """Whether recorded frames take the place of a scene."""
-        return self.frames is not None
-
-    def _check_recorded(self) -> None:
-        """Check what only a renderer can do. Errors: InputError."""
-        asked = {
-            f"--guard {self.guard}": self.guard != 1.0 or self.rendered_size is not None,
-            f"--predict {self.predict}": self.predict != "none",
-            f"--lens {self.lens}": self.lens != "none",
-            "--proxy": self.proxy.on,
-            f"--scanout {self.scanout_ms:g} ms": self.scanout_ms > 0,
-            f"--warp {self.warp}": self.chooses_warp,
-        }
-        for said in (name for name, is_asked in asked.items() if is_asked):
-            why = next(why for name, why in _ONLY_RENDERED.items() if said.startswith(f"--{name}"))
-            raise InputError(f"{said} with --frames: {why}")
 
     @property
     def compared(self) -> tuple[tuple[str, str], ...]:
@@ -179,6 +117,7 @@ class LiveOptions(PipelineOptions):
     """
 
     not_offered: ClassVar[tuple[str, ...]] = ("scanout", "follow_scanout")
+    usual_eye_distance_mm: ClassVar[float] = 63.0
 
     # "auto": the headset's lens where a window emulates it, none where a runtime corrects its own.
     lens: str = option(
@@ -193,7 +132,8 @@ class LiveOptions(PipelineOptions):
     )
     trace: str = option(
         "",
-        "Recorded head, by name or file, that moves the window or the offscreen display; by default yours.",
+        "Recorded head, by name or file, that moves the window or the offscreen display; by default yours, and the "
+        "camera's own with --frames.",
         default=None,
         study=f"whose head it is, {_SAID_TO_RUN}",
     )
@@ -215,7 +155,7 @@ class LiveOptions(PipelineOptions):
     seconds: float | None = option(
         None, "Stop after this long; by default never.", kind=float, unit="s", valid=Number(above=True), study=_SECONDS
     )
-    frames: int | None = option(
+    pictures: int | None = option(
         None,
         "Stop after this many pictures; by default never.",
         kind=int,
@@ -269,9 +209,14 @@ class LiveOptions(PipelineOptions):
                 "--guard auto looks at the whole trace first, which a live run has not: give a number, or replay a "
                 "recording"
             )
-        if self.source == OFFSCREEN and not self.trace:
+        if self.is_recorded and self.source == OPENXR:
+            raise InputError(
+                f"--source {OPENXR} with --frames: a headset has a head of its own, and what was recorded is seen from "
+                f"where the camera was; take {DESKTOP} or {OFFSCREEN}"
+            )
+        if self.source == OFFSCREEN and not self.trace and not self.is_recorded:
             raise InputError("--source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
-        if self.trace and self.source in (AUTO_SOURCE, OPENXR):
+        if self.trace and self.source in (AUTO_SOURCE, OPENXR) and not self.is_recorded:
             raise InputError(
                 f"--trace {self.trace}: a headset has a head of its own; take --source desktop or offscreen"
             )

@@ -3,57 +3,32 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from collections.abc import Sequence as Sequence_
 from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 
 from ..errors import InputError
-from ..geometry import Pose
-from ..headsets import Headset
+from ..geometry import Fov, GuardBand, Pose
 from ..pipeline.build import refreshes_of
+from ..pipeline.recorded_scene import RecordedScene, display_of
 from ..poses import LoadedTrace, PoseTrack
 from ..poses.quaternions import multiply, rotate
+from ..scenes import Scene
 from .options import RunOptions
 from .schedule import Schedule
 
 if TYPE_CHECKING:
+    from ..pipeline.options import PipelineOptions
     from ..pipeline.recorded_server import RecordedServer
     from ..sequences import Sequence
     from .log import ReplayLog
 
-CAMERA = "camera"
 ONE_EYE = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
-_SAME_FOV = 1e-6  # rad, far below a pixel
 _NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
 _ANOTHER = 1.0  # pixel that the truth may be off before a reader is told
-
-
-def display_of(sequence: Sequence) -> Headset:
-    """Return a display of one eye, that shows what the camera sees.
-
-    Errors: InputError for frames of several fields of view.
-    """
-    first = sequence.frames[0]
-    for frame in sequence.frames:
-        if np.abs(np.subtract(frame.fov.tangents, first.fov.tangents)).max() > _SAME_FOV:
-            raise InputError(
-                f"{sequence.path}: {first.name} and {frame.name} have different fields of view: expected one for all, "
-                "as the display has; replay those of each camera by themselves"
-            )
-    return Headset(
-        CAMERA,
-        f"the camera of {sequence.name}",
-        str(sequence.path),
-        first.size,
-        (0.1, 0.1 * first.size[1] / first.size[0]),
-        sequence.rate_hz or 1.0,
-        0.0,
-        first.fov,
-        None,
-        one_eye=True,
-    )
 
 
 def own_trace(sequence: Sequence) -> LoadedTrace:
@@ -129,14 +104,79 @@ def _median_and_most(values: Iterable[float]) -> dict[str, float]:
     return {"median": round(float(np.median(found)), 6), "most": round(float(found.max()), 6)}
 
 
-def about(sequence: Sequence) -> list[str]:
-    """Return what a reader of the results must know, one sentence each."""
-    path, count = sequence.path, len(sequence.frames)
-    return [
-        f"{count} recorded frames of {path} ({sequence.layout}) take the place of a renderer. One eye is shown, the "
-        "camera's; a late frame is as wide as the camera's picture, and taken where the camera was.",
-        *sequence.notes,
+def recorded_notes(options: PipelineOptions, scene: Scene) -> list[str]:
+    """Return what to say of recorded frames before anything else, nothing for a scene."""
+    return [about(scene.sequence, options)] if isinstance(scene, RecordedScene) else []
+
+
+def recorded_entry(options: PipelineOptions, scene: Scene) -> dict[str, Any] | None:
+    """Return the `recorded` of summary.json; None for a scene."""
+    if not isinstance(scene, RecordedScene):
+        return None
+    sequence = scene.sequence
+    return {
+        "folder": str(sequence.path),
+        "layout": sequence.layout,
+        "frames": len(sequence.frames),
+        "size": list(sequence.frames[0].size),
+        "fov_deg": [round(angle, 2) for angle in _degrees(sequence.frames[0].fov)],
+        "eye_distance_mm": options.eye_distance_mm,
+    }
+
+
+def _degrees(fov: Fov) -> tuple[float, float]:
+    left, right, down, up = np.degrees(np.arctan(fov.tangents)).tolist()
+    return right - left, up - down
+
+
+def about(sequence: Sequence, options: PipelineOptions) -> str:
+    """Return what takes the place of a renderer, how much of it is shown, and to which eyes."""
+    (wide, high), (across, down) = sequence.frames[0].size, _degrees(sequence.frames[0].fov)
+    told = [
+        f"{len(sequence.frames)} recorded frames of {sequence.path} ({sequence.layout}) take the place of a renderer: "
+        f"{wide}x{high} pixels, {across:.1f} x {down:.1f} degrees.",
+        "A late frame was taken where the camera was.",
     ]
+    guard = options.guard_factors
+    told.append(
+        "All of it is shown: there is no guard band."
+        if guard == GuardBand()
+        else f"The middle of it is shown, {_shown(sequence, options)}; the rest is a guard band of {guard.text}."
+    )
+    if options.eye_distance_mm:
+        told.append(
+            f"The left eye is the camera, and the right eye is shown the same frames, {options.eye_distance_mm:g} mm "
+            "beside it."
+        )
+    else:
+        told.append("One eye is shown, the camera's.")
+    return " ".join(told)
+
+
+def second_eye(rows: Sequence_[Mapping[str, Any]], holes: Mapping[int, float]) -> dict[str, float]:
+    """Return the mean share of holes of the camera's eye and of the one beside it.
+
+    rows: as of frames.csv. holes: of the other eye, by refresh.
+    """
+    of_camera = [row["hole_share"] for row in rows if row["eye"] == 0 and row["frame"] in holes]
+    return {
+        "camera_hole_share": math.fsum(of_camera) / len(of_camera),
+        "hole_share": math.fsum(holes.values()) / len(holes),
+    }
+
+
+def about_second_eye(found: Mapping[str, float]) -> str:
+    """Return how much more the eye beside the camera lacks."""
+    return (
+        "Nothing was recorded where the right eye is: it has times and holes, and all other figures are the camera's "
+        f"eye's. The warp leaves {found['hole_share']:.2%} of the right eye's pixels empty, "
+        f"{found['camera_hole_share']:.2%} of the left eye's."
+    )
+
+
+def _shown(sequence: Sequence, options: PipelineOptions) -> str:
+    across, down = _degrees(display_of(sequence, options.guard_factors).left_fov)
+    return f"{across:.1f} x {down:.1f} degrees"
 
 
 def about_truth(offsets: dict[str, Any], pixels_per_degree: float, *, is_own: bool) -> str:

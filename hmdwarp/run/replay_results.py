@@ -16,7 +16,7 @@ from ..pipeline.recorded_server import RecordedServer
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from .frame_rows import Row
 from .log import ReplayLog
-from .recorded_frames import about_truth, truth_offsets
+from .recorded_frames import about_truth, recorded_entry, truth_offsets
 from .replay_setup import ReplaySetup
 from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names, machine_of, summary_of
 
@@ -55,6 +55,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         machine=machine_of(setup.gpu),
         clock=setup.gpu.timer.clock,
         trace_axes=setup.track.axes,
+        recorded=recorded_entry(setup.options, setup.scene),
     )
 
 

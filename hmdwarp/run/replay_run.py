@@ -27,6 +27,7 @@ from .guard import settled
 from .log import ReplayLog
 from .measuring import MAIN, Probe
 from .options import RunOptions
+from .recorded_frames import about_second_eye, second_eye
 from .replay_results import ReplayResult, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
@@ -75,6 +76,10 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
             out.write_csv("jod.csv", _rated_rows(probe.clips), JOD_COLUMNS)
+        if probe.untrue_holes:
+            beside = second_eye(log.rows, probe.untrue_holes)
+            more["second_eye"] = beside
+            setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more)
         write_results(out, log, result, compared, pool, options.command)
     return result

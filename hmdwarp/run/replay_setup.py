@@ -23,17 +23,16 @@ from ..pipeline.feed_coding import wish_of
 from ..pipeline.layers_read import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
-from ..pipeline.recorded_server import empty_scene
+from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
 from ..pipeline.remote import Remote, check_carried, check_remote
 from ..pipeline.remote_server import SERVER_SCENE, scene_elsewhere
 from ..pipeline.sizes import guarded_size
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
-from ..repairs import parse_repairs
-from ..scenes import Scene, load_scene
+from ..scenes import Scene
 from .host import refuse_one_eye
 from .options import RunOptions
 from .pose_request import check_names, pose_request
-from .recorded_frames import ONE_EYE, about, beside, display_of, own_trace, schedule_at_frames
+from .recorded_frames import ONE_EYE, beside, own_trace, recorded_notes, schedule_at_frames
 from .schedule import Schedule, schedule_of
 
 if TYPE_CHECKING:
@@ -93,6 +92,11 @@ class ReplaySetup:
         return self.pipeline.auto
 
     @property
+    def true_eyes(self) -> int:
+        """How many eyes have a truth: of recorded frames the camera's alone."""
+        return 1 if self.options.is_recorded else 2
+
+    @property
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
@@ -126,8 +130,10 @@ def set_up_replay(
     software.
     """
     check_names(options)
-    sequence = sequence_of(options)
-    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
+    scene = scene_of(options) if options.is_recorded else None
+    sequence = scene.sequence if isinstance(scene, RecordedScene) else None
+    options = fitted(options, scene) if scene is not None else options
+    headset = load_headset(options.headset) if scene is None else headset_of(options, scene)
     plans_for(options, headset, None, levels)
     against = _needs_of_against(options)
     trace = _trace(options, sequence)
@@ -137,10 +143,10 @@ def set_up_replay(
     guarded_size(options.guard_band, headset, size)
     if options.feed.is_used:
         check_remote(options, recorded=sequence is not None)
-    scene = _scene(options) if sequence is None else empty_scene(sequence)
+    scene = scene or _scene(options)
     plans = plans_for(options, headset, scene, levels)
     needs = needs_of(plans) | against | (also or Needs())
-    refuse_one_eye(needs, len(headset.views(Pose())), ONE_EYE)
+    refuse_one_eye(needs, len(headset.views(Pose())) if sequence is None else 1, ONE_EYE)
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
     name = track.name or trace.path.stem
     with ExitStack() as stack:
@@ -161,9 +167,8 @@ def set_up_replay(
         pictures = not alone or Reads.of(plans).pictures
         request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs, pictures=pictures)
         target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
-        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, sequence, remote))
-        told = about(sequence) if sequence is not None else []
-        notes[:0] = [*told, *trace.notes(), *scene.notes]
+        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, remote))
+        notes[:0] = [*recorded_notes(options, scene), *trace.notes(), *scene.notes]
         notes.extend(options.notes)
         parts = (options, trace, track, scene, headset, size, schedule, gpu, pipeline, remote, notes)
         return ReplaySetup(*parts, stack.pop_all())
@@ -171,7 +176,7 @@ def set_up_replay(
 
 def _scene(options: RunOptions) -> Scene:
     if options.scene != SERVER_SCENE:
-        return load_scene(*options.scene_key)
+        return scene_of(options)
     if not options.feed.is_used:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
     return scene_elsewhere(options.feed.connect)
@@ -202,15 +207,6 @@ def schedule_for(options: RunOptions, sequence: Sequence | None, trace: LoadedTr
     if sequence is not None and not options.trace and options.rate_hz is None:
         return schedule_at_frames(sequence, options)
     return schedule_of(trace.track, options, rate_hz)
-
-
-def sequence_of(options: RunOptions) -> Sequence | None:
-    """Return the recorded frames of the options, None for a scene."""
-    if options.frames is None:
-        return None
-    from .. import sequences
-
-    return sequences.open(options.frames, options.sequence_options).repaired(parse_repairs(options.repair))
 
 
 def _trace(options: RunOptions, sequence: Sequence | None) -> LoadedTrace:

@@ -60,6 +60,8 @@ class Facts:
     clock: str
     # Axes in which a recorded trace was read, and who says so; empty for a head that is live.
     trace_axes: str = ""
+    # Of recorded frames: folder, layout, frames, size, fov_deg and eye_distance_mm.
+    recorded: dict[str, Any] | None = None
 
 
 def machine_of(gpu: Gpu) -> dict[str, Any]:
@@ -80,6 +82,7 @@ def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures:
         "trace": facts.trace,
         **({"trace_axes": facts.trace_axes} if facts.trace_axes else {}),
         "scene": facts.scene,
+        **({"recorded": facts.recorded} if facts.recorded is not None else {}),
         "effects": facts.effects,
         "latency_ms": options.latency_ms,
         **({"strategy": options.strategy} if options.strategy else {}),

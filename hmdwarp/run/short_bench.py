@@ -57,7 +57,7 @@ def candidates(options: PipelineOptions) -> list[Combination]:
 
     Errors: as build_plan_for.
     """
-    headset, scene = load_headset(options.headset), load_scene(*options.scene_key)
+    headset, scene = load_headset(options.headset), load_scene(options.scene, options.scene_options)
     found = []
     build_plan_for(options.with_pair("none", "none"), headset, scene)
     for warp, fill in product(every_warp(), FILLS):

@@ -47,7 +47,6 @@ from .motions import Pendulum as Pendulum
 from .motions import Spinning as Spinning
 from .motions import Thrown as Thrown
 from .motions import Track as Track
-from .options import SceneKey as SceneKey
 from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
 from .radiosity import lamps_at as lamps_at

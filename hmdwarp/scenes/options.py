@@ -75,7 +75,6 @@ class SceneOptions(Declared):
 
 
 # A scene's name or file, and how the file is read.
-SceneKey = tuple[str, SceneOptions]
 
 
 def numbered(names: list[str], asked: str, kind: str, flag: str, also: str = "") -> int:

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..options import Declared, Number, names_in, option
+from ..options import DISPLAY, Declared, Number, names_in, option
 
 if TYPE_CHECKING:
     from .camera import Camera
 
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
-_STUDY = "a study shows scenes"
 
 
 def _camera(text: str) -> Camera:
@@ -24,7 +23,9 @@ def _camera(text: str) -> Camera:
 def repair_field() -> Any:
     """Return the field for what mends depth; parse_repairs reads its text."""
     return option(
-        "none", f"Mend missing and wrong depth before the warp: {names_in('repairs')}, or several with +.", study=_STUDY
+        "none",
+        f"Mend missing and wrong depth before the warp: {names_in('repairs')}, or several with +.",
+        study=DISPLAY,
     )
 
 
@@ -39,7 +40,7 @@ class SequenceOptions(Declared):
     layout: str | None = option(
         None,
         f"Layout of the recorded frames: {names_in('sequences/readers')}; by default it is detected.",
-        study=_STUDY,
+        study=DISPLAY,
     )
     intrinsics: Camera | None = option(
         None,
@@ -47,7 +48,7 @@ class SequenceOptions(Declared):
         kind=str,
         metavar="FX,FY,CX,CY",
         parse=_camera,
-        study=_STUDY,
+        study=DISPLAY,
     )
     # Metres per unit.
     depth_scale: float | None = option(
@@ -55,7 +56,7 @@ class SequenceOptions(Declared):
         "Metres per unit of the recorded depth: 0.001 for millimetres, 0.0002 for TUM RGB-D.",
         kind=float,
         valid=Number(most=1.0, above=True),
-        study=_STUDY,
+        study=DISPLAY,
     )
     frames_rate_hz: float | None = option(
         None,
@@ -64,5 +65,5 @@ class SequenceOptions(Declared):
         unit="Hz",
         name="frames_rate",
         valid=Number(least=1e-3, most=1e4),
-        study=_STUDY,
+        study=DISPLAY,
     )

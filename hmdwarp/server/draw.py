@@ -162,7 +162,7 @@ class Server:
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; later frames will overwrite them."""
-        for eye in frame.eyes:
+        for _, eye in frame.pictures():
             self.pool(eye.size).release(eye.colour)
         for layer, data in frame.contents():
             for texture in layer.textures(data):

@@ -3,7 +3,8 @@
 A trial cannot be measured while it runs: the truth is a second picture, and FLIP takes a second.
 The replay is the same pipeline with the trial's settings, on the recorded head and instants. It is
 even in time where the display was not, and its first picture comes with the first frame, so the
-first moments of a trial (its latency) are left out.
+first moments of a trial (its latency) are left out. Of recorded frames the camera's eye is
+measured, at the recorded instants of their first time through.
 """
 
 from __future__ import annotations
@@ -123,9 +124,13 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     later adds them.
     Errors: InputError where there is no trace, or warp auto chose by the machine's speed.
     """
-    if not showing.trace or not (traces / showing.trace).is_file():
-        raise InputError("its head motion was not recorded, or the recording is gone")
     live = live_options(showing.settings)
+    if not live.is_recorded and (not showing.trace or not (traces / showing.trace).is_file()):
+        raise InputError("its head motion was not recorded, or the recording is gone")
+    if live.is_recorded and session.facts.get("trace"):
+        raise InputError(
+            f"its head was that of {session.facts['trace']}: recorded frames are the truth for their camera's own head"
+        )
     if live.chooses_warp:
         raise InputError("warp auto chose by the machine's speed, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
@@ -144,6 +149,10 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         "workers": options.where.measuring(options.workers),
         "images": 0,
     }
+    if live.is_recorded:
+        # The camera's own head, at the recorded instants: the truth is what was recorded there.
+        seconds = showing.actual.get("seconds")
+        replayed |= {"trace": "", "as_recorded": False, "rate_hz": None, "seconds": seconds or None, "lens": "none"}
     return RunOptions(**{**shared, **replayed})
 
 
@@ -165,7 +174,14 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
     found = figures(run, progress)
     means = {name: found["quality"][name]["mean"] for name in QUALITY}
     pictures = found["measured"]["psnr_db"]
-    return {**means, "refreshes": pictures // 2, **_how(run), "latency_ms": run.latency_ms, "hmdwarp": __version__}
+    eyes_with_truth = 1 if run.is_recorded else 2
+    return {
+        **means,
+        "refreshes": pictures // eyes_with_truth,
+        **_how(run),
+        "latency_ms": run.latency_ms,
+        "hmdwarp": __version__,
+    }
 
 
 def _name(showing: Showing, session: Session) -> str:

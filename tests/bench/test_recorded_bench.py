@@ -9,7 +9,7 @@ from hmdwarp import sequences
 from hmdwarp.bench import BenchOptions, bench, combinations_of
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.image import usable_warps
-from hmdwarp.pipeline.recorded_server import empty_scene
+from hmdwarp.pipeline.recorded_scene import recorded_scene
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def options(folder, out, **said) -> BenchOptions:
 
 
 def test_all_warps_that_colour_and_depth_are_enough_for(folder, tmp_path):
-    chosen = combinations_of(options(folder, tmp_path), empty_scene(sequences.open(folder)))
+    chosen = combinations_of(options(folder, tmp_path), recorded_scene(sequences.open(folder)))
     warps = {one.warp.partition(":")[0] for one in chosen}
     assert set(usable_warps()) <= warps
     assert not warps & {"backward", "layered", "environment", "points", "model"}

@@ -4,14 +4,14 @@ frames do not show is not guessed."""
 from __future__ import annotations
 
 import os
-from collections import Counter
 
 import attrs
 import numpy as np
 import pytest
+from check_rates import missed_of, recorded_for
 from depth_camera import DepthCamera
 from scipy.spatial.transform import Rotation
-from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, recordings, right_frames, wrong_frames
+from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, right_frames, wrong_frames
 
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch
 from hmdwarp.errors import InputError
@@ -21,14 +21,13 @@ from hmdwarp.server import Server
 
 # Random cases; docs/check.md has the figures of 1000.
 CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "32"))
-SCENES = ("room", "spheres")
 CAMERA = DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5)
 
 
 @pytest.fixture(scope="module")
 def recorded(gpu) -> list[Recording]:
     """A few recordings: what takes time is to draw them, and each is misread in many ways."""
-    return recordings(gpu, SCENES, max(2, CASES // 250), np.random.default_rng(1))
+    return recorded_for(gpu, CASES)
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +41,7 @@ def named(frames: list[StatedFrame]) -> list[str]:
 
 def test_a_single_wrong_convention_is_found_and_named_and_right_frames_are_called_right(recorded):
     """At least 99 %, of random cameras, motions, noise, gaps, worlds and numbers."""
-    missed: Counter[str] = Counter()
-    for case in range(CASES):
-        rng = np.random.default_rng([2, case])
-        name = list(MISREADINGS)[case % len(MISREADINGS)]
-        wanted = MISREADINGS[name][1]
-        frames = wrong_frames(recorded[rng.integers(len(recorded))], name, rng)
-        if named(frames) != ([wanted] if wanted else []):
-            missed[name] += 1
+    _, missed = missed_of(recorded, CASES)
     print(f"{missed.total()} of {CASES} missed: {dict(missed)}")
     assert missed.total() <= 0.01 * CASES, missed
 

@@ -38,7 +38,7 @@ FOLDERS = {
         "bench.html",
     ),
     "live": (
-        ["live", "--source", "offscreen", "--trace", "walk", "--frames", "2", "--quiet", *TINY[:4]],
+        ["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *TINY[:4]],
         "frames.csv",
     ),
     "analyse": (["study", "analyse", "ratings.csv", "--scale", "acr", "--quiet"], "tables/missing.csv"),

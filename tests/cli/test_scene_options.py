@@ -110,7 +110,7 @@ def test_a_bench_keeps_and_tells_the_notes(command, scene, tmp_path, monkeypatch
 
 
 def test_live_tells_the_notes_before_it_begins(command, scene):
-    run = ("live", "--source", "offscreen", "--trace", "still", "--frames", "2", "--latency", "0", "--no-panel")
+    run = ("live", "--source", "offscreen", "--trace", "still", "--pictures", "2", "--latency", "0", "--no-panel")
     done = command(*run, "--scene", scene, *TINY, "--warp", "none", "--fill", "none")
     assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.err.split())
 

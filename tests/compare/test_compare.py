@@ -11,6 +11,7 @@ from pathlib import Path
 import attrs
 import pytest
 from commands import hmdwarp
+from recorded_folders import taken, write_npz
 
 from hmdwarp.client import build_plan
 from hmdwarp.clients import client_names, load_client
@@ -183,3 +184,24 @@ def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):
     rows = json.loads((out / "compare.json").read_text(encoding="utf-8"))["rows"]
     for name in ("strategy", "quality", "mbit_s", "unfit"):
         assert [row[name] for row in rows] == [row[name] for row in data["rows"]]
+
+
+def test_recorded_frames_are_compared_by_what_colour_and_depth_allow(tmp_path):
+    """Strategies that send a scene, a mirror or a second eye are left out, each with its reason."""
+    frames = tmp_path / "walk-past"
+    frames.mkdir()
+    write_npz(frames, taken(12, (60, 40)))
+    said = ("--frames", frames, "--latency", "100", "--workers", "0", "--quiet", "--out", tmp_path / "out")
+    done = hmdwarp("compare", *said)
+    assert (done.returncode, done.stderr) == (0, "")
+    data = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
+    ran, left_out = {row["strategy"] for row in data["rows"]}, {one["strategy"] for one in data["left_out"]}
+    assert {"imposter", "depth_image"} <= ran and {"model", "proxy", "points"} <= left_out
+    assert {(row["scene"], row["trace"], row["headset"], *row["size"]) for row in data["rows"]} == {
+        ("walk-past", "walk-past", "camera", 60, 40)
+    }
+    by_name = {row["strategy"]: row["quality"]["psnr_db"]["mean"] for row in data["rows"]}
+    assert by_name["depth_image"] > by_name["imposter"] + 3
+    for wrong in (("walk",), ("--headset", "flat-90"), ("--scene", "room"), ("--rate", "60")):
+        refused = hmdwarp("compare", *wrong, *said)
+        assert (refused.returncode == 2) == (wrong != ("--scene", "room")), wrong  # the default says nothing

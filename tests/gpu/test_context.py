@@ -188,7 +188,7 @@ def test_a_lost_context_is_one_plain_error(monkeypatch, reason, words):
 COMMANDS = {
     "replay": ("replay", "look-around", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--quiet"),
     "bench": ("bench", "look-around", "--size", "48x40", "--instants", "1", "--warp", "none", "--quiet"),
-    "live": ("live", "--source", "offscreen", "--trace", "look-around", "--size", "48x40", "--frames", "5"),
+    "live": ("live", "--source", "offscreen", "--trace", "look-around", "--size", "48x40", "--pictures", "5"),
 }
 
 

@@ -485,7 +485,9 @@ def test_names_are_checked():
         warp_image(COLOUR, DEPTH, view(), view(), fill="interpolation")
     with pytest.raises(InputError, match="backward.*client_depth_m"):
         warp_image(COLOUR, DEPTH, view(), view(), "backward")
-    with pytest.raises(PlanError, match="warp layered needs layer 'peeled' from the server.*a single picture has none"):
+    with pytest.raises(PlanError, match="warp environment needs layer 'cube' from the server.*single picture has none"):
+        warp_image(COLOUR, DEPTH, view(), view(), "environment")
+    with pytest.raises(InputError, match="warp 'layered' reads layer 'peeled': give layers"):
         warp_image(COLOUR, DEPTH, view(), view(), "layered")
     for wrong in (None, 3, ["forward"]):
         with pytest.raises(InputError, match=r"warp is .*: expected a name: forward, "):

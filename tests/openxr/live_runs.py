@@ -180,7 +180,7 @@ def two_hundred_frames(here: Here, out: Path, graphics: str) -> None:
         ages.append(refresh.age_ns)
         heads.append(refresh.head.time_ns)
 
-    summary = here.run(quick(frames=200, latency_ms=175.0, out=out), after).summary
+    summary = here.run(quick(pictures=200, latency_ms=175.0, out=out), after).summary
     validate_summary(json.loads((out / "summary.json").read_text(encoding="utf-8")))
     assert here.watched.about["graphics"] == graphics
     assert summary["frames"] == len(ages) == 200

@@ -57,7 +57,7 @@ def test_known_colours_arrive_on_the_screen(runtime, screen, monkeypatch):
         if number == LAST:
             pictures.append(when_lit(screen))
 
-    here.run(quick(size=SIZE, frames=LAST), after)
+    here.run(quick(size=SIZE, pictures=LAST), after)
     (picture,) = pictures
     for eye, seen in enumerate(charts_in(picture)):
         patches = CHART if eye == 0 else CHART[:, ::-1]

@@ -51,7 +51,7 @@ def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
             )
         server.close()
 
-    here.run(quick(scene="room", frames=3), after)
+    here.run(quick(scene="room", pictures=3), after)
     assert not np.array_equal(drawn[0], drawn[1])
     for picture, wanted in zip(pictures, drawn, strict=True):
         # The runtime's float32 moves edges by 1e-5 pixels: of 11,520 pixels a few may fall on their

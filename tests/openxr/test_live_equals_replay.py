@@ -113,7 +113,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
         quick(
             scene=SCENE,
             latency_ms=LATENCY_MS,
-            frames=POSES,
+            pictures=POSES,
             record=recording,
             out=out,
             images_every=1,

@@ -52,7 +52,7 @@ def test_the_left_eye_is_on_the_screen(runtime, screen, monkeypatch):
         blocks = on_screen.reshape(SIZE[1], 4, SIZE[0], 4, 3).mean((1, 3))
         found.append([np.abs(blocks - picture).mean() for picture in (left, right, flip_rows(left))])
 
-    here.run(quick(frames=6, size=SIZE, scene="spheres", depth_layer=False), after)
+    here.run(quick(pictures=6, size=SIZE, scene="spheres", depth_layer=False), after)
     assert here.watched.about["graphics"] == "GLX"
     this, other_eye, upside_down = min(found)  # the window leaves out pictures that come too fast, so not each is there
     assert this < 6

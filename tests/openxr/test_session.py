@@ -196,7 +196,7 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
             for one, eye in zip(refresh.inputs, refresh.eyes, strict=True)
         ])  # fmt: skip
 
-    here.run(quick(frames=4, scene="room", warp=warp, fill="interpolate", depth_layer=depth_layer), after)
+    here.run(quick(pictures=4, scene="room", warp=warp, fill="interpolate", depth_layer=depth_layer), after)
     layers, pictures = [layer for layer in handed_over.layers if layer], iter(handed_over.pictures)
     assert len(layers) == 4
     for layer, eyes in zip(layers, expected, strict=True):

@@ -49,10 +49,10 @@ def test_a_second_instance_in_one_process(monado, here):
     first = xr.create_instance(xr.InstanceCreateInfo())
     try:
         with pytest.raises(MachineError, match="has no room for another program"):
-            here.run(quick(frames=1))
+            here.run(quick(pictures=1))
     finally:
         xr.destroy_instance(first)
-    assert here.run(quick(frames=1)).summary["frames"] == 1  # nothing of the failed one is left
+    assert here.run(quick(pictures=1)).summary["frames"] == 1  # nothing of the failed one is left
 
 
 def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch):
@@ -66,7 +66,7 @@ def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch
         ended(frames, layer)
 
     monkeypatch.setattr(FrameCalls, "end", end)
-    here.run(quick(frames=3))
+    here.run(quick(pictures=3))
     assert seen[0] == (False, False)
     assert sum(layered for _, layered in seen) == 3
     assert all(rendered for rendered, layered in seen if layered)
@@ -121,7 +121,7 @@ def test_a_restarted_service_goes_on_with_the_same_run(runtime, here, tmp_path):
         if "waiting up to" in text:
             monado.start()
 
-    result = here.run(quick(frames=12, record=recording, out=tmp_path / "out"), after, said)
+    result = here.run(quick(pictures=12, record=recording, out=tmp_path / "out"), after, said)
     assert len([text for text in here.said if text == "it is back"]) == 2
     assert result.summary["frames"] == 12
     assert len(gpus) == 1  # what was compiled and loaded is still there

@@ -28,7 +28,7 @@ def test_200_frames(runtime, screen, monkeypatch, tmp_path):
 def test_a_key_changes_the_warp(runtime, screen, monkeypatch):
     runtime(WOBBLING, UNSEEN).start()
     here = Here(monkeypatch)
-    here.run(quick(frames=16), lambda number: press("t") if number == 6 else None)
+    here.run(quick(pictures=16), lambda number: press("t") if number == 6 else None)
     warps = [str(refresh.plan.choice) for refresh in here.watched.shown if refresh is not None]
     assert len(set(warps[:6])) == 1
     assert warps[-1] != warps[0]
@@ -54,7 +54,7 @@ def test_without_a_service_the_window_is_taken_and_the_reason_told(runtime, scre
 
 def test_with_a_service_the_headset_is_taken(runtime, screen, tmp_path):
     runtime(WOBBLING, UNSEEN).start()
-    with Program(tmp_path, "--source", "auto", "--frames", "3") as program:
+    with Program(tmp_path, "--source", "auto", "--pictures", "3") as program:
         assert program.status() == 0
         assert "no headset" not in program.said
         assert "Monado" in program.recording.read_text(encoding="utf-8")

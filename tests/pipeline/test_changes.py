@@ -145,7 +145,8 @@ def test_a_live_run_sends_as_little(tmp_path):
     live(
         LiveOptions(
             scene="planes", source="offscreen", trace=trace_of(tmp_path / "still.txt"), headset="flat-90", size=SIZE,
-            frames=30, latency_ms=50.0, network=CHANGES, fill="none", lens="none", rate_hz=60.0, out=tmp_path / "live",
+            pictures=30, latency_ms=50.0, network=CHANGES, fill="none", lens="none", rate_hz=60.0,
+            out=tmp_path / "live",
         )
     )  # fmt: skip
     told = json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["link"]

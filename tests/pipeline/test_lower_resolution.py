@@ -98,7 +98,7 @@ def test_every_texture_comes_back_to_the_server():
 def test_a_live_run_lowers_it_too(tmp_path):
     live(
         LiveOptions(
-            scene="planes", source="offscreen", trace="look-around", headset="flat-90", size=(96, 80), frames=40,
+            scene="planes", source="offscreen", trace="look-around", headset="flat-90", size=(96, 80), pictures=40,
             latency_ms=30.0, network=network("resolution", NARROW), fill="none", lens="none", rate_hz=60.0,
             guard=1.0, out=tmp_path / "live",
         )

@@ -110,7 +110,7 @@ def test_a_live_run_is_as_old(tmp_path):
     """The display without a screen has 60 refreshes a second, as this replay."""
     live(
         LiveOptions(
-            scene="planes", source="offscreen", trace="look-around", headset="flat-90", size=(96, 80), frames=40,
+            scene="planes", source="offscreen", trace="look-around", headset="flat-90", size=(96, 80), pictures=40,
             latency_ms=40.0, network=network(server_rate=30.0), fill="none", lens="none", rate_hz=60.0,
             out=tmp_path / "live",
         )

@@ -135,7 +135,7 @@ def test_the_program_ends_with_3_and_one_line(tmp_path):
 @needs.programs("Xvfb")
 def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
     done = live(
-        "--scene", "planes", "--size", "96x120", "--latency", "0", "--frames", "2", screen=True, tmp_path=tmp_path
+        "--scene", "planes", "--size", "96x120", "--latency", "0", "--pictures", "2", screen=True, tmp_path=tmp_path
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("a window, as there is no headset: no OpenXR runtime: XR_RUNTIME_JSON names ")

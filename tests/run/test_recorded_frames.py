@@ -175,7 +175,7 @@ def test_over_a_link_with_a_codec(run):
 @pytest.mark.parametrize(
     ("said", "told"),
     [
-        ({"guard": "1.5"}, "--guard 1.5 with --frames: a recording is as wide as it was taken"),
+        ({"guard": "auto"}, "--guard auto with --frames: a factor says how much of the recording is shown"),
         ({"rendered_size": "90x60"}, "--rendered-size with --frames"),
         ({"predict": "cautious"}, "--predict cautious with --frames: each frame was taken where the camera was"),
         ({"lens": "radial"}, "--lens radial with --frames: the display is the camera"),

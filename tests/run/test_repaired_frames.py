@@ -11,6 +11,7 @@ from recorded_folders import taken, write_npz
 
 from hmdwarp import sequences
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.pipeline.recorded_scene import recorded_scene
 from hmdwarp.pipeline.recorded_server import RecordedServer
 from hmdwarp.repairs import parse_repairs
 from hmdwarp.run import RunOptions, replay
@@ -52,8 +53,9 @@ def test_late_frames_are_repaired_and_the_truth_is_not(folder, tmp_path):
 def test_the_server_gives_repaired_frames_and_truth_as_it_was_recorded(folder, gpu):
     from hmdwarp.gpu import download
 
-    server = RecordedServer(gpu, sequences.open(folder).repaired(parse_repairs("complete")))
-    late = server.draw_frame([], 10**9, SIZE).eyes[0]
+    sequence = sequences.open(folder).repaired(parse_repairs("complete"))
+    server = RecordedServer(gpu, recorded_scene(sequence))
+    late = server.draw_frame([sequence.frames[0].view], 10**9, SIZE).eyes[0]
     inverse, colour = download(late.inverse_depth), download(late.colour)
     truth = server.draw(late.view, SIZE, time_ns=10**9)
     assert (inverse > 0).all() and (download(truth.inverse_depth)[10:30, 15:45] == -1).all()

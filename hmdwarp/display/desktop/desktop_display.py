@@ -39,7 +39,7 @@ class DesktopDisplay(SwitchableView):
     name = "desktop"
 
     def __init__(self, options: DisplayOptions) -> None:
-        super().__init__(load_headset(options.headset), options.size, options.view)
+        super().__init__(options.emulated or load_headset(options.headset), options.size, options.view)
         with ExitStack() as closers:
             self._open(options, closers)
             self._closers = closers.pop_all()

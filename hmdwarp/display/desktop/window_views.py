@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import attrs
-import numpy as np
 
 from ...errors import InputError
 from ...geometry import Eyes, Fov, Pose, View
@@ -44,18 +43,17 @@ class WindowView:
 def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     """Return the view "both" or "flat" of a headset.
 
-    size: of one eye, None for the default. The flat view sees to both sides as far as the left
-    eye to its wider side. It has the shape of both eyes side by side, and so fills the same window.
+    size: of one eye, None for the default. The flat view has the shape of both eyes side by side,
+    and so fills the same window.
     """
     width, height = headset.eye_size_m
     if view == BOTH:
-        return WindowView(headset, 2, size or headset.eye_size_px, width / height, headset)
+        count = len(headset.views(Pose()))
+        return WindowView(headset, count, size or headset.eye_size_px, width / height, headset)
     if view != FLAT:
         raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
-    wide, aspect = float(np.abs(headset.left_fov.tangents[:2]).max()), 2 * width / height
-    high = wide / aspect
-    eye = OneEye(headset.name, Fov.from_tangents((-wide, wide, -high, high)))
-    return WindowView(eye, 1, size or flat_size(aspect), aspect, None)
+    fov, aspect = headset.flat_view
+    return WindowView(OneEye(headset.name, fov), 1, size or flat_size(aspect), aspect, None)
 
 
 class SwitchableView:

@@ -11,8 +11,10 @@ from pathlib import Path, PurePath
 
 from ...errors import InputError
 from ...options import as_keys
+from ...pipeline.options import SceneKey
+from ...pipeline.recorded_scene import RecordedScene
 from ...registry import unknown_name
-from ...scenes import Scene, SceneKey, with_targets
+from ...scenes import Scene, with_targets
 from ...tables import KeyFault, Table, quoted
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import (
@@ -58,6 +60,8 @@ class Checker:
         A quarter more must fit, as each trial has other places.
         """
         for scene in self._scenes.values():
+            if isinstance(scene, RecordedScene):
+                raise InputError(f"'{scene.name}' was recorded, and holds no targets: leave the task or the frames out")
             with_targets(scene, task.count + 1 + task.count // 4, task.size_deg, (task.seed, 0))
 
     def settings(
@@ -78,7 +82,8 @@ class Checker:
         """
         common = self._placed(self._common, _all_of(self._common), "common") if self._common is not None else {}
         mine = self._placed(table, own, who, others)
-        for name in DISPLAY:
+        # What of recorded frames is shown is the display's own field of view.
+        for name in (*DISPLAY, *(("guard",) if "frames" in common else ())):
             if name in mine:
                 key = next(key for key in own if key.replace("-", "_") == name)
                 raise table.fault(

@@ -15,12 +15,13 @@ from ...client.plan import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
 from ...options import declared, options_of
-from ...pipeline.options import AUTO
+from ...pipeline.options import AUTO, SceneKey
 from ...pipeline.planning import plans_for
+from ...pipeline.recorded_scene import headset_of
 from ...pipeline.sizes import guarded_size
-from ...run import LiveOptions, checked_scene, levels_from_file, refuse_one_eye
+from ...run import ONE_EYE, LiveOptions, checked_scene, levels_from_file, refuse_one_eye
 from ...run.options import FLAT
-from ...scenes import Scene, SceneKey
+from ...scenes import Scene
 from ...tables import quoted
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
@@ -67,10 +68,13 @@ def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]
     Errors: InputError and its kin, now and not in the middle of a session.
     """
     options = live_options(settings)
-    headset = load_headset(options.headset)
-    _check_guard(options, headset)
+    if not options.is_recorded:  # the sizes of recorded frames are known once they are opened
+        _check_guard(options, load_headset(options.headset))
     scene = scenes[options.scene_key] = checked_scene(options, scenes.get(options.scene_key))
+    headset = headset_of(options, scene)
     plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _levels(options, headset))
+    if options.is_recorded:
+        refuse_one_eye(needs_of(plans), 1, ONE_EYE)
     refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
     return options
 

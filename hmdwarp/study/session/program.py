@@ -10,8 +10,8 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
+from ...pipeline.recorded_scene import scene_of
 from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
-from ...scenes import load_scene
 from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
@@ -49,6 +49,8 @@ def run_session(
     machine lacks, and for a display that does not come back. Each says how to resume.
     """
     design = load_design(options.study)
+    # Refuses a display without a head, before there is a store.
+    live_options(design.parts[0].conditions[0].settings, source=options.source, trace=options.trace)
     with ExitStack() as stack:
         ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
         folder = store_folder(design, options.store, options.origin)
@@ -162,7 +164,7 @@ class _Program:
             self.design, session, store, display, sources, steps, store.done(session), before_s=before_s
         )
         every = self._all_options()
-        scenes = {key: load_scene(*key) for key in {one.scene_key for one in every}}
+        scenes = {key: scene_of(one) for key, one in {one.scene_key: one for one in every}.items()}
         wait_s = first_picture_wait_s([one.total_latency_ms for one in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
         self.words.recording = lambda: trials.recording

@@ -53,8 +53,6 @@ class SessionOptions(Declared):
                 f"--trace {self.trace}: a headset has a head of its own; "
                 f"to rehearse, use --source {DESKTOP} or {OFFSCREEN}"
             )
-        if self.source == OFFSCREEN and not self.trace:
-            raise InputError("--source offscreen: there is no head; name a recorded one by --trace, such as walk")
         if self.source == OFFSCREEN and self.origin == PERSON:
             raise InputError(
                 "--source offscreen: no person sees what is rated; that is a rehearsal: give --pilot or --simulate too"

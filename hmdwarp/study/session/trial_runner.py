@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from ...display import Command, Label
 from ...errors import InputError
+from ...pipeline.options import SceneKey
+from ...pipeline.recorded_scene import fitted
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
-from ...scenes import Scene, SceneKey, with_targets
+from ...scenes import Scene, with_targets
 from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
@@ -192,16 +194,17 @@ class TrialRunner:
         """
         context = self.context
         scene, places = self._scene(step)
+        options = fitted(self.options_of(step), scene)
         showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
         path = context.store.traces / showing.trace
-        log = LiveLog(attrs.evolve(self.options_of(step), record=path, seconds=None, frames=None, out=None))
+        log = LiveLog(attrs.evolve(options, record=path, seconds=None, pictures=None, out=None))
         handler: TrialHandler | None = None
         complete = False
         try:
             with ExitStack() as stack:
                 stack.enter_context(log)
                 recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
-                host = PipelineHost(context.display, self.options_of(step), scene)  # a new one: it remembers nothing
+                host = PipelineHost(context.display, options, scene)  # a new one: it remembers nothing
                 stack.callback(host.close)
                 stack.callback(log.leave)
                 recorder.begin(context.display.about, context.display.rate_hz)

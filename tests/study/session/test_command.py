@@ -110,7 +110,7 @@ def test_a_quiet_session_prints_nothing(tmp_path):
     ("words", "status", "told"),
     [
         (("--source", "nowhere"), 2, "source 'nowhere': expected auto, openxr, desktop or offscreen"),
-        (("--source", "offscreen"), 2, "name a recorded one by --trace"),
+        (("--source", "offscreen", "--pilot"), 2, "name a recorded one by --trace"),
         (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
         (("--source", "offscreen", "--trace", "walk", "--simulate", "thesis"), 2, "no mean for plainly-late"),
         (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),

@@ -1,0 +1,205 @@
+"""Layers of somebody's own beside colour and depth: arrays, checked, and held on the GPU."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import moderngl
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..colour import linear_from_srgb
+from ..errors import InputError
+from ..frames import Needs, Surface
+from ..frames.layers.ids import BodyIds
+from ..frames.layers.transparent import Transparent
+from ..geometry import RigidState
+from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, upload
+from .given_arrays import NO_DEPTH, checked
+from .usable import LAYERS
+
+Size = tuple[int, int]
+Array = NDArray[Any]
+
+
+class HeldLayer(ABC):
+    """One layer's textures."""
+
+    # What is to be given, in words.
+    expected: ClassVar[str]
+    # Whether it has the size of the result instead of the picture's.
+    is_shown: ClassVar[bool] = False
+
+    def __init__(self, gpu: Gpu, size: Size, amount: Any) -> None:
+        self._gpu, self._size, self._amount = gpu, size, amount
+        self._made: list[moderngl.Texture] = []
+        self.prepare()
+
+    @abstractmethod
+    def prepare(self) -> None:
+        """Allocate its textures."""
+
+    @abstractmethod
+    def hold(self, value: Any) -> Any:
+        """Take arrays over, and return what passes read. Errors: InputError."""
+
+    def texture(self, kind: tuple[int, str]) -> moderngl.Texture:
+        """Return a new texture that is freed with the layer."""
+        self._made.append(allocate(self._gpu.gl, self._size, kind))
+        return self._made[-1]
+
+    def array(self, name: str, value: ArrayLike, channels: int | None) -> Array:
+        """Return finite numbers of the layer's size. Errors: InputError."""
+        found, (wide, high) = np.asarray(value), self._size
+        shape = (high, wide) if channels is None else (high, wide, channels)
+        if found.shape != shape or found.dtype.kind not in "fiu":
+            raise InputError(f"{name} is {found.dtype} {found.shape}: expected numbers of shape {shape}")
+        if not np.isfinite(found).all():
+            raise InputError(f"{name} has NaN or infinite values: expected finite numbers")
+        return found
+
+    def parts(self, name: str, value: Any, count: int) -> tuple[Any, ...]:
+        """Return so many parts of a tuple. Errors: InputError."""
+        if not isinstance(value, list | tuple) or len(value) != count:
+            raise InputError(f"layer '{name}' is a {type(value).__name__}: expected {self.expected}")
+        return tuple(value)
+
+    def close(self) -> None:
+        """Free the textures."""
+        for texture in self._made:
+            texture.release()
+
+
+class _Velocity(HeldLayer):
+    expected = "(h, w, 3) m/s along the eye's axes, 0 for what stands still"
+
+    def prepare(self) -> None:
+        self._texture = self.texture(COLOUR)
+
+    def hold(self, value: Any) -> moderngl.Texture:
+        velocity = self.array("layer 'velocity'", value, 3)
+        moves = (velocity != 0).any(axis=2, keepdims=True)
+        upload(self._texture, np.concatenate([velocity, moves], axis=2).astype(np.float32))
+        return self._texture
+
+
+class _Ids(HeldLayer):
+    expected = (
+        "(numbers, bodies): (h, w) whole numbers, 0 for what stands still, n for bodies[n - 1], each a RigidState"
+    )
+
+    def prepare(self) -> None:
+        self._texture = self.texture(NUMBER)
+
+    def hold(self, value: Any) -> BodyIds:
+        numbers, bodies = self.parts("ids", value, 2)
+        numbers, bodies = self.array("numbers of layer 'ids'", numbers, None), tuple(bodies)
+        if not all(isinstance(one, RigidState) for one in bodies):
+            raise InputError("bodies of layer 'ids': expected a hmdwarp.geometry.RigidState for each")
+        if numbers.dtype.kind == "f" or numbers.min() < 0 or numbers.max() > len(bodies):
+            raise InputError(
+                f"numbers of layer 'ids' are {numbers.dtype}, {numbers.min()} to {numbers.max()}: expected whole "
+                f"numbers of 0 to {len(bodies)}, as there are {len(bodies)} bodies"
+            )
+        upload(self._texture, numbers.astype(np.uint16))
+        return BodyIds(self._texture, bodies)
+
+
+class _Overlay(HeldLayer):
+    expected = "(h, w, 4) of the result's size, uint8 sRGB or float linear light, alpha its share of the pixel"
+    is_shown = True
+
+    def prepare(self) -> None:
+        self._texture = self.texture(COLOUR)
+
+    def hold(self, value: Any) -> moderngl.Texture:
+        given = self.array("layer 'overlay'", value, 4)
+        is_bytes = given.dtype == np.uint8
+        light = linear_from_srgb(given[..., :3]) if is_bytes else given[..., :3]
+        alpha = given[..., 3:] / (255 if is_bytes else 1)
+        if alpha.min() < 0 or alpha.max() > 1:
+            raise InputError(f"alpha of layer 'overlay' is {alpha.min():g} to {alpha.max():g}: expected 0 to 1")
+        upload(self._texture, np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
+        return self._texture
+
+
+class _Peeled(HeldLayer):
+    expected = "[(colour, depth_m), ..]: the surfaces behind the picture, nearest first, as colour and depth_m"
+
+    def prepare(self) -> None:
+        self._surfaces = [Surface(self.texture(COLOUR), self.texture(SCALAR)) for _ in range(self._amount)]
+
+    def hold(self, value: Any) -> tuple[Surface, ...]:
+        given = self.parts("peeled", value, self._amount)
+        for number, (surface, one) in enumerate(zip(self._surfaces, given, strict=True)):
+            colour, depth_m = self.parts("peeled", one, 2)
+            picture = checked(colour, depth_m)
+            if picture.hidden.shape[::-1] != self._size:
+                found = "x".join(map(str, picture.hidden.shape[::-1]))
+                raise InputError(f"surface {number} of layer 'peeled' is {found} pixels: expected those of the picture")
+            for texture, array in zip(surface.textures(), picture.arrays(), strict=True):
+                upload(texture, array)
+        return tuple(self._surfaces)
+
+
+class _Transparent(HeldLayer):
+    expected = (
+        "(light, depth_m, passing): (h, w, 3) linear light that it adds, (h, w) metres with 0 where there is none, and "
+        "(h, w, 3) the share of the light behind that passes"
+    )
+
+    def prepare(self) -> None:
+        self._veil = Surface(self.texture(COLOUR), self.texture(SCALAR))
+        self._passing = self.texture(COLOUR)
+
+    def hold(self, value: Any) -> Transparent:
+        light, depth_m, passing = self.parts("transparent", value, 3)
+        light = self.array("light of layer 'transparent'", light, 3)
+        depth = self.array("depth_m of layer 'transparent'", depth_m, None)
+        passing = self.array("passing of layer 'transparent'", passing, 3)
+        there = depth > 0
+        with np.errstate(divide="ignore"):
+            inverse = np.where(there, 1 / depth, NO_DEPTH)
+        covered = there[..., None].astype(np.float32)
+        upload(self._veil.colour, np.concatenate([light * covered, covered], axis=2).astype(np.float32))
+        upload(self._veil.inverse_depth, inverse.astype(np.float32))
+        upload(self._passing, np.concatenate([np.where(there[..., None], passing, 1), covered], 2).astype(np.float32))
+        return Transparent(self._veil, self._passing)
+
+
+_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent)
+KNOWN = dict(zip(LAYERS, _KINDS, strict=True))
+
+
+class GivenLayers:
+    """All layers that a plan reads and a caller can give."""
+
+    def __init__(self, gpu: Gpu, needs: Needs, rendered_size: Size, shown_size: Size) -> None:
+        self._held = {
+            name: kind(gpu, shown_size if kind.is_shown else rendered_size, needs[name])
+            for name, kind in KNOWN.items()
+            if name in needs
+        }
+
+    def check(self, given: Mapping[str, Any], who: str) -> None:
+        """Check that all are given that are read, and no other. Errors: InputError."""
+        for name in given:
+            if name not in KNOWN:
+                raise InputError(f"layer '{name}' is unknown: expected {', '.join(KNOWN)}")
+            if name not in self._held:
+                raise InputError(f"layer '{name}': {who} does not read it; leave it out, or name an effect that does")
+        for name, held in self._held.items():
+            if name not in given:
+                raise InputError(f"{who} reads layer '{name}': give layers={{'{name}': ..}}, {held.expected}")
+
+    def hold(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what passes read, by name. Errors: InputError."""
+        return {name: held.hold(given[name]) for name, held in self._held.items()}
+
+    def close(self) -> None:
+        """Free all textures."""
+        for held in self._held.values():
+            held.close()

@@ -1,0 +1,87 @@
+"""What a Warper costs beyond the passes that it runs: printed for docs/rgbd.md.
+
+The passes alone and the Warper take turns in one process, on the same textures. Counted is the
+processor time of the calling thread: Python and the driver's part of it, without what llvmpipe's
+own threads draw and without what other programs take.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from statistics import median
+
+import numpy as np
+
+from hmdwarp import Fov, Pose, View, Warper
+from hmdwarp.client import Compensator, PassInputs
+from hmdwarp.frames import EyeImage
+from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
+
+# The smaller one has next to nothing to draw, and shows the cost of the calls alone.
+SIZES, WARM = ((64, 48), (640, 480)), 10
+WAYS = (
+    "the passes alone",
+    "`warp_textures`, read where they are",
+    "`warp_textures`, taken over: sRGB bytes, metres",
+    "`warp`, arrays",
+)
+
+
+def milliseconds(calls: list[Callable[[], object]], gpu: Gpu, rounds: int) -> list[float]:
+    """Return the median processor time of each call, which take turns."""
+    took: list[list[float]] = [[] for _ in calls]
+    for number in range(WARM + rounds):
+        # Another one begins each time: what a call leaves in the caches costs the next.
+        turn = number % len(calls)
+        for one, call in [*zip(took, calls, strict=True)][turn:] + [*zip(took, calls, strict=True)][:turn]:
+            gpu.gl.finish()
+            started = time.thread_time_ns()
+            call()
+            spent = (time.thread_time_ns() - started) * 1e-6
+            gpu.timer.collect()
+            if number >= WARM:
+                one.append(spent)
+    return [median(one) for one in took]
+
+
+def measured(size: tuple[int, int], rounds: int) -> list[float]:
+    """Return the milliseconds of each of WAYS."""
+    wide, high = size
+    rng = np.random.default_rng(0)
+    colour, depth_m = rng.integers(0, 255, (high, wide, 3), np.uint8), np.full((high, wide), 2.0)
+    fov = Fov.symmetric(1.2, 0.95)
+    late, now = (View(Pose((x, 0, 0)), fov) for x in (0.0, 0.03))
+    with Gpu() as gpu, Warper(size, gpu=gpu) as warper:
+        passes = Compensator(gpu, warper.plan, None, size, size)
+        own = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        upload(own[0], rng.random((high, wide, 4), np.float32)), upload(own[1], np.full((high, wide), 0.5, np.float32))
+        other = gpu.gl.texture(size, 4), gpu.gl.texture(size, 1, dtype="f4")
+        other[0].write(rng.integers(0, 255, (high, wide, 4), np.uint8).tobytes())
+        other[1].write(depth_m.astype(np.float32).tobytes())
+        calls: list[Callable[[], object]] = [
+            lambda: passes.run(PassInputs(EyeImage(late, *own), now, 0)),
+            lambda: warper.warp_textures(*own, late, now),
+            lambda: warper.warp_textures(*other, late, now, depth_as="metres", encoding="srgb"),
+            lambda: warper.warp(colour, depth_m, late, now),
+        ]
+        found = milliseconds(calls, gpu, rounds)
+        passes.close()
+        return found
+
+
+def main() -> None:
+    """Print a table."""
+    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    columns = [measured(size, rounds) for size in SIZES]
+    print(f"Milliseconds of the calling thread, `iterative` with `pyramid`, medians of {rounds} turns, llvmpipe.\n")
+    heads = "".join(f" {wide}x{high} | beyond the passes |" for wide, high in SIZES)
+    print(f"| call |{heads}\n| --- |{' ---: | ---: |' * len(SIZES)}")
+    for number, way in enumerate(WAYS):
+        cells = "".join(f" {found[number]:.2f} | {found[number] - found[0]:.2f} |" for found in columns)
+        print(f"| {way} |{cells}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,158 @@
+"""What of recorded frames is shown: the middle of them, to both eyes, live, and as a plan says."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from recorded_folders import fov_of, taken, write_npz
+from replays import replayed
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
+from hmdwarp.run import LiveOptions, ReplayResult, RunOptions, live
+
+SIZE, COUNT, RATE_HZ = (60, 40), 12, 30.0
+WALL_M = 2.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Twelve frames at 30 Hz; from one to the next the camera moves 2 cm and turns 1 degree."""
+    path = tmp_path_factory.mktemp("recorded") / "walk-past"
+    path.mkdir()
+    write_npz(path, taken(COUNT, SIZE))
+    return path
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory):
+    """A camera that stands still before a wall."""
+    path = tmp_path_factory.mktemp("recorded") / "wall"
+    path.mkdir()
+    write_npz(path, [attrs.evolve(one, depth_m=np.full_like(one.depth_m, WALL_M)) for one in taken(6, SIZE, 0, 0)])
+    return path
+
+
+@pytest.fixture
+def run(tmp_path, gpu):
+    def call(folder: Path, **said: object) -> ReplayResult:
+        usual = {"latency": 100.0, "against": "", "metrics_every": 3, "workers": 0, "images": 0}
+        made = RunOptions.of({**usual, "frames": folder, "out": tmp_path / "out", "force": True, **said})
+        return replayed(made, False, gpu)
+
+    return call
+
+
+@pytest.mark.parametrize(("guard", "shown"), [("1.5", [40, 27]), ("1.25x1", [48, 40])])
+def test_a_guard_shows_the_middle_of_what_was_recorded(run, folder, guard, shown):
+    """Without latency each frame is shown for its own view: its middle pixels are the truth's."""
+    summary = run(folder, latency=0.0, warp="none", guard=guard).summary
+    assert summary["size"] == shown and summary["rendered"]["size"] == list(SIZE)
+    assert summary["quality"]["psnr_db"]["mean"] == 100  # identical pictures
+    assert f"the rest is a guard band of {guard}" in summary["notes"][0]
+
+
+def test_the_rest_of_the_recording_is_a_guard_band(run, folder):
+    """The camera turns by 3 degrees in 100 ms: less than the band of 1.5 holds, at least 7."""
+    bare, guarded = (
+        run(folder, warp="rotation", fill="none", guard=guard).summary["quality"]["hole_share"]["mean"]
+        for guard in ("1", "1.5")
+    )
+    assert bare > 0.04 and guarded == 0
+
+
+def test_size_is_that_of_the_shown_middle(run, folder):
+    summary = run(folder, guard="1.5", size="20x14").summary
+    assert (summary["size"], summary["rendered"]["size"]) == ([20, 14], [30, 21])
+
+
+def test_a_right_eye_sees_the_wall_from_beside_the_camera(run, wall):
+    """It lacks the strip of the wall that the camera did not see: as wide as it sits beside it."""
+    eye_distance_mm = 150.0
+    result = run(wall, warp="iterative", fill="none", eye_distance=eye_distance_mm)
+    left, right = fov_of(SIZE).tangents[:2]
+    strip = eye_distance_mm / 1e3 / WALL_M / (right - left)
+    found = result.summary["second_eye"]
+    assert found["camera_hole_share"] == 0
+    assert found["hole_share"] == pytest.approx(strip, abs=1 / SIZE[0])  # whole columns of pixels
+    assert any("Nothing was recorded where the right eye is" in note for note in result.summary["notes"])
+    rows = result.rows
+    assert {row["eye"] for row in rows} == {0, 1}
+    assert all(row["psnr_db"] is None for row in rows if row["eye"] == 1)
+    assert all(row["total_ms"] > 0 for row in rows)
+
+
+def test_one_picture_crosses_the_link_for_both_eyes(run, folder):
+    one, both = (run(folder, eye_distance=mm).summary["link"]["mbit_s"] for mm in (0.0, 63.0))
+    assert one == both
+
+
+def test_live_plays_the_recording_forth_and_back(folder, tmp_path):
+    """The camera's own head leads; two seconds are five times its length."""
+    out = tmp_path / "live"
+    result = live(
+        LiveOptions.of({"frames": folder, "source": "offscreen", "latency": 100.0, "pictures": 60, "out": out})
+    )
+    summary = result.summary
+    assert (summary["scene"], summary["headset"], summary["trace"]) == ("walk-past", "camera", "walk-past")
+    assert any("take the place of a renderer" in note for note in summary["notes"])
+    frames = taken(COUNT, SIZE)
+    with (out / "frames.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["eye"] for row in rows} == {"0", "1"}
+    drawn = [
+        Pose([float(row[f"drawn_{axis}_m"]) for axis in "xyz"], [float(row[f"drawn_q{axis}"]) for axis in "xyzw"])
+        for row in rows
+        if row["eye"] == "0"
+    ]
+    numbers = [next(n for n, frame in enumerate(frames) if frame.pose.isclose(pose, 1e-9)) for pose in drawn]
+    assert set(np.diff(numbers)) <= {-1, 0, 1} and {0, COUNT - 1} <= set(numbers)
+    # From drawing to showing: the latency, at most a refresh of waiting, and two to the display.
+    ages = [float(row["age_ms"]) for row in rows]
+    assert min(ages) >= 100 and max(ages) <= 100 + 3e3 / RATE_HZ + 1e-3
+
+
+def test_live_shows_one_eye_in_the_flat_view(folder, tmp_path):
+    said = {"frames": folder, "source": "offscreen", "view": "flat", "latency": 0.0, "pictures": 4, "guard": "1.5"}
+    summary = live(LiveOptions.of({**said, "out": tmp_path / "live", "trace": "look-around"})).summary
+    assert summary["size"] == [40, 27] and summary["rendered"]["size"] == list(SIZE)
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "told"),
+    [
+        (LiveOptions, {"source": "openxr"}, "--source openxr with --frames: a headset has a head of its own"),
+        (LiveOptions, {"lens": "radial"}, "--lens radial with --frames"),
+        (RunOptions, {"frames": None, "trace": "walk", "eye_distance": 63.0}, "--eye-distance 63 without --frames"),
+        (RunOptions, {"frames": None, "trace": "walk", "repair": "edges"}, "--repair edges: a rendered scene"),
+    ],
+)
+def test_what_recorded_frames_cannot_do_is_refused(kind, said, told, folder):
+    with pytest.raises(InputError) as caught:
+        kind.of({"frames": folder, **said})
+    assert told in str(caught.value)
+
+
+def test_a_guard_that_leaves_next_to_nothing_is_refused(run, folder):
+    with pytest.raises(InputError, match="guard 6 leaves 10 of the 60 recorded pixels on one axis"):
+        run(folder, guard="6")
+
+
+def test_pages_say_folder_camera_and_eyes_in_place_of_a_scene(folder, tmp_path, gpu):
+    said = {"frames": folder, "latency": 100.0, "metrics_every": 3, "workers": 0, "images": 0, "against": ""}
+    for name, more, eyes, time in (
+        ("one", {}, "one, the camera&#39;s", "warp to lens, the camera&#39;s eye"),
+        ("both", {"eye_distance": 63.0}, "both, the right one 63 mm beside the camera", "warp to lens, both eyes"),
+    ):
+        out = tmp_path / name
+        result = replayed(RunOptions.of({**said, **more, "out": out}), True, gpu)
+        page = (out / "report.html").read_text(encoding="utf-8")
+        assert f"recorded frames <b>{folder} (12, folder)</b>" in page
+        assert "camera <b>60×40, 48.5 × 31.9 degrees</b>" in page
+        assert f"eyes <b>{eyes}</b>" in page and time in page and "reading the recorded frame" in page
+        assert "scene <b>" not in page and "what a renderer without any delay" not in page
+        assert result.summary["recorded"]["folder"] == str(folder)
