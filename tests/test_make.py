@@ -36,6 +36,7 @@ SMALL = {
     "docs": Small({"OPTIONS": "readme"}),
 }
 LISTED = {
+    "test-soak": "runs for an hour; tests/feed has short runs over the same relay",
     "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
     "test": "is the suite itself",
     "test-openxr": "needs root and apt, and builds 1.4 GB; where they are there it runs as part of the suite",

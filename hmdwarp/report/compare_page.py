@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import PRIMARY, Figure, metrics, pareto
-from .frame_sources import source_facts
 from .named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
 from .parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, environment
 from .pictures import jpeg_bytes
+from .source_texts import source_facts
 from .style import PAGE, css_variables, drawing, dress, not_measured, svg_text
 from .tables import axes_of_traces
 

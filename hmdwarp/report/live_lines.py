@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..metrics import Figure, metrics
-from .frame_sources import drawing_text, eyes_text
+from .source_texts import drawing_text, eyes_text
 from .tables import TIME_FIGURES, Summary
 from .words import counted
 

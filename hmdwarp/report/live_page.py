@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
-from .frame_sources import drawing_text, eyes_text, source_facts
 from .frame_ways import timeline_svg
 from .live_lines import budget_rows, missed_share
 from .parts import CLOCK_NAMES, Chart, Tile, environment
+from .source_texts import drawing_text, eyes_text, source_facts
 from .tables import TIME_FIGURES, Summary
 from .transit import coding_rows, frame_rows, response_rows
 from .words import listed

@@ -10,10 +10,10 @@ import attrs
 
 from ..metrics import PRIMARY, Kept, metrics_in_order
 from .charts import Series, time_series
-from .frame_sources import eyes_text, source_facts
 from .frame_ways import timeline_svg
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
+from .source_texts import eyes_text, source_facts
 from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
 from .transit import coding_rows, filled_rows, frame_rows, model_rows, response_rows
 from .words import listed

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..metrics import LEAST_INSTANTS, STAGES, Figure, excludes_zero, metrics, metrics_in_order
-from .frame_sources import source_text
+from .source_texts import source_text
 
 if TYPE_CHECKING:
     from rich.table import Table

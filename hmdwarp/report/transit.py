@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from .frame_sources import drawing_text, eyes_text
+from .source_texts import drawing_text, eyes_text
 from .tables import Summary
 
 Pairs = list[tuple[str, str]]

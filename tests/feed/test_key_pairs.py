@@ -88,7 +88,7 @@ def test_serve_and_live_speak_encrypted(tmp_path):
     name = tmp_path / "mine"
     with Serving("--listen", "0.0.0.0:*", "--key-pair", str(name)) as one:
         there = "127.0.0.1:" + one.address.rpartition(":")[2]
-        said = {"source": "offscreen", "trace": "look-around", "connect": there, "panel": False, "frames": 3}
+        said = {"source": "offscreen", "trace": "look-around", "connect": there, "panel": False, "pictures": 3}
         done = live(LiveOptions.of({**said, "server_key": tmp_path / "mine.key", "size": "96x80"}))
         assert done.summary["live"]["refreshes"] == 3
         with pytest.raises(InputError, match="no handshake"):

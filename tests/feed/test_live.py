@@ -36,9 +36,9 @@ def options(address: str, **more) -> LiveOptions:
 
 def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving, monkeypatch, tmp_path):
     display = OffscreenDisplay(keeps=True)
-    asked = options(serving.address, frames=12, latency=900.0, out=tmp_path / "out")
+    asked = options(serving.address, pictures=12, latency=900.0, out=tmp_path / "out")
     summary = run_on(monkeypatch, display, asked).summary
-    assert summary["scene"] == serving.address
+    assert summary["scene"] == "server"  # whose address stands in link.feed
     assert 0 < summary["latency_ms"] < 900
     feed, live = summary["link"]["feed"], summary["live"]
     assert feed["lost"] == 0 and feed["malformed"] == 0
@@ -56,7 +56,7 @@ def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkey
         6: [Command("warp", "none")],
     }
     display = OffscreenDisplay(asked=changes, keeps=True)
-    summary = run_on(monkeypatch, display, options(serving.address, frames=12)).summary
+    summary = run_on(monkeypatch, display, options(serving.address, pictures=12)).summary
     assert sum("latency and scene are the server's" in line for line in display.said) == 1
     changed = [name for one in summary["live"]["changes"] for name in one["what"]]
     assert changed == ["guard", "warp"]

@@ -191,7 +191,7 @@ def test_a_client_that_is_killed_leaves_a_whole_recording_and_the_server_goes_on
         assert len(load_trace(str(record)).track.time_ns) > 5
         # The next one is served through the same relay, whose link is cut in the middle of it.
         options = LiveOptions.of(
-            {"source": "offscreen", "trace": "look-around", "size": "96x80", "panel": False, "frames": 40}
+            {"source": "offscreen", "trace": "look-around", "size": "96x80", "panel": False, "pictures": 40}
             | {"connect": relay.address, "record": tmp_path / "second.csv"}
         )
         done = live(options, after=lambda number: relay.cut() if number == 10 else None)
@@ -213,7 +213,17 @@ def test_two_machines_as_two_network_namespaces(tmp_path):
         _set_up_namespaces(names)
         inside = ("ip", "netns", "exec", names[0])
         with Serving("--listen", "10.203.77.1:5570", "--key-pair", str(tmp_path / "mine"), inside=inside) as one:
-            said = ["--source", "offscreen", "--trace", "look-around", "--size", "96x80", "--no-panel", "--frames", "5"]
+            said = [
+                "--source",
+                "offscreen",
+                "--trace",
+                "look-around",
+                "--size",
+                "96x80",
+                "--no-panel",
+                "--pictures",
+                "5",
+            ]
             key = ["--server-key", str(tmp_path / "mine.key")]
             command = [sys.executable, "-m", "hmdwarp", "live", *said, *key, "--connect", "10.203.77.1:5570"]
             out = ["--out", str(tmp_path / "out")]

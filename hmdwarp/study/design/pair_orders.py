@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scales import FIRST, NEITHER
-from ..statistics import expected_information, with_expected
 
 _BETWEEN = "/"  # no condition's name has it
 
@@ -85,6 +84,8 @@ def adaptive_order(
     Source: Li, Mantiuk, Wang, Le Callet and Le Callet 2018, Hybrid-MST: A hybrid active sampling
     strategy for pairwise preference aggregation, NeurIPS; here from the first session on.
     """
+    from ..statistics import expected_information, with_expected
+
     wins, shown_first = wins.copy(), shown_first.copy()
     order: list[tuple[str, ...]] = []
     for repeat in range(repeats):

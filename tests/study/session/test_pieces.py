@@ -112,7 +112,6 @@ def test_what_nobody_measured_is_nothing_and_no_nan():
         ({"resume": True, "new_session": True}, "leave one of the two out"),
         ({"resume": True, "participant": "new"}, "needs the code"),
         ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
-        ({"source": "offscreen", "pilot": True}, "--trace"),
         ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
         ({"console": "chair"}, "expected auto, terminal, lines or none"),
     ],
