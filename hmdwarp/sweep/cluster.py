@@ -45,8 +45,9 @@ def run_on_cluster(
     with _connected(distributed, cluster, say) as client:
         _check_programs(client)
         sender, waiting = _Sender(client, work), deque(groups_of(cases))
+        ahead = 1 if in_turn else _most_ahead(cluster, len(waiting))
         completed = distributed.as_completed(
-            [sender.send(waiting.popleft()) for _ in range(1 if in_turn else len(waiting))], loop=client.loop
+            [sender.send(waiting.popleft()) for _ in range(min(ahead, len(waiting)))], loop=client.loop
         )
         try:
             for future in completed:
@@ -54,14 +55,26 @@ def run_on_cluster(
                     completed.add(future)
                     continue
                 yield from _outcomes(distributed, future, sender.sent.pop(future), cluster)
-                if waiting:  # in turn; a task runs where what it depends on lies
-                    completed.add(sender.send(waiting.popleft(), future if future.status == "finished" else None))
+                if waiting:
+                    # In turn: a task runs where what it depends on lies.
+                    before = future if in_turn and future.status == "finished" else None
+                    completed.add(sender.send(waiting.popleft(), before))
                 future.release()
         except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
             raise _lost(cluster) from error
         finally:
             with suppress(Exception):  # of a scheduler that is gone
                 client.cancel(list(sender.sent))
+
+
+def _most_ahead(cluster: str, groups: int) -> int:
+    """Return how many groups may be sent and not be back.
+
+    One for each worker here: a group that waits on a worker counts as run there when the worker
+    dies of another one. A scheduler elsewhere gets all, as it may start workers for them.
+    """
+    local = re.fullmatch(LOCAL, cluster)
+    return int(local[1]) if local else groups
 
 
 class _Sender:
