@@ -6,7 +6,7 @@ import functools
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, ClassVar
+from typing import Any
 
 import attrs
 
@@ -46,12 +46,11 @@ class BenchPart:
 class BenchWork:
     """Runs the cases of a bench."""
 
-    together: ClassVar[bool] = False
     # Measuring processes, as the option.
     workers: int | None
 
     @contextmanager
-    def opened(self) -> Iterator[Callable[..., Iterator[tuple[SweepCase, Result]]]]:
+    def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
         """Open what cases share: the machine's bandwidth, and the measuring processes of a size."""
         runner = _Runner(self.workers)
         try:
@@ -111,19 +110,16 @@ class _Runner:
 
     def __init__(self, workers: int | None) -> None:
         self._workers = workers
-        self._machine: _Machine | None = None
         self._pool: tuple[Any, QualityPool] | None = None
 
-    def __call__(self, cases: Sequence[SweepCase], step: Callable[[float], None]) -> Iterator[tuple[SweepCase, Result]]:
-        self._machine = _examined()
-        for case in cases:
-            part: BenchPart = case.what
-            try:
-                found = _SECTIONS[part.part](self, prepared(part.options), step)
-            except BaseException:
-                self.drop_pool()  # one in which measuring failed measures nothing more
-                raise
-            yield case, Result({**self._machine.as_json(), part.part: found})
+    def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
+        part: BenchPart = case.what
+        try:
+            found = _SECTIONS[part.part](self, prepared(part.options), step)
+        except BaseException:
+            self.drop_pool()  # one in which measuring failed measures nothing more
+            raise
+        return Result({**_examined().as_json(), part.part: found})
 
     def close(self) -> None:
         """End the measuring processes."""
@@ -148,18 +144,18 @@ class _Runner:
 
     def rows(self, work: BenchCase, step: Callable[[float], None]) -> list[dict[str, Any]]:
         """Return the rows of a case."""
-        assert self._machine is not None
-        options, pool, client = work.options, self.pool(work.headset, work.case.size), load_client(work.options.client)
-        chosen = work.batched(self._machine.most_bytes)
+        machine, options, client = _examined(), work.options, load_client(work.options.client)
+        pool = self.pool(work.headset, work.case.size)
+        chosen = work.batched(machine.most_bytes)
         steps, rows = _Steps(work.instants * len(chosen), step), []
         for batch in chosen:
             with set_up_replay(work.run, needs_of(c.plan for c in batch)) as setup:
                 comparison = Comparison(setup, work.case, batch, pool, options.rounds)
                 comparison.run(options.instants, steps)
                 pool.wait()
-                rate = self._machine.bandwidth.bytes_per_s
+                rate = machine.bandwidth.bytes_per_s
                 rows += [row_of(setup, each, pool, rate, client) for each in comparison.measured]
-        return [{**row, "machine": self._machine.facts} for row in rows]
+        return [{**row, "machine": machine.facts} for row in rows]
 
     def grid(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
         """Return the rows of the displacement grid, and where they were measured."""

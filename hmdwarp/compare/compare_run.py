@@ -25,9 +25,9 @@ from ..run.options import RunOptions
 from ..run.recorded_frames import ONE_EYE, own_trace
 from ..run.replay_setup import schedule_for
 from ..strategies import strategies
-from ..sweep import SweepCase, Swept, raise_failures, run_cases
+from ..sweep import Separate, SweepCase, Swept, raise_failures, run_cases
 from ..version import __version__
-from .compare_work import ComparePart, CompareWork, pictures_of
+from .compare_work import ComparePart, pictures_of, run_part
 from .options import CompareOptions
 
 PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
@@ -88,7 +88,7 @@ def compare(
     runs, left_out = _checked(options)
     with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
         cases = [_case(run, options.clients) for run in runs]
-        swept = run_cases(CompareWork(), cases, options.out, options.sweep, progress, say)
+        swept = run_cases(Separate(run_part), cases, options.out, options.sweep, progress, say)
         found = [*swept.results()]
         if not found:
             raise_failures(swept)

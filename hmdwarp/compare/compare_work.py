@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any, ClassVar
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -30,18 +29,6 @@ class ComparePart:
     clients: tuple[str, ...]
 
 
-@attrs.frozen
-class CompareWork:
-    """Runs the cases of a comparison."""
-
-    together: ClassVar[bool] = False
-
-    @contextmanager
-    def opened(self) -> Iterator[Callable[..., Iterator[tuple[SweepCase, Result]]]]:
-        """Open nothing: runs share nothing."""
-        yield _run
-
-
 def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[NDArray, NDArray]:
     """Return what the left eye saw at the first measured instant, and the truth.
 
@@ -53,13 +40,13 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[NDArray, NDArray]:
     return shown, truth
 
 
-def _run(cases: Sequence[SweepCase], step: Callable[[float], None]) -> Iterator[tuple[SweepCase, Result]]:
-    for case in cases:
-        part: ComparePart = case.what
-        result = measured(part.run)
-        job = min(result.kept, key=lambda kept: kept.key).job
-        pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
-        yield case, Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)
+def run_part(case: SweepCase, step: Callable[[float], None]) -> Result:
+    """Run one strategy; its pictures are kept beside its row."""
+    part: ComparePart = case.what
+    result = measured(part.run)
+    job = min(result.kept, key=lambda kept: kept.key).job
+    pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
+    return Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)
 
 
 def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[str, Any]:

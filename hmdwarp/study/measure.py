@@ -9,10 +9,9 @@ measured, at the recorded instants of their first time through.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import attrs
 
@@ -23,7 +22,7 @@ from ..options import parse_size
 from ..pipeline.options import PipelineOptions
 from ..report import counted
 from ..run import RunOptions, figures
-from ..sweep import Failure, Result, SweepCase, outcomes
+from ..sweep import Failure, Result, Separate, SweepCase, outcomes
 from ..version import __version__
 from .design import live_options
 from .measure_options import MeasureOptions
@@ -85,7 +84,7 @@ def measure_study(
             left_out.append(f"{_name(showing, session)}: {error}")
             continue
         of[cases[-1].name] = showing
-    for case, outcome in outcomes(MeasureWork(), cases, options.where, progress, say):
+    for case, outcome in outcomes(Separate(_run), cases, options.where, progress, say):
         if isinstance(outcome, Failure):
             if outcome.exit_status == InputError.exit_status:
                 left_out.append(f"{case.name}: {outcome.why}")
@@ -98,21 +97,8 @@ def measure_study(
     return Measurements(len(refreshes), known, tuple(left_out), sum(refreshes), tuple(failed))
 
 
-@attrs.frozen
-class MeasureWork:
-    """Measures showings one by one."""
-
-    together: ClassVar[bool] = False
-
-    @contextmanager
-    def opened(self) -> Iterator[Callable[..., Iterator[tuple[SweepCase, Result]]]]:
-        """Open nothing: replays share nothing."""
-        yield _run
-
-
-def _run(cases: Sequence[SweepCase], step: Callable[[float], None]) -> Iterator[tuple[SweepCase, Result]]:
-    for case in cases:
-        yield case, Result(_measured(case.what, lambda done, total: step(done / max(total, 1))))
+def _run(case: SweepCase, step: Callable[[float], None]) -> Result:
+    return Result(_measured(case.what, lambda done, total: step(done / max(total, 1))))
 
 
 def run_options(showing: Showing, session: Session, traces: Path, options: MeasureOptions) -> RunOptions:

@@ -119,7 +119,7 @@ def run_here(
     folders = {found: unpack(content, folder / found) for found, content in files.items()}
     here = [attrs.evolve(case, what=unpacked(case.what, folders)) for case in cases]
     with _one_at_a_time, work.opened() as runner:  # a worker may have several threads
-        return [(case.identity, outcome) for case, outcome in run_group(work, runner, here, lambda share: None)]
+        return [(case.identity, outcome) for case, outcome in run_group(runner, here, lambda share: None)]
 
 
 def _outcomes(distributed: Any, future: Any, group: Sequence[SweepCase], cluster: str) -> Iterator[Outcome]:

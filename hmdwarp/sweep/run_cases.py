@@ -113,7 +113,7 @@ def _run(
 def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
     with work.opened() as runner:
         for group in groups_of(cases):
-            yield from run_group(work, runner, group, bar.within)
+            yield from run_group(runner, group, bar.within)
 
 
 class _Bar:

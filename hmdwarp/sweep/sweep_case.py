@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import platform
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager
-from typing import Any, ClassVar, Protocol
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, Protocol
 
 import attrs
 
@@ -43,33 +43,37 @@ class SweepCase:
             raise InputError(f"{error.filename}: cannot read ({error.strerror}): {name} is made with it") from error
 
 
-# Runs cases one by one; yields each with its result.
-Runner = Callable[[Sequence[SweepCase], Step], Iterator[tuple[SweepCase, Result]]]
+# Runs a case and returns its result.
+Runner = Callable[[SweepCase, Step], Result]
 
 
 class Work(Protocol):
     """How the cases of a command are run. It crosses to other machines by pickle."""
-
-    # Whether the cases of a group are computed together; else one that fails leaves the others.
-    together: ClassVar[bool]
 
     def opened(self) -> AbstractContextManager[Runner]:
         """Open what cases share, such as measuring processes."""
         ...
 
 
-def run_group(
-    work: Work, runner: Runner, cases: Sequence[SweepCase], step: Step
-) -> Iterator[tuple[SweepCase, Result | Failure]]:
+@attrs.frozen
+class Separate:
+    """A Work whose cases share nothing."""
+
+    run: Runner
+
+    def opened(self) -> AbstractContextManager[Runner]:
+        """Open nothing."""
+        return nullcontext(self.run)
+
+
+def run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:
     """Run cases of one group; yield each as it is done, those that failed with the reason."""
-    for chosen in [cases] if work.together else [[case] for case in cases]:
-        left = {case.identity: case for case in chosen}
+    for case in cases:
         try:
-            for case, result in runner(chosen, step):
-                del left[case.identity]
-                yield case, attrs.evolve(result, where=platform.node())
+            outcome: Result | Failure = attrs.evolve(runner(case, step), where=platform.node())
         except Exception as error:
-            yield from ((case, Failure.of(case.name, error)) for case in left.values())
+            outcome = Failure.of(case.name, error)
+        yield case, outcome
 
 
 def groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:

@@ -17,7 +17,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import ClassVar
 
 import attrs
 
@@ -39,24 +38,22 @@ class Task:
 class Cheap:
     """Squares numbers."""
 
-    together: ClassVar[bool] = False
     log: Path
 
     @contextmanager
     def opened(self) -> Iterator:
-        def run(cases, step) -> Iterator[tuple[SweepCase, Result]]:
-            for case in cases:
-                with self.log.open("a", encoding="utf-8") as log:
-                    log.write(f"{case.what.number}\n")
-                if case.what.kind == "deadly" and case.what.number == 13:
-                    os.kill(os.getpid(), signal.SIGKILL)
-                if case.what.kind == "wrong" and case.what.number == 13:
-                    raise InputError("13 is no number for this")
-                time.sleep(0 if case.what.kind == "quick" else SECONDS)
-                text = Path(case.what.file).read_text(encoding="utf-8") if case.what.file else ""
-                yield case, Result({"square": case.what.number**2, "text": text, "pid": os.getpid()})
+        yield self._run
 
-        yield run
+    def _run(self, case: SweepCase, step) -> Result:
+        with self.log.open("a", encoding="utf-8") as log:
+            log.write(f"{case.what.number}\n")
+        if case.what.kind == "deadly" and case.what.number == 13:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if case.what.kind == "wrong" and case.what.number == 13:
+            raise InputError("13 is no number for this")
+        time.sleep(0 if case.what.kind == "quick" else SECONDS)
+        text = Path(case.what.file).read_text(encoding="utf-8") if case.what.file else ""
+        return Result({"square": case.what.number**2, "text": text, "pid": os.getpid()})
 
 
 def cases(count: int, kind: str = "plain", file: str = "") -> list[SweepCase]:
