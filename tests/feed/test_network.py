@@ -97,7 +97,9 @@ def test_a_link_that_is_down_for_a_while_is_taken_up_again(relay, listener, call
     relay.cut()
     for number in range(5000, 5030):
         caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
-        assert not answered(listener, 5)
+        found = listener.next(5)
+        # None, or one that had got through before the cut and was not read yet.
+        assert found is None or not 5000 <= found.ask.number < 5030
     relay.is_down = False
     arrival, _ = exchanged(caller, listener)
     # Requests of the time without a link were not kept for later.
@@ -213,20 +215,10 @@ def test_two_machines_as_two_network_namespaces(tmp_path):
         _set_up_namespaces(names)
         inside = ("ip", "netns", "exec", names[0])
         with Serving("--listen", "10.203.77.1:5570", "--key-pair", str(tmp_path / "mine"), inside=inside) as one:
-            said = [
-                "--source",
-                "offscreen",
-                "--trace",
-                "look-around",
-                "--size",
-                "96x80",
-                "--no-panel",
-                "--pictures",
-                "5",
-            ]
+            said = ["--source", "offscreen", "--trace", "look-around", "--size", "96x80", "--no-panel"]
             key = ["--server-key", str(tmp_path / "mine.key")]
             command = [sys.executable, "-m", "hmdwarp", "live", *said, *key, "--connect", "10.203.77.1:5570"]
-            out = ["--out", str(tmp_path / "out")]
+            out = ["--pictures", "5", "--out", str(tmp_path / "out")]
             subprocess.run(["ip", "netns", "exec", names[1], *command, *out], check=True, capture_output=True)
             assert one.process.poll() is None
         summary = json.loads((tmp_path / "out" / "summary.json").read_text())

@@ -83,3 +83,10 @@ def test_what_cannot_be_shown_is_refused_in_the_plan(plan, old, new, told):
     plan.write_text(PLAN.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(InputError, match=told):
         load_design(str(plan))
+
+
+def test_only_recorded_frames_bring_a_head_of_their_own(tmp_path):
+    alone = SessionOptions(study="quick", participant="P1", source="offscreen", pilot=True, store=tmp_path / "store")
+    with pytest.raises(InputError, match="name a recorded one by --trace"):
+        run_session(alone)
+    assert not (tmp_path / "store").exists()
