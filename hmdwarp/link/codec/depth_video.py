@@ -47,8 +47,8 @@ _CODEC = Codec(
         "psy": "0",
         "x264-params": "partitions=all:no-dct-decimate=1:me=umh",
         # Of 63 at 10 bits: the stream weighs about as much as colour at its codec's own quality.
-        # On average a pixel is off by half a step (walk, 320x400) to nine tenths of one (look-around,
-        # 640x800); 3 to 10 in a hundred are by more than two.
+        # On average a pixel is off by half a step (walk, 320x400) to nine tenths of one
+        # (look-around, 640x800); 3 to 10 in a hundred are by more than two.
         "qp": "22",
     },
 )
