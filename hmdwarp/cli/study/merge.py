@@ -18,10 +18,10 @@ class MergeStoresOptions(Declared):
 
     stores: tuple[str, ...] = option(
         attrs.NOTHING,
-        "The folders of data of two or more sites, each after its name: berlin=DIR.",
+        "The folders of data of two or more sites, each after the site's name: berlin=DIR.",
         kind=list,
         positional=True,
-        metavar="SITE=DIR",
+        metavar="STORE",
     )
     out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.", kind=Path)
 
@@ -43,7 +43,7 @@ def merge(said: Said) -> None:
             raise InputError(f"'{text}': expected SITE=DIR, as in berlin=DIR")
         if site in sites:
             raise InputError(f"site '{site}' is given twice: expected one folder for each")
-        sites[site] = path_of(folder, "SITE=DIR")
+        sites[site] = path_of(folder, "STORE")
     for one in run(sites, options.out):
         if not said["quiet"]:
             amounts = (counted(one.participants, "participant"), counted(one.sessions, "session"))

@@ -33,7 +33,7 @@ Ids = dict[int, int]
 
 
 @attrs.frozen
-class MergedSite:
+class SiteRows:
     """What came from one site."""
 
     site: str
@@ -42,7 +42,7 @@ class MergedSite:
     answers: int
 
 
-def merge(sites: Mapping[str, Path], out: Path) -> list[MergedSite]:
+def merge(sites: Mapping[str, Path], out: Path) -> list[SiteRows]:
     """Join the stores of sites into a new one, and return what each brought.
 
     sites: the folder of each, by the site's name. out: a folder that does not exist yet; it appears
@@ -125,7 +125,7 @@ def _check_people(opened: Mapping[str, sqlite3.Connection]) -> None:
 
 def _written(
     name: str, opened: Mapping[str, sqlite3.Connection], sites: Mapping[str, Path], out: Path
-) -> list[MergedSite]:
+) -> list[SiteRows]:
     making = out.with_name(f".{out.name}.merging")
     shutil.rmtree(making, ignore_errors=True)
     try:
@@ -161,7 +161,7 @@ class _Copy:
     def __init__(self, site: str, source: sqlite3.Connection, into: sqlite3.Connection) -> None:
         self._site, self._source, self._into = site, source, into
 
-    def all(self) -> MergedSite:
+    def all(self) -> SiteRows:
         people = self._table("participant", "WHERE NOT withdrawing", self._participant)
         plans = {row["id"]: self._plan(row) for row in self._source.execute("SELECT * FROM plan")}
         sessions = self._table(
@@ -181,7 +181,7 @@ class _Copy:
         for (code,) in self._source.execute(gone):
             # Their bytes were never here.
             self._into.execute("INSERT INTO withdrawn (code, cleaned) VALUES (?, 1)", (self._code(code),))
-        return MergedSite(self._site, len(people), len(sessions), len(answers))
+        return SiteRows(self._site, len(people), len(sessions), len(answers))
 
     def _table(self, table: str, where: str, changed: Callable[[sqlite3.Row], Row]) -> Ids:
         """Copy rows in the order of their ids; return the new id of each."""
