@@ -20,8 +20,8 @@ using Bytes = std::vector<uint8_t>;
 
 static_assert(sizeof(double) == 8 && sizeof(float) == 4, "IEEE 754 is expected");
 
-constexpr uint16_t VERSION = 2, REQUEST = 1, FRAME = 2;
-constexpr size_t REQUEST_BYTES = 180, EYE_BYTES = 144, FRAME_BYTES = 76, LENGTHS_BYTES = 8;
+constexpr uint16_t VERSION = 3, REQUEST = 1, FRAME = 2;
+constexpr size_t REQUEST_BYTES = 180, EYE_BYTES = 144, FRAME_BYTES = 80, LENGTHS_BYTES = 8;
 
 // The feed is little-endian, as all machines are that this example is for.
 template <typename T> T get(const uint8_t *from) { T value; std::memcpy(&value, from, sizeof value); return value; }
@@ -100,7 +100,7 @@ bool is_request(const Bytes &it) {
     uint32_t width = get<uint32_t>(&it[84]), height = get<uint32_t>(&it[88]), eyes = it[92];
     bool sized = width >= 1 && width <= 8192 && height >= 1 && height <= 8192 && eyes >= 1 && eyes <= 2;
     // A frame has 2^29 bytes at most: 8 a pixel here.
-    return sized && it.size() == REQUEST_BYTES + eyes * EYE_BYTES && uint64_t(eyes) * width * height < 1 << 25;
+    return sized && it.size() >= REQUEST_BYTES + eyes * EYE_BYTES && uint64_t(eyes) * width * height < 1 << 25;
 }
 
 Bytes answer(const Request &request) {

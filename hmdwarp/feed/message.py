@@ -1,7 +1,7 @@
 """The messages of the feed, as docs/feed.md has them: little-endian, every length checked.
 
 Whatever bytes come in, decoding returns a message or raises Malformed, and holds no more memory
-than they do.
+than they do; parts that are packed stay so.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import InputError
 from ..geometry import Fov, Pose, View
+from . import parts
+from .parts import BadPart, Layers, Part, Wanted
 
-VERSION = 2
+VERSION = 3
 MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL = 1, 2, 3
 # Formats of colour, and of depth; 0 in a request: the server's choice.
@@ -33,12 +35,13 @@ MOST_BYTES = 1 << 29
 # Magic, version, kind, bytes of the whole message.
 _HEAD = struct.Struct("<4sHHI")
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
-# width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew, frames a
-# second, Mbit/s of an eye's video, step of depth.
-_ASK = struct.Struct("<QqqqQ32sIIBBBBB3x3d")
+# width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
+# number of further layers, frames a second, Mbit/s of an eye's video, step of depth.
+_ASK = struct.Struct("<QqqqQ32sIIBBBBBB2x3d")
 # Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
-# height, eyes, format of colour, format of depth, whether the stream begins here, place in it.
-_FRAME = struct.Struct("<QqqqqqIIBBBBI")
+# height, eyes, format of colour, format of depth, whether the stream begins here, place in it,
+# number of parts of further layers.
+_FRAME = struct.Struct("<QqqqqqIIBBBBIB3x")
 # Bytes of one eye's colour and depth.
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
@@ -48,7 +51,9 @@ _EYE = struct.Struct("<18d")
 # Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
 _DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
-LARGEST_ASK = _HEAD.size + _ASK.size + _POSE.size + MOST_EYES * _EYE.size
+LARGEST_ASK = (
+    _HEAD.size + _ASK.size + _POSE.size + MOST_EYES * _EYE.size + parts.wanted_bytes(parts.MOST_WANTED, MOST_EYES)
+)
 _NO_TOKEN = bytes(32)
 _FINEST = 2.0**-20
 Size = tuple[int, int]
@@ -105,6 +110,8 @@ class Ask:
     wish: Wish = Wish()
     # Whether the pictures must be decodable without any before.
     anew: bool = False
+    # What the client reads beside colour and depth; None for nothing.
+    wanted: Wanted | None = None
 
 
 @attrs.frozen(eq=False)
@@ -133,6 +140,8 @@ class FrameMessage:
     # next one's is 1 more.
     begins: bool = True
     place: int = 0
+    # Further layers of each eye; () for none.
+    layers: tuple[Layers, ...] = ()
 
     @property
     def size(self) -> Size:
@@ -155,7 +164,12 @@ class FrameMessage:
     @property
     def bytes(self) -> int:
         """Bytes of the pictures."""
-        return sum(map(length_of, (*self.colours, *self.inverse_depths)))
+        return sum(map(length_of, (*self.colours, *self.inverse_depths))) + sum(map(parts.length_of, self.further))
+
+    @property
+    def further(self) -> list[Part]:
+        """The parts of all further layers."""
+        return [one for of_eye in self.layers for several in of_eye.values() for one in several]
 
 
 @attrs.frozen
@@ -190,16 +204,18 @@ def encode(message: Message) -> bytes:
         one = message
         stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
         start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
-        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views)])
+        wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
+        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted])
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
         colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
-        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place)
+        heads, contents = parts.packed_layers(it.layers)
+        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads))
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
         lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
         pictures = [p if isinstance(p, bytes) else p.tobytes() for pair in pairs for p in pair]
-        return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *pictures])
+        return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
     text = message.text.encode()[:MOST_TEXT]
     return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
 
@@ -207,7 +223,8 @@ def encode(message: Message) -> bytes:
 def _packed_wish(ask: Ask) -> tuple[float, ...]:
     wish = ask.wish
     quality = 0 if wish.crf is None else 1 + wish.crf
-    return wish.colour, wish.depth, quality, ask.anew, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+    layers = 0 if ask.wanted is None else len(ask.wanted.layers)
+    return wish.colour, wish.depth, quality, ask.anew, layers, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
 
 def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
@@ -246,7 +263,7 @@ def decode(data: bytes) -> Message:
         raise Malformed(f"kind {kind}: expected {ASK}, {FRAME} or {REFUSAL}")
     try:
         return readers[kind](data)
-    except (struct.error, InputError, UnicodeDecodeError) as error:
+    except (struct.error, InputError, UnicodeDecodeError, BadPart) as error:
         raise Malformed(f"kind {kind}: {error}") from error
 
 
@@ -254,14 +271,19 @@ def _ask(data: bytes) -> Ask:
     number, sent_ns, time_ns, head_ns, received, token, width, height, eyes, *asked = _ASK.unpack_from(data, _HEAD.size)
     at = _HEAD.size + _ASK.size
     _check_format(width, height, eyes)
-    _check_length(data, at + _POSE.size + eyes * _EYE.size)
+    anew, layers = asked[3] != 0, int(asked[4])
+    if layers > parts.MOST_WANTED:
+        raise Malformed(f"{layers} further layers: expected {parts.MOST_WANTED} at most")
+    wanted_at = at + _POSE.size + eyes * _EYE.size
+    _check_length(data, wanted_at + parts.wanted_bytes(layers, eyes))
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
-    wish, anew = _wish(asked), asked[3] != 0
-    return Ask(number, sent_ns, time_ns, head_ns, received, (width, height), head, views, token, wish, anew)
+    wanted = parts.wanted_from(data, wanted_at, layers, eyes)
+    times = (number, sent_ns, time_ns, head_ns, received)
+    return Ask(*times, (width, height), head, views, token, _wish(asked), anew, wanted)
 
 
 def _wish(asked: Sequence[float]) -> Wish:
-    colour, depth, quality, _, rate_hz, bitrate_mbit, step = asked
+    colour, depth, quality, _, _, rate_hz, bitrate_mbit, step = asked
     in_range = 1 <= rate_hz <= 1000 and 0 <= bitrate_mbit <= 1000 and (step == 0 or _FINEST <= step <= 1)
     if quality > 52 or not in_range:
         raise Malformed(
@@ -273,7 +295,7 @@ def _wish(asked: Sequence[float]) -> Wish:
 
 def _frame(data: bytes) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
-    width, height, eyes, colour, depth, begins, place = form
+    width, height, eyes, colour, depth, begins, place, count = form
     _check_format(width, height, eyes)
     if not (RGBA16F <= colour <= HEVC and INVERSE_DEPTH <= depth <= DEPTH_VIDEO):
         raise Malformed(
@@ -285,8 +307,12 @@ def _frame(data: bytes) -> FrameMessage:
     at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
     lengths = [_LENGTHS.unpack_from(data, at + eye * _LENGTHS.size) for eye in range(eyes)]
-    at += eyes * _LENGTHS.size
-    _check_length(data, at + sum(map(sum, lengths)))
+    heads_at = at + eyes * _LENGTHS.size
+    at = heads_at + count * parts.HEAD.size
+    layers, end = parts.layers_from(data, heads_at, count, at + sum(map(sum, lengths)), eyes)
+    _check_length(data, end)
+    if parts.unpacked_bytes(layers) > MOST_BYTES:
+        raise Malformed(f"parts of more than {MOST_BYTES} bytes as numbers")
     colours: list[NDArray[Any] | bytes] = []
     depths: list[NDArray[Any] | bytes] = []
     for of_colour, of_depth in lengths:
@@ -294,7 +320,7 @@ def _frame(data: bytes) -> FrameMessage:
         depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
-    rest = (colour, depth, (width, height), begins != 0, place)
+    rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
     return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest)
 
 

@@ -95,7 +95,7 @@ def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(mon
     ("more", "told"),
     [
         ({"scene": "planes"}, "the server has the scene"),
-        ({"warp": "layered"}, "carries colour and depth"),
+        ({"warp": "multi:views=2"}, "have no views"),
         ({"fill": "model"}, "the scene is at the server"),
         ({"loss": "0.1"}, "the link is the real one"),
         ({"send": "changes"}, "leave it out"),
