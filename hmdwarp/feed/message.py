@@ -25,7 +25,7 @@ from .parts import BadPart, Layers, Part, Wanted
 
 VERSION = 3
 MAGIC = b"HWFD"
-ASK, FRAME, REFUSAL = 1, 2, 3
+ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
@@ -36,8 +36,9 @@ MOST_BYTES = 1 << 29
 _HEAD = struct.Struct("<4sHHI")
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
 # width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
-# number of further layers, frames a second, Mbit/s of an eye's video, step of depth.
-_ASK = struct.Struct("<QqqqQ32sIIBBBBBB2x3d")
+# number of further layers, whether frames may come by shared memory, frames a second, Mbit/s of an
+# eye's video, step of depth.
+_ASK = struct.Struct("<QqqqQ32sIIBBBBBBBx3d")
 # Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
 # height, eyes, format of colour, format of depth, whether the stream begins here, place in it,
 # number of parts of further layers.
@@ -45,6 +46,8 @@ _FRAME = struct.Struct("<QqqqqqIIBBBBIB3x")
 # Bytes of one eye's colour and depth.
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
+# Id, bytes of the frame's message, name of the shared memory that it lies in.
+_STUB = struct.Struct("<QI64s")
 _POSE = struct.Struct("<7d")
 # world_from_eye, head_from_eye, left, right, down, up.
 _EYE = struct.Struct("<18d")
@@ -57,6 +60,8 @@ LARGEST_ASK = (
 _NO_TOKEN = bytes(32)
 _FINEST = 2.0**-20
 Size = tuple[int, int]
+# Of a whole message.
+Data = bytes | memoryview
 
 
 @attrs.frozen
@@ -112,6 +117,8 @@ class Ask:
     anew: bool = False
     # What the client reads beside colour and depth; None for nothing.
     wanted: Wanted | None = None
+    # Whether the client reads frames from shared memory.
+    shares: bool = False
 
 
 @attrs.frozen(eq=False)
@@ -180,7 +187,20 @@ class Refusal:
     text: str
 
 
-Message = Ask | FrameMessage | Refusal
+@attrs.frozen
+class Stub:
+    """Where a frame lies that does not come by the socket."""
+
+    number: int
+    # Of the frame's message.
+    length: int
+    # Of the shared memory, as shm_open takes it, without the slash.
+    name: str
+
+
+Message = Ask | FrameMessage | Refusal | Stub
+# Of a message: bytes, or an array whose bytes follow in the order of its indices.
+Piece = bytes | NDArray[Any]
 
 
 def length_of(picture: NDArray[Any] | bytes) -> int:
@@ -198,8 +218,18 @@ def token_of(secret: str) -> bytes:
     return hashlib.sha256(secret.encode()).digest() if secret else _NO_TOKEN
 
 
+def size_of(piece: Piece) -> int:
+    """Return the bytes of a piece of a message."""
+    return len(piece) if isinstance(piece, bytes) else piece.nbytes
+
+
 def encode(message: Message) -> bytes:
     """Return the bytes of a message."""
+    return b"".join(one if isinstance(one, bytes) else one.tobytes() for one in pieces_of(message))
+
+
+def pieces_of(message: Message) -> list[Piece]:
+    """Return the pieces that a message is made of, pictures as they are."""
     if isinstance(message, Ask):
         one = message
         stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
@@ -214,8 +244,10 @@ def encode(message: Message) -> bytes:
         start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads))
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
         lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
-        pictures = [p if isinstance(p, bytes) else p.tobytes() for pair in pairs for p in pair]
+        pictures = [picture for pair in pairs for picture in pair]
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
+    if isinstance(message, Stub):
+        return _framed(STUB, [_STUB.pack(message.number, message.length, message.name.encode())])
     text = message.text.encode()[:MOST_TEXT]
     return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
 
@@ -224,7 +256,8 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     wish = ask.wish
     quality = 0 if wish.crf is None else 1 + wish.crf
     layers = 0 if ask.wanted is None else len(ask.wanted.layers)
-    return wish.colour, wish.depth, quality, ask.anew, layers, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares)
+    return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
 
 def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
@@ -234,8 +267,8 @@ def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
     return formats[picture.dtype.name]
 
 
-def _framed(kind: int, body: Sequence[bytes]) -> bytes:
-    return b"".join([_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(len, body))), *body])
+def _framed(kind: int, body: Sequence[Piece]) -> list[Piece]:
+    return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(size_of, body))), *body]
 
 
 def _packed(pose: Pose) -> bytes:
@@ -247,7 +280,7 @@ def _packed_eye(view: View) -> bytes:
     return _packed(view.pose) + _packed(view.head_from_eye) + struct.pack("<4d", fov.left, fov.right, fov.down, fov.up)
 
 
-def decode(data: bytes) -> Message:
+def decode(data: Data) -> Message:
     """Return the message in these bytes. Errors: Malformed, whatever the bytes are."""
     if len(data) < _HEAD.size:
         raise Malformed(f"{len(data)} bytes: a message has {_HEAD.size} or more")
@@ -258,20 +291,20 @@ def decode(data: bytes) -> Message:
         raise OtherVersion(version, int.from_bytes(data[_HEAD.size : _HEAD.size + 8], "little"))
     if length != len(data) or length > MOST_BYTES:
         raise Malformed(f"{len(data)} bytes, and it says {length}: expected the same, at most {MOST_BYTES}")
-    readers: dict[int, Callable[[bytes], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal}
+    readers: dict[int, Callable[[Data], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal, STUB: _stub}
     if kind not in readers:
-        raise Malformed(f"kind {kind}: expected {ASK}, {FRAME} or {REFUSAL}")
+        raise Malformed(f"kind {kind}: expected {ASK} to {STUB}")
     try:
         return readers[kind](data)
     except (struct.error, InputError, UnicodeDecodeError, BadPart) as error:
         raise Malformed(f"kind {kind}: {error}") from error
 
 
-def _ask(data: bytes) -> Ask:
+def _ask(data: Data) -> Ask:
     number, sent_ns, time_ns, head_ns, received, token, width, height, eyes, *asked = _ASK.unpack_from(data, _HEAD.size)
     at = _HEAD.size + _ASK.size
     _check_format(width, height, eyes)
-    anew, layers = asked[3] != 0, int(asked[4])
+    anew, layers, shares = asked[3] != 0, int(asked[4]), asked[5] != 0
     if layers > parts.MOST_WANTED:
         raise Malformed(f"{layers} further layers: expected {parts.MOST_WANTED} at most")
     wanted_at = at + _POSE.size + eyes * _EYE.size
@@ -279,11 +312,11 @@ def _ask(data: bytes) -> Ask:
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
     wanted = parts.wanted_from(data, wanted_at, layers, eyes)
     times = (number, sent_ns, time_ns, head_ns, received)
-    return Ask(*times, (width, height), head, views, token, _wish(asked), anew, wanted)
+    return Ask(*times, (width, height), head, views, token, _wish(asked), anew, wanted, shares)
 
 
 def _wish(asked: Sequence[float]) -> Wish:
-    colour, depth, quality, _, _, rate_hz, bitrate_mbit, step = asked
+    colour, depth, quality, _, _, _, rate_hz, bitrate_mbit, step = asked
     in_range = 1 <= rate_hz <= 1000 and 0 <= bitrate_mbit <= 1000 and (step == 0 or _FINEST <= step <= 1)
     if quality > 52 or not in_range:
         raise Malformed(
@@ -293,7 +326,7 @@ def _wish(asked: Sequence[float]) -> Wish:
     return Wish(int(colour), int(depth), int(quality) - 1 if quality else None, rate_hz, bitrate_mbit, step)
 
 
-def _frame(data: bytes) -> FrameMessage:
+def _frame(data: Data) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
     width, height, eyes, colour, depth, begins, place, count = form
     _check_format(width, height, eyes)
@@ -324,25 +357,33 @@ def _frame(data: bytes) -> FrameMessage:
     return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest)
 
 
-def _picture(data: bytes, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
+def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
     """Return the numbers of a picture, or the bytes of a coded one: no kind."""
     if kind is None:
-        return data[at : at + length]
+        return bytes(data[at : at + length])
     count = math.prod(shape)
     if length != count * kind.itemsize:
         raise Malformed(f"a picture of {length} bytes: expected {count * kind.itemsize}")
     return np.frombuffer(data, kind, count, at).reshape(shape)
 
 
-def _refusal(data: bytes) -> Refusal:
+def _refusal(data: Data) -> Refusal:
     number, length = _REFUSAL.unpack_from(data, _HEAD.size)
     at = _HEAD.size + _REFUSAL.size
     if length > MOST_TEXT:
         raise Malformed(f"a text of {length} bytes: expected at most {MOST_TEXT}")
     _check_length(data, at + length)
-    text = data[at:].decode()
+    text = bytes(data[at:]).decode()
     # A line of its own in a log, and no control of the terminal that shows it.
     return Refusal(number, "".join(one if one.isprintable() else " " for one in text))
+
+
+def _stub(data: Data) -> Stub:
+    _check_length(data, _HEAD.size + _STUB.size)
+    number, length, name = _STUB.unpack_from(data, _HEAD.size)
+    if not _HEAD.size <= length <= MOST_BYTES:
+        raise Malformed(f"a frame of {length} bytes: expected at most {MOST_BYTES}")
+    return Stub(number, length, name.rstrip(b"\0").decode("ascii"))
 
 
 def _check_format(width: int, height: int, eyes: int) -> None:
@@ -352,7 +393,7 @@ def _check_format(width: int, height: int, eyes: int) -> None:
         )
 
 
-def _check_length(data: bytes, length: int) -> None:
+def _check_length(data: Data, length: int) -> None:
     if len(data) != length:
         raise Malformed(f"{len(data)} bytes: expected {length}")
 
@@ -364,7 +405,7 @@ def _pose(numbers: Sequence[float]) -> Pose:
     return Pose(numbers[:3], numbers[3:7])
 
 
-def _views(data: bytes, at: int, eyes: int) -> tuple[View, ...]:
+def _views(data: Data, at: int, eyes: int) -> tuple[View, ...]:
     found = []
     for eye in range(eyes):
         numbers = _EYE.unpack_from(data, at + eye * _EYE.size)

@@ -115,7 +115,7 @@ def wanted_bytes(layers: int, eyes: int) -> int:
     return 8 + 32 * eyes + WANTED.size * layers if layers else 0
 
 
-def wanted_from(data: bytes, at: int, layers: int, eyes: int) -> Wanted | None:
+def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> Wanted | None:
     """Return what a client reads, None for nothing. Errors: BadPart; InputError for a view."""
     if not layers:
         return None
@@ -132,9 +132,10 @@ def wanted_from(data: bytes, at: int, layers: int, eyes: int) -> Wanted | None:
     return Wanted(tuple(found.items()), (width, height), fovs)
 
 
-def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes]]:
+def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | Array]]:
     """Return heads and contents of all parts of all eyes."""
-    heads, contents = [], []
+    heads: list[bytes] = []
+    contents: list[bytes | Array] = []
     for eye, of_eye in enumerate(layers):
         for name, parts in of_eye.items():
             for part in parts:
@@ -145,11 +146,13 @@ def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes]]:
                 )
                 is_packed = isinstance(part, Packed)
                 heads.append(HEAD.pack(_coded(name), eye, form, is_packed, *size, length_of(part)))
-                contents.append(part.data if isinstance(part, Packed) else part.astype(FORMATS[form][0]).tobytes())
+                contents.append(part.data if isinstance(part, Packed) else part)
     return heads, contents
 
 
-def layers_from(data: bytes, heads_at: int, count: int, at: int, eyes: int) -> tuple[tuple[Layers, ...], int]:
+def layers_from(
+    data: bytes | memoryview, heads_at: int, count: int, at: int, eyes: int
+) -> tuple[tuple[Layers, ...], int]:
     """Return the layers of each eye, and where the message must end.
 
     heads_at: where their heads begin. at: where the first part begins. Errors: BadPart.
@@ -163,7 +166,7 @@ def layers_from(data: bytes, heads_at: int, count: int, at: int, eyes: int) -> t
         if at + length > len(data) or (not is_packed and length != numbers * kind.itemsize):
             raise BadPart(f"a part of {length} bytes: expected {numbers * kind.itemsize}")
         found[eye].setdefault(name, []).append(
-            Packed(form, (size[0], size[1]), data[at : at + length])
+            Packed(form, (size[0], size[1]), bytes(data[at : at + length]))
             if is_packed
             else np.frombuffer(data, kind, numbers, at).reshape(shape)
         )
@@ -183,7 +186,7 @@ def unpacked_bytes(layers: Sequence[Layers]) -> int:
     )
 
 
-def _heads(data: bytes, at: int, count: int) -> Iterator[tuple[str, list[int], int]]:
+def _heads(data: bytes | memoryview, at: int, count: int) -> Iterator[tuple[str, list[int], int]]:
     for number in range(count):
         name, *rest, length = HEAD.unpack_from(data, at + number * HEAD.size)
         yield _named(name), rest, length

@@ -48,6 +48,24 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
     assert any("its scene is not loaded here" in line for line in display.said)
 
 
+def test_frames_are_coded_as_asked_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
+    """A video has pictures that need others: another size begins one, and nothing is lost."""
+    asked = options(
+        serving.address, pictures=14, codec="h264", crf=20, depth_code="exact", effects="none", out=tmp_path / "out"
+    )
+    display = OffscreenDisplay(asked={6: [Command("guard", 1.25)]}, keeps=True)
+    coded = run_on(monkeypatch, display, asked).summary
+    plain = run_on(monkeypatch, OffscreenDisplay(), options(serving.address, pictures=14)).summary
+    link, live = coded["link"], coded["live"]
+    assert link["codec"] == "h264" and plain["link"]["codec"] == "none"
+    assert link["feed"]["undecodable"] == link["feed"]["malformed"] == 0
+    assert [name for one in live["changes"] for name in one["what"]] == ["guard"]
+    # A drawn scene packs at least four times; both were asked for at the same rate.
+    assert 0 < link["mbit_s"] < plain["link"]["mbit_s"] / 4
+    for shown in (display.pictures[4:6], display.pictures[-3:]):
+        assert min(picture.std() for picture in shown) > 10
+
+
 def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkeypatch):
     changes = {
         3: [Command("latency")],

@@ -40,9 +40,9 @@ def serving():
 
 
 @pytest.fixture(scope="module")
-def parade():
-    """A scene with things that deform."""
-    with Serving("--scene", "parade") as one:
+def parade(tmp_path_factory):
+    """A scene with things that deform, by shared memory where there is any."""
+    with Serving("--scene", "parade", "--listen", f"ipc://{tmp_path_factory.mktemp('parade')}/frames") as one:
         yield one
 
 
