@@ -22,14 +22,15 @@ Array = NDArray[Any]
 WANTED = struct.Struct("<16sI")
 # Name of a layer, eye, format, whether it is packed, width, height, bytes.
 HEAD = struct.Struct("<16sBBBxIII")
-# By number of the format: how numbers are stored, and how many there are a pixel; 1 is also a row
-# and column of a table.
+# By number of the format: how numbers are stored, and how many there are a pixel, or in one place
+# of a table.
 FORMATS: dict[int, tuple[np.dtype, int]] = {
     1: (np.dtype("<f2"), 4),
     2: (np.dtype("<f4"), 1),
     3: (np.dtype("<u2"), 1),
     4: (np.dtype("<f8"), 1),
 }
+TABLE = 4
 MOST_WANTED, MOST_PARTS, MOST_SIDE = 16, 255, 8192
 _NAME = re.compile(rb"([a-z_]{1,16})\0*")
 _LEVEL = 1
@@ -159,7 +160,8 @@ def layers_from(
     """
     found: tuple[dict[str, list[Part]], ...] = tuple({} for _ in range(eyes))
     for name, (eye, form, is_packed, *size), length in _heads(data, heads_at, count):
-        if eye >= eyes or form not in FORMATS or max(size) > MOST_SIDE:
+        is_empty = min(size) < 1 and form != TABLE
+        if eye >= eyes or form not in FORMATS or max(size) > MOST_SIDE or is_empty:
             raise BadPart(f"a part for eye {eye}, format {form}, {size[0]}x{size[1]}: out of range")
         kind, shape = _shape(form, (size[0], size[1]))
         numbers = math.prod(shape)

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Array = NDArray[Any]
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
 VELOCITY = "velocity"
+# In m, m/s and rad/s: what moves is multiplied by its age and stays a number.
+_LARGEST = 1e6
 
 
 def fed(needs: Needs) -> list[str]:
@@ -124,8 +126,8 @@ def _misfit_of(layer: type[Layer], number: int, parts: list[Any], sizes: EyeSize
         shape = (high, wide, channels) if channels > 1 else (high, wide)
         if one.shape != shape or one.dtype != np.dtype(dtype):
             return f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
-    if numbers and (numbers[0].dtype != np.float64 or not np.isfinite(numbers[0]).all()):
-        return "numbers beside its pictures that are not finite f64"
+    if numbers and (numbers[0].dtype != np.float64 or not (np.abs(numbers[0]) <= _LARGEST).all()):
+        return f"numbers beside its pictures: expected f64 of {_LARGEST:g} at most"
     return layer.misfit(pictures, numbers[0] if numbers else None)
 
 

@@ -43,14 +43,14 @@ def velocity_of(parts: Sequence[NDArray[Any]], view: View, inverse_depth: NDArra
     parts: the vectors, and a row of NUMBERS. view, inverse_depth: of the picture. Vectors of lower
     resolution are spread to the pixels around them whose depth is theirs. Errors: InputError.
     """
-    vectors, told = _checked(parts)
-    height, width = vectors.shape[:2]
-    own = _nearest(inverse_depth.shape, (height, width))
-    depth = inverse_depth[np.ix_(*own)].astype(np.float64)
-    found = _velocity(vectors, told, view, depth)
-    if (height, width) == inverse_depth.shape:
-        return found
-    return _spread(found, depth, inverse_depth)
+    # Whatever numbers come: what is not finite in the end does not move.
+    with np.errstate(all="ignore"):
+        vectors, told = _checked(parts)
+        height, width = vectors.shape[:2]
+        own = _nearest(inverse_depth.shape, (height, width))
+        depth = inverse_depth[np.ix_(*own)].astype(np.float64)
+        found = _velocity(vectors, told, view, depth)
+        return found if (height, width) == inverse_depth.shape else _spread(found, depth, inverse_depth)
 
 
 def _checked(parts: Sequence[NDArray[Any]]) -> tuple[Array, Array]:
@@ -114,9 +114,8 @@ def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
 def _ndc(tangents: Array, points: Array, of_z: _InverseDepths | None) -> Array:
     """Return x, y from -1 to 1, y down, and z as the engine has it, 0 without."""
     left, right, down, up = tangents
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = -1 / points[..., 2]
-        x, y = points[..., 0] * inverse, points[..., 1] * inverse
+    inverse = -1 / points[..., 2]
+    x, y = points[..., 0] * inverse, points[..., 1] * inverse
     z = np.zeros_like(x) if of_z is None else (inverse - of_z.nearest) / (of_z.farthest - of_z.nearest)
     return np.stack([2 * (x - left) / (right - left) - 1, 2 * (up - y) / (up - down) - 1, z], axis=-1)
 

@@ -1,5 +1,7 @@
 """Further layers of the feed: each comes back as it was drawn, and what is none is refused."""
 
+import random
+from collections import Counter
 from contextlib import closing
 
 import attrs
@@ -7,8 +9,8 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.feed.message import FrameMessage, decode, encode
-from hmdwarp.feed.parts import Packed, Wanted
+from hmdwarp.feed.message import FrameMessage, Malformed, decode, encode
+from hmdwarp.feed.parts import Packed, Wanted, packed
 from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Mirror, Pose, RigidState, View
@@ -19,6 +21,7 @@ from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
 from .test_message import FRAME
+from .test_motion_vectors import told
 
 SIZE, SHOWN = (24, 20), (16, 12)
 VIEWS = [View(Pose((x, 1.6, 1.0)), Fov.symmetric(1.0, 0.8)) for x in (-0.03, 0.03)]
@@ -101,7 +104,7 @@ def test_what_frames_cannot_carry_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("name", "change", "told"),
+    ("name", "change", "expected"),
     [
         ("velocity", lambda parts: None, "sends no layer 'velocity'"),
         ("velocity", lambda parts: [parts[0][:-1]], "shape"),
@@ -110,17 +113,20 @@ def test_what_frames_cannot_carry_is_refused():
         ("peeled", lambda parts: [*parts, np.zeros((1, 2))], "expected none"),
         ("ids", lambda parts: parts[:1], "bodies are missing"),
         ("ids", lambda parts: [parts[0], parts[1][:0]], "there are 0 bodies"),
-        ("ids", lambda parts: [parts[0], np.full_like(parts[1], np.nan)], "finite"),
+        ("ids", lambda parts: [parts[0], np.full_like(parts[1], np.nan)], "1e+06 at most"),
+        ("ids", lambda parts: [parts[0], 1e7 * parts[1]], "1e+06 at most"),
         ("ids", lambda parts: [parts[0], 0 * parts[1]], "quaternion"),
         ("reflection", lambda parts: [*parts[:3], parts[3][:, :-1]], "mirrors are missing"),
+        ("reflection", lambda parts: [*parts[:3], 0 * parts[3]], "without an area"),
+        ("reflection", lambda parts: [*parts[:3], 4 * parts[3]], "more than all"),
     ],
 )
-def test_what_does_not_fit_its_declaration_is_told(server, name, change, told):
+def test_what_does_not_fit_its_declaration_is_told(server, name, change, expected):
     wanted, eyes = drawn(server, name)
     frame = unpacked(message(eyes, needs_of_client(wanted), packs=False))
     changed = [(one, change(of_eye[name])) for one, of_eye in enumerate(frame.layers)]
     further = tuple({} if parts is None else {name: parts} for _, parts in changed)
-    assert told in misfit(attrs.evolve(frame, layers=further), wanted)
+    assert expected in misfit(attrs.evolve(frame, layers=further), wanted)
 
 
 def test_a_frame_with_a_damaged_part_is_undecodable(server):
@@ -130,6 +136,31 @@ def test_a_frame_with_a_damaged_part_is_undecodable(server):
     broken = attrs.evolve(part, data=part.data[:-3])
     with pytest.raises(Undecodable, match="packed"):
         unpacked(attrs.evolve(frame, layers=({"velocity": [broken]}, frame.layers[1])))
+
+
+def test_five_thousand_broken_frames_are_taken_or_told():
+    """No bytes do more than that, and what is taken has the shapes that are uploaded."""
+    rng = random.Random(19)
+    wanted = Wanted((("velocity", 1), ("ids", 1), ("peeled", 1)), (4, 3), tuple(view.fov for view in VIEWS))
+    vectors = [np.ones((2, 3, 4), np.float16), told(0.1, 9.0)]
+    ids = [np.ones((3, 4), np.uint16), np.eye(1, 16, 6)]
+    peeled = [packed(np.ones((3, 4, 4), np.float16)), packed(np.ones((3, 4), np.float32))]
+    of_eye = {"velocity": vectors, "ids": ids, "peeled": peeled}
+    sent = attrs.evolve(FRAME, layers=(of_eye, of_eye))
+    assert misfit(unpacked(decode(encode(sent))), wanted) == ""
+    # From the heads of the parts on.
+    whole, counts = encode(sent), Counter()
+    at = whole.index(b"velocity")
+    for _ in range(5000):
+        data = bytearray(whole)
+        for _ in range(rng.randint(1, 3)):
+            data[rng.randrange(at, len(data))] = rng.choice((0, 1, 127, 255, rng.randrange(256)))
+        try:
+            wrong = misfit(unpacked(decode(bytes(data))), wanted)
+        except (Malformed, Undecodable) as error:
+            wrong = type(error).__name__
+        counts[wrong.split(" of ")[0]] += 1
+    assert min(counts[""], counts["Malformed"], counts["Undecodable"]) > 200 and len(counts) > 5
 
 
 def test_every_field_of_a_body_crosses():

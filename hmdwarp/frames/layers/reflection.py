@@ -92,6 +92,11 @@ class Reflections(Layer):
     def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
         if numbers is None or numbers.shape[1] != _MIRROR_NUMBERS:
             return f"its mirrors are missing: expected rows of {_MIRROR_NUMBERS} numbers"
+        radius, reflectivity = numbers[:, 9], numbers[:, 10]
+        areas = np.linalg.norm(np.cross(numbers[:, 3:6], numbers[:, 6:9]), axis=1)
+        is_there = (radius > 0) | ((radius == 0) & (areas > 0))
+        if not (is_there & (reflectivity >= 0) & (reflectivity <= 1)).all():
+            return "a mirror without an area, or that reflects less than nothing or more than all"
         return ""
 
     @classmethod
