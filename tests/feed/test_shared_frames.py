@@ -255,6 +255,15 @@ def test_a_segment_that_is_cut_while_it_is_read_is_a_short_read(tmp_path, monkey
             read(stub)
 
 
+def test_segments_go_with_their_client(address, names, monkeypatch):
+    with closing(Listener(address)) as listener:
+        with closing(Caller(address)) as caller:
+            exchanged(caller, listener)
+        monkeypatch.setattr("hmdwarp.feed.listener._SILENT_NS", 0)
+        while len(left(names)) > 1:  # the lock, which is the server's
+            listener.next(1)
+
+
 def test_a_client_that_takes_nothing_costs_no_more_than_it_may_lag(address):
     """And what it had is gone with it."""
     with closing(Listener(address)) as listener:
