@@ -138,7 +138,7 @@ def test_a_frame_with_a_damaged_part_is_undecodable(server):
         unpacked(attrs.evolve(frame, layers=({"velocity": [broken]}, frame.layers[1])))
 
 
-def test_five_thousand_broken_frames_are_taken_or_told():
+def test_two_thousand_broken_frames_are_taken_or_told():
     """No bytes do more than that, and what is taken has the shapes that are uploaded."""
     rng = random.Random(19)
     wanted = Wanted((("velocity", 1), ("ids", 1), ("peeled", 1)), (4, 3), tuple(view.fov for view in VIEWS))
@@ -151,7 +151,7 @@ def test_five_thousand_broken_frames_are_taken_or_told():
     # From the heads of the parts on.
     whole, counts = encode(sent), Counter()
     at = whole.index(b"velocity")
-    for _ in range(5000):
+    for _ in range(2000):
         data = bytearray(whole)
         for _ in range(rng.randint(1, 3)):
             data[rng.randrange(at, len(data))] = rng.choice((0, 1, 127, 255, rng.randrange(256)))
@@ -160,7 +160,7 @@ def test_five_thousand_broken_frames_are_taken_or_told():
         except (Malformed, Undecodable) as error:
             wrong = type(error).__name__
         counts[wrong.split(" of ")[0]] += 1
-    assert min(counts[""], counts["Malformed"], counts["Undecodable"]) > 200 and len(counts) > 5
+    assert min(counts[""], counts["Malformed"], counts["Undecodable"]) > 100 and len(counts) > 5
 
 
 def test_every_field_of_a_body_crosses():

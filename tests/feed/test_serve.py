@@ -91,22 +91,27 @@ def test_what_deforms_goes_on_as_offline_bit_for_bit(parade, tmp_path, monkeypat
     else:
         _, summary = pictures(monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=parade.address), **asked))
     assert summary["effects"] == ["soft_motion"]
-    # 8 bytes a pixel of both eyes, ten times a second; most of it is still, and packs well.
-    raw, velocity = 8 * 10 * 2 * 8 * 120 * 100 / 1e6, summary["link"]["layers_mbit_s"]["velocity"]
-    assert raw / 2 < velocity if coding == Coding() else 0 < velocity < raw / 4
+    layers = summary["link"]["layers_mbit_s"]
+    if coding == Coding():
+        assert layers["velocity"] == layers["colour"]  # 8 bytes a pixel, either of them
+    else:
+        # Of both eyes ten times a second; most of it is still, and packs well.
+        assert 0 < layers["velocity"] < 8 * 10 * 2 * 8 * 120 * 100 / 1e6 / 4
 
 
 def same_as_offline(serving, tmp_path, monkeypatch, asked) -> dict:
     coding = asked["coding"]
-    # A machine that was held up passes requests over, or begins to draw at another refresh than the
-    # offline run, which a video depends on; the fact is about runs in which it was not.
+    # A machine that was held up passes requests over, shows hardly a frame, or begins to draw at
+    # another refresh than the offline run, which a video depends on; the fact is about runs in which
+    # it was not.
     for _ in range(20):
         here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), force=True, **asked)
         online, summary = pictures(monkeypatch, here)
         if not summary["link"]["feed"]["unanswered"]:
             network = LinkOptions.of({"delay_trace": tmp_path / "online" / "delays.csv"})
             offline, there = pictures(monkeypatch, small(tmp_path / "offline", network=network, force=True, **asked))
-            if coding == Coding() or arrived(summary) == arrived(there):
+            as_many = coding == Coding() or arrived(summary) == arrived(there)
+            if as_many and summary["link"]["frames"]["shown"] > 1 and online.keys() <= offline.keys():
                 break
     assert not summary["link"]["feed"]["unanswered"], summary["link"]
     assert summary["link"]["frames"]["shown"] > 1, summary["link"]
