@@ -127,7 +127,8 @@ class Caller:
             while True:
                 ready = dict(poller.poll())
                 if socket in ready:
-                    self._hear(socket.recv_multipart())
+                    parts = socket.recv_multipart()
+                    self._hear(parts, time.monotonic_ns())
                 if failures in ready:
                     failures.recv_multipart()
                     self._tell(f"{self.address}: refused: {self._no_handshake()}")
@@ -149,14 +150,13 @@ class Caller:
             return "no handshake: --server-key is another server's, or there is none with a key pair"
         return "no handshake: a server with a key pair wants --server-key FILE, or there is no 'hmdwarp serve'"
 
-    def _hear(self, parts: list[bytes]) -> None:
+    def _hear(self, parts: list[bytes], heard_ns: int) -> None:
         try:
             if len(parts) != 1:
                 raise Malformed(f"{len(parts)} parts: expected one")
             message = decode(parts[0])
             if isinstance(message, Stub):
-                message = self._shared(message)
-            heard_ns = time.monotonic_ns()
+                message, heard_ns = self._shared(message), time.monotonic_ns()
             if isinstance(message, Ask | Stub):
                 raise Malformed("a message for servers: expected a frame")
         except Malformed as error:

@@ -140,14 +140,13 @@ def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | A
     for eye, of_eye in enumerate(layers):
         for name, parts in of_eye.items():
             for part in parts:
-                form, size = (
-                    (part.format, part.size)
+                form, size, content = (
+                    (part.format, part.size, part.data)
                     if isinstance(part, Packed)
-                    else (format_of(part), (part.shape[1], part.shape[0]))
+                    else (format_of(part), part.shape[1::-1], part)
                 )
-                is_packed = isinstance(part, Packed)
-                heads.append(HEAD.pack(_coded(name), eye, form, is_packed, *size, length_of(part)))
-                contents.append(part.data if isinstance(part, Packed) else part)
+                heads.append(HEAD.pack(_coded(name), eye, form, isinstance(part, Packed), *size, length_of(part)))
+                contents.append(content)
     return heads, contents
 
 

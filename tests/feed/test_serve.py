@@ -102,7 +102,7 @@ def test_what_deforms_goes_on_as_offline_bit_for_bit(parade, tmp_path, monkeypat
 def same_as_offline(serving, tmp_path, monkeypatch, asked) -> dict:
     coding = asked["coding"]
     # A machine that was held up passes requests over, shows hardly a frame, or begins to draw at
-    # another refresh than offline, which a video depends on; the fact is about runs where it was not.
+    # another refresh than offline, which a video depends on; the fact is about other runs.
     for _ in range(20):
         here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), force=True, **asked)
         online, summary = pictures(monkeypatch, here)
