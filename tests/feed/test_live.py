@@ -10,6 +10,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.feed.options import FeedOptions
 from hmdwarp.run import LiveOptions, live
 
+from .exchange import feeder
 from .serving import Serving
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
@@ -79,6 +80,15 @@ def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkey
     changed = [name for one in summary["live"]["changes"] for name in one["what"]]
     assert changed == ["guard", "warp"]
     assert max(picture.std() for picture in display.pictures[-3:]) > 10
+
+
+def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(monkeypatch):
+    changes = {4: [Command("warp", "layered")], 8: [Command("warp", "forward")]}
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    with feeder() as address:
+        summary = run_on(monkeypatch, display, options(address, pictures=16, effects="none")).summary
+    assert sum("sends no layer 'peeled'" in line for line in display.said) == 1
+    assert summary["link"]["feed"]["malformed"] > 0 and display.pictures[-1].std() > 10
 
 
 def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):

@@ -1,7 +1,6 @@
 """A server and its client in two processes: what crosses the feed is what would be drawn here."""
 
-import threading
-from contextlib import closing, contextmanager
+from contextlib import closing
 
 import attrs
 import numpy as np
@@ -26,7 +25,7 @@ from hmdwarp.run.log import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
-from .exchange import answered, exchanged
+from .exchange import answered, exchanged, feeder
 from .serving import Serving
 from .test_message import ASK, FRAME
 
@@ -148,42 +147,6 @@ def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
             for name in ("colour", "inverse_depth"):
                 np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
         assert there.about(0) == "The truth is what the server drew for the shown views."
-
-
-@contextmanager
-def feeder(layers_of=lambda ask: ()):
-    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.
-
-    A red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
-    comes beside it.
-    """
-    listener, done = Listener("127.0.0.1:*"), threading.Event()
-
-    def work() -> None:
-        while not done.is_set():
-            asked = listener.next(20)
-            if asked is None:
-                continue
-            (wide, high), ask = asked.ask.size, asked.ask
-            if len(ask.views) == 1:
-                listener.refuse(asked, "there is one camera")
-                continue
-            colour, flat = np.full((high, wide, 4), 0.5, np.float16), np.full((high, wide), 0.1, np.float32)
-            stripe = slice(2 * wide // 5, 3 * wide // 5)
-            colour[:, stripe], flat[:, stripe] = (1, 0, 0, 1), 0.5
-            frame = attrs.evolve(
-                FRAME, number=ask.number, views=ask.views, colours=(colour,) * 2, inverse_depths=(flat,) * 2
-            )
-            listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0, layers=layers_of(ask)))
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    try:
-        yield listener.address
-    finally:
-        done.set()
-        thread.join()
-        listener.close()
 
 
 def test_motion_vectors_of_a_renderer_move_what_it_drew(tmp_path, monkeypatch):
