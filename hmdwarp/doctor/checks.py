@@ -256,6 +256,7 @@ STUDY_PACKAGES = {
     "statsmodels": "study analyse, study power",
     "pyarrow": "Parquet of study export",
     "textual": "the experimenter's full-screen console",
+    "textual-serve": "the same in a browser",
 }
 
 

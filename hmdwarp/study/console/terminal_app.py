@@ -188,9 +188,9 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self.exit(return_code=status)
 
     def _note(self, text: str, at_s: float | None = None) -> None:
-        """Add a line to the journal. at_s: when it was said, as ConsoleState.elapsed_s; None: now."""
-        at_s = self._state.elapsed_s if at_s is None else at_s
-        self.query_one("#journal", RichLog).write(Text(f"{clock(at_s):>7}  {plain(text)}"))
+        """Add a line to the journal. at_s: when it was said; None for now."""
+        when = clock(self._state.elapsed_s if at_s is None else at_s)
+        self.query_one("#journal", RichLog).write(Text(f"{when:>7}  {plain(text)}"))
 
     def _redraw(self) -> None:
         """Draw what is new, and once a second in any case: that no news came is news."""

@@ -22,8 +22,10 @@ from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
-from ._base import AUTO, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
-from .held_commands import HeldCommands
+from ...extra import install_line
+from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
+from .browser_console import BrowserConsole
+from .command_queue import CommandQueue
 from .line_console import LineConsole
 from .message_socket import LONGEST_LINE, MessageSocket, PeerGone
 from .output_capture import OutputCapture
@@ -48,7 +50,7 @@ class TerminalConsole:
     def __init__(self, title: str) -> None:
         self._title = title
         self._state = ConsoleState(heading=title)
-        self._held = HeldCommands(self._state)
+        self._queue = CommandQueue(self._state)
         self._lines: LineConsole | None = None
 
     def __enter__(self) -> Self:
@@ -84,7 +86,7 @@ class TerminalConsole:
     def tell(self, state: ConsoleState) -> None:
         """Show a new state."""
         self._state = state
-        self._held.tell(state)
+        self._queue.tell(state)
         if self._lines is not None:
             self._lines.tell(state)
         else:
@@ -108,11 +110,11 @@ class TerminalConsole:
         """Return the commands since the last call."""
         if self._lines is None:
             try:
-                self._held.receive(self.messages)
+                self._queue.receive(self.messages)
             except PeerGone:
                 self._continue_with_lines()
         more = self._lines.commands() if self._lines is not None else ()
-        taken = self._held.taken()
+        taken = self._queue.taken()
         return [*taken, *more] if taken else more
 
     def _continue_with_lines(self) -> None:
@@ -147,7 +149,7 @@ def make_console(kind: str, title: str, *, quiet: bool = False) -> Console:
     """Make a console. kind: one of KINDS; "auto" is the terminal where possible, else lines.
 
     title: shown until the first state comes. quiet: lines only answer commands.
-    Errors: InputError for another kind; MachineError where "terminal" is impossible.
+    Errors: InputError for another kind; MachineError where "terminal" or "browser" is impossible.
     """
     if kind not in KINDS:
         raise InputError(f"--console {kind!r}: there are {', '.join(KINDS)}")
@@ -156,6 +158,12 @@ def make_console(kind: str, title: str, *, quiet: bool = False) -> Console:
         raise MachineError(f"--console terminal: {why}; or use --console lines")
     if kind == NONE:
         return NoConsole()
+    if kind == BROWSER:
+        if importlib.util.find_spec("textual_serve") is None:
+            raise MachineError(
+                f"--console browser needs textual-serve, which is not installed: {install_line('study')}"
+            )
+        return BrowserConsole(title)
     if kind == LINES or why:
         return LineConsole(title, f"no full-screen console: {why}" if why else "", quiet=quiet)
     return TerminalConsole(title)

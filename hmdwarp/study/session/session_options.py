@@ -37,7 +37,7 @@ class SessionOptions(Declared):
     )
     console: str = option(
         "auto",
-        "Experimenter's console: terminal, lines, none; auto: terminal if possible.",
+        "Experimenter's console: terminal, browser, lines, none; auto: terminal if possible.",
         valid=one_of(*CONSOLES),
     )
     lsl: bool = option(False, "Send markers to the Lab Streaming Layer (pip install 'hmdwarp[lsl]').")

@@ -11,7 +11,7 @@ from .console_commands import Subject, is_bound, subject_of
 from .message_socket import MessageSocket
 
 
-class HeldCommands:
+class CommandQueue:
     """Commands that came; those that belong to their subject are released one at a time."""
 
     def __init__(self, state: ConsoleState) -> None:
