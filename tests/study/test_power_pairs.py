@@ -16,9 +16,9 @@ from scipy.stats import binom, binomtest, multinomial, norm
 from hmdwarp.errors import InputError
 from hmdwarp.study.analysis import Resampling, preference_results
 from hmdwarp.study.power import (
+    choice_differences,
     differences,
     expected_jod,
-    net_choices,
     pairs_model,
     power_of,
     sentences,
@@ -125,7 +125,7 @@ def test_taste_does_not_change_how_many_prefer_but_what_repeats_give():
         model = pairs_model(design, design.scales[0], 1.0, sd)
         population = Population(model, design, "main")
         assert expected_jod(population, design.scales[0], comparison) == pytest.approx(1.0)
-        net = net_choices(population.of(range(6000), 1), design.scales[0], comparison)
+        net = choice_differences(population.of(range(6000), 1), design.scales[0], comparison)
         assert len(net) == 6000 and set(np.unique(net)) <= {-2, 0, 2}
         assert (net.mean() / 2 + 1) / 2 == pytest.approx(0.75, abs=4 * math.sqrt(0.75 * 0.25 / 6000))
         assert (net != 0).mean() == pytest.approx(both, abs=4 * math.sqrt(0.25 / 6000))

@@ -1,5 +1,5 @@
+from .pairs import choice_differences as choice_differences
 from .pairs import expected_jod as expected_jod
-from .pairs import net_choices as net_choices
 from .pairs import pairs_model as pairs_model
 from .pairs import pairs_with_effect as pairs_with_effect
 from .planned_effects import planned_comparisons as planned_comparisons

@@ -57,7 +57,7 @@ def expected_jod(population: Population, scale: Scale, comparison: Comparison) -
     return difference * JOD_SPREAD / spread
 
 
-def net_choices(
+def choice_differences(
     cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)
 ) -> Floats:
     """Return each person's choices of `better` over the baseline, less those the other way round.

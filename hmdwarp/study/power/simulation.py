@@ -14,7 +14,7 @@ from ..design import Comparison, Design
 from ..respondents import Cohort, Floats, Model, Population
 from ..scales import PREFERENCE, Scale
 from ..statistics import holm, wilcoxon_exact
-from .pairs import expected_jod, net_choices
+from .pairs import choice_differences, expected_jod
 from .planned_effects import planned_comparisons
 from .proportions import Proportion, proportion_of
 
@@ -129,7 +129,7 @@ def differences(
     Of pairs: how often it was chosen, less how often the baseline was.
     """
     if scale.kind == PREFERENCE:
-        return net_choices(cohort, scale, comparison, latent=latent, people=people)
+        return choice_differences(cohort, scale, comparison, latent=latent, people=people)
     rated = cohort.per_condition(scale.name, latent=latent, people=people)
     names = [one.name for one in cohort.part.conditions]
     out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
