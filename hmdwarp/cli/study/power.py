@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ...study.respondents import Model
     from ...study.scales import Scale
 
+MOST_COUNTS = 9  # numbers of people from a range: so many columns fit a terminal
 OWNED = ("power.csv", "power.png")
 
 
@@ -85,8 +87,6 @@ def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:
 
 def _model(design: Design, scale: Scale, effect: float | None, sd: float | None, name: str | None) -> Model:
     """Return the response model. Errors: InputError for too few or conflicting options."""
-    import math
-
     from ...errors import InputError
     from ...study.power import pairs_model, pairs_with_effect, planned_model, with_effect
     from ...study.respondents import load_model, model_names
@@ -123,8 +123,6 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
 
 def _counts(text: str, design: Design) -> list[int]:
     """Return the numbers of people. Errors: InputError."""
-    from math import lcm
-
     from ...errors import InputError
     from ...study.design import rows_for
     from ...study.statistics import MOST_PAIRS
@@ -140,8 +138,9 @@ def _counts(text: str, design: Design) -> list[int]:
             raise InputError(f"--n {text}: runs backwards: expected the smaller number first, {most}..{least}")
         if most > many:
             raise InputError(f"--n {text}: {wanted}")
-        step = lcm(*(len(rows_for(design, part.name)) for part in design.parts))
+        step = math.lcm(*(len(rows_for(design, part.name)) for part in design.parts))
         balanced = [count for count in range(step, most + 1, step) if count >= least]
+        balanced = balanced[:: max(1, math.ceil(len(balanced) / MOST_COUNTS))]
         counts = (
             balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
         )
