@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-SCENES = ("lantern", "sunroom")
+SCENES = ("lantern", "sunroom", "doorway")
 LATENCIES = ("200", "400", "800")
 WAYS = {
     "`none`": ("--warp", "none", "--fill", "none"),
@@ -16,6 +16,7 @@ WAYS = {
     "`model`, light baked": ("--strategy", "model"),
     "`irradiance`": ("--strategy", "irradiance"),
     "`photons`": ("--strategy", "photons"),
+    "`light`": ("--strategy", "light"),
 }
 OPTIONS = (
     *("--codec", "h264", "--size", "120x150", "--start", "2", "--seconds", "2", "--rate", "20"),
