@@ -174,9 +174,8 @@ def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
             for kind, one in zip(kinds, found, strict=True):
                 kind.append(one)
     shapes = ((0, 2), (0, 3), (0, 3), (0, 3, 2), (0, 3), (0,))
-    joined = (np.concatenate([np.empty(s), *kind]) for kind, s in zip(kinds, shapes, strict=True))
-    texels, centres, normals, steps, albedo, bodies = joined
-    return Patches(texels.astype(np.int64), centres, normals, steps, albedo, bodies.astype(np.int64))
+    texels, *rest = [np.concatenate([np.empty(s), *kind]) for kind, s in zip(kinds, shapes, strict=True)]
+    return Patches(texels.astype(np.int64), rest[0], rest[1], rest[2], rest[3], rest[4].astype(np.int64))
 
 
 def mean_colour(texture: Texture) -> Array:

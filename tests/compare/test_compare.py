@@ -18,6 +18,7 @@ from hmdwarp.clients import client_names, load_client
 from hmdwarp.compare import start_bytes, unfit
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, render_compare_page
+from hmdwarp.strategies import strategies
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
 QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
@@ -40,6 +41,28 @@ def data(folder) -> dict:
 def test_every_strategy_runs_at_every_latency(data):
     rows = [(row["latency_ms"], row["strategy"]) for row in data["rows"]]
     assert rows == [(latency, name) for latency in (100, 200) for name in NAMED]
+
+
+@pytest.mark.slow(15)
+def test_all_run_by_default_but_what_the_scene_does_not_call_for(tmp_path):
+    """What would do the same as another is left out, the terminal and the page say why, and who
+    names it gets it."""
+    said = ("--scene", "lantern", "--latency", "100", *QUICK[:-1])
+    done = hmdwarp("compare", "look-around", *said, "--out", tmp_path / "all")
+    assert done.returncode == 0, done.stderr
+    data = json.loads((tmp_path / "all" / "compare.json").read_text(encoding="utf-8"))
+    assert {row["strategy"] for row in data["rows"]} == {*strategies.names()} - {"soft_bodies"}
+    (left_out,) = data["left_out"]
+    told = "nothing in 'lantern' calls for it, so that it would do what 'depth_image' does; name it by --strategy"
+    assert left_out["strategy"] == "soft_bodies" and left_out["why"].startswith(told)
+    assert "soft_bodies is left out: nothing in 'lantern' calls for it" in " ".join(done.stdout.split())
+    page = (tmp_path / "all" / "compare.html").read_text(encoding="utf-8")
+    assert "soft_bodies is left out: nothing in" in page
+    named = ("--strategy", "depth_image,soft_bodies", "--quiet", "--out", tmp_path / "named")
+    assert hmdwarp("compare", "look-around", *said, *named).returncode == 0
+    rows = json.loads((tmp_path / "named" / "compare.json").read_text(encoding="utf-8"))["rows"]
+    assert [row["strategy"] for row in rows] == ["depth_image", "soft_bodies"]
+    assert rows[0]["quality"] == rows[1]["quality"], "they do the same"
 
 
 def test_all_see_the_same_head_over_the_same_link(data):
