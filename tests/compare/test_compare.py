@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import json
 import re
 import shutil
@@ -12,6 +13,7 @@ import attrs
 import pytest
 from commands import hmdwarp
 from recorded_folders import taken, write_npz
+from replays import scene_for
 
 from hmdwarp.client import build_plan
 from hmdwarp.clients import client_names, load_client
@@ -43,26 +45,43 @@ def test_every_strategy_runs_at_every_latency(data):
     assert rows == [(latency, name) for latency in (100, 200) for name in NAMED]
 
 
-@pytest.mark.slow(15)
-def test_all_run_by_default_but_what_the_scene_does_not_call_for(tmp_path):
-    """What would do the same as another is left out, the terminal and the page say why, and who
-    names it gets it."""
-    said = ("--scene", "lantern", "--latency", "100", *QUICK[:-1])
-    done = hmdwarp("compare", "look-around", *said, "--out", tmp_path / "all")
+TINY = ("--latency", "20", "--size", "32x24", "--start", "0", "--seconds", "0.05", "--metrics-every", "2")
+
+
+def compared(out: Path, *options: str) -> tuple[dict, str]:
+    """A comparison of three refreshes: compare.json, and what the terminal says."""
+    done = hmdwarp("compare", "look-around", *TINY, "--headset", "flat-90", "--workers", "0", "--out", out, *options)
     assert done.returncode == 0, done.stderr
-    data = json.loads((tmp_path / "all" / "compare.json").read_text(encoding="utf-8"))
-    assert {row["strategy"] for row in data["rows"]} == {*strategies.names()} - {"soft_bodies"}
-    (left_out,) = data["left_out"]
-    told = "nothing in 'lantern' calls for it, so that it would do what 'depth_image' does; name it by --strategy"
-    assert left_out["strategy"] == "soft_bodies" and left_out["why"].startswith(told)
-    assert "soft_bodies is left out: nothing in 'lantern' calls for it" in " ".join(done.stdout.split())
-    page = (tmp_path / "all" / "compare.html").read_text(encoding="utf-8")
-    assert "soft_bodies is left out: nothing in" in page
-    named = ("--strategy", "depth_image,soft_bodies", "--quiet", "--out", tmp_path / "named")
-    assert hmdwarp("compare", "look-around", *said, *named).returncode == 0
-    rows = json.loads((tmp_path / "named" / "compare.json").read_text(encoding="utf-8"))["rows"]
-    assert [row["strategy"] for row in rows] == ["depth_image", "soft_bodies"]
-    assert rows[0]["quality"] == rows[1]["quality"], "they do the same"
+    return json.loads((out / "compare.json").read_text(encoding="utf-8")), " ".join(done.stdout.split())
+
+
+@pytest.mark.slow(5)
+@pytest.mark.parametrize("scene", ["lantern", "parade"])
+def test_a_strategy_runs_by_its_name_where_a_scene_calls_for_it(scene, tmp_path):
+    names = [name for name in strategies.names() if scene_for(name) == scene]
+    data, _ = compared(tmp_path / "out", "--scene", scene, "--strategy", ",".join(names), "--quiet")
+    assert [row["strategy"] for row in data["rows"]] == names and not data["left_out"]
+    assert all(row["quality"]["psnr_db"]["mean"] > 5 for row in data["rows"])
+
+
+@pytest.mark.slow(10)
+def test_by_default_all_run_but_what_the_scene_does_not_call_for(tmp_path):
+    """What would do the same as another is left out too; terminal and page say how to have it."""
+    data, told = compared(tmp_path / "out", "--scene", "planes")
+    suited = {name for name in strategies.names() if scene_for(name) == "planes"}
+    assert {row["strategy"] for row in data["rows"]} == suited
+    assert {one["strategy"] for one in data["left_out"]} == {*strategies.names()} - suited
+    why = {one["strategy"]: one["why"] for one in data["left_out"]}
+    assert "its light stands still" in why["photons"]
+    assert why["soft_bodies"] == (
+        "nothing in 'planes' calls for it, so that it would do what 'depth_image' does; name it by --strategy to run it"
+    )
+    page = html.unescape((tmp_path / "out" / "compare.html").read_text(encoding="utf-8"))
+    for name, reason in why.items():
+        assert f"{name} is left out: {reason}" in told and f"{name} is left out: {reason}." in page
+    both, _ = compared(tmp_path / "two", "--scene", "planes", "--strategy", "depth_image,soft_bodies", "--quiet")
+    first, other = both["rows"]
+    assert (other["strategy"], other["quality"]) == ("soft_bodies", first["quality"]), "they do the same"
 
 
 def test_all_see_the_same_head_over_the_same_link(data):
