@@ -6,6 +6,8 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from hmdwarp.compare import start_bytes
+
 SCENES = ("lantern", "sunroom", "doorway")
 LATENCIES = ("200", "400", "800")
 WAYS = {
@@ -43,7 +45,7 @@ def figures(out: Path) -> list[str]:
     """Return PSNR, FLIP, traffic and what crossed at the start, of a run."""
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     quality, models = summary["quality"], summary.get("client_models", ())
-    start = sum(model.get("start_up_bytes", 0) for model in models)
+    start = sum(model.get("start_up_bytes", start_bytes({"client_models": [model]})) for model in models)
     return [
         f"{quality['psnr_db']['mean']:.1f}",
         f"{quality['flip']['mean']:.3f}",
