@@ -50,6 +50,7 @@ COLUMNS = (
     "client_ms",
     "server_ms",
     "mbit_s",
+    "up_mbit_s",
     "decoded_mpx_s",
     "start_bytes",
     "client_bytes",

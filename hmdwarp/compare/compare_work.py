@@ -60,6 +60,7 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
         "client_ms": summary["time_ms"]["total"]["median"],
         "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
         "mbit_s": summary["link"]["mbit_s"],
+        "up_mbit_s": summary["link"]["up_mbit_s"],
         "decoded_mpx_s": decoded_mpx_s(summary, *about),
         "start_bytes": start_bytes(summary),
         "client_bytes": client_bytes(summary, *about),

@@ -54,9 +54,6 @@ _EYE = struct.Struct("<18d")
 # Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
 _DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
-LARGEST_ASK = (
-    _HEAD.size + _ASK.size + _POSE.size + MOST_EYES * _EYE.size + parts.wanted_bytes(parts.MOST_WANTED, MOST_EYES)
-)
 _NO_TOKEN = bytes(32)
 _FINEST = 2.0**-20
 Size = tuple[int, int]
@@ -201,6 +198,14 @@ class Stub:
 Message = Ask | FrameMessage | Refusal | Stub
 # Of a message: bytes, or an array whose bytes follow in the order of its indices.
 Piece = bytes | NDArray[Any]
+
+
+def request_bytes(eyes: int) -> int:
+    """Return the bytes of a request for so many eyes that wishes for no further layers."""
+    return _HEAD.size + _ASK.size + _POSE.size + eyes * _EYE.size
+
+
+LARGEST_ASK = request_bytes(MOST_EYES) + parts.wanted_bytes(parts.MOST_WANTED, MOST_EYES)
 
 
 def length_of(picture: NDArray[Any] | bytes) -> int:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from ..feed.message import request_bytes
 from ..link import SCALES, Pacer
 from .frame_coder import CodedFrame, Coder
 from .layers_read import Reads
@@ -54,7 +55,7 @@ class Channel:
         self._sent_scale, self._share, self._slowest_ns = 1.0, 1.0, 0
         self._full_pixels = 0
         self._scales: Counter[float] = Counter()
-        self._refreshes = self._frames = self._skipped = self._unchanged = 0
+        self._refreshes = self._frames = self._skipped = self._unchanged = self._eyes = 0
         self._bytes = Counter[str]()
         # Summary of what stands before this link, given the refreshes per second.
         self.before: Callable[[float], dict[str, Any]] | None = None
@@ -139,6 +140,7 @@ class Channel:
     def _measure(self, frame: Frame) -> None:
         """Note the resolution of a frame; the first is a full one."""
         width, height = frame.eyes[0].size
+        self._eyes = len(frame.eyes)
         self._full_pixels = self._full_pixels or width * height
         self._share = width * height / self._full_pixels
         self._sent_scale = self.scale
@@ -193,6 +195,8 @@ class Channel:
             "mbit_s": self._bytes.total() * megabits,
             "layers_mbit_s": {name: count * megabits for name, count in self._bytes.most_common()},
             "frame_bytes": self._bytes.total() / max(self._frames, 1),
+            # What asks for a frame, or finds that nothing has changed, as the feed writes it.
+            "up_mbit_s": (self._frames + self._unchanged) * request_bytes(self._eyes) * megabits,
             **self._about_resolution(),
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
             **({"proxy": self.before(rate_hz)} if self.before is not None else {}),

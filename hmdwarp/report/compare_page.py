@@ -60,6 +60,7 @@ COLUMNS = {
         _taken("client_ms", "client", "ms an eye", 1),
         _taken("server_ms", "server", "ms", 0),
         _taken("mbit_s", "link", "Mbit/s", 1),
+        _taken("up_mbit_s", "poses back", "Mbit/s", 2),
         _taken("start_bytes", "before the first frame", "MB", 1, 1e-6),
         _taken("client_bytes", "held", "MB", 0, 1e-6),
     )

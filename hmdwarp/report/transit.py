@@ -115,6 +115,8 @@ def coding_rows(summary: Summary) -> Pairs:
     layers: Mapping[str, float] = link.get("layers_mbit_s") or {}
     if len(layers) > 1:
         rows.append(("of that", ", ".join(f"{name.replace('_', ' ')} {rate:.1f}" for name, rate in layers.items())))
+    if "up_mbit_s" in link:
+        rows.append(("head poses to the server", f"{link['up_mbit_s']:.2f} Mbit/s"))
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]

@@ -95,6 +95,7 @@ def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
         "layers_mbit_s": pytest.approx(layers),
         "mbit_s": pytest.approx(sum(layers.values())),
         "frame_bytes": 2 * 160 * 120 * 12,
+        "up_mbit_s": pytest.approx(468 * 8 * 60 / 1e6),  # 180 bytes and 144 for each eye, docs/feed.md
         "codec": "none",
     }
     coded = told["h264"]["link"]
