@@ -48,6 +48,7 @@ def _scale(data: Table, name: str) -> Scale:
         units=data.line("units", ""),
         source=data.line("source"),
         prompt=data.line("prompt", ""),
+        beside_reference=data.flag("beside_reference", False),
     )
     return made.with_scores(_scores(data, made))
 

@@ -61,6 +61,8 @@ class Scale:
     units: str = ""  # for tables; "" for a plain number
     source: str = ""  # the paper or standard it comes from
     prompt: str = ""  # the question about every item; "" where the items are questions themselves
+    # Whether a rating is of the difference from the reference, which is shown right before.
+    beside_reference: bool = False
 
     def values(self) -> tuple[float, ...]:
         """Return every possible answer, from least to most."""

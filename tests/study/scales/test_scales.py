@@ -32,7 +32,7 @@ GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 def test_what_is_shipped():
     assert scale_names() == [
-        "acr", "comments", "demographics", "fms", "grade", "misc", "nasa_tlx", "preference", "preference_or_tie",
+        "acr", "comments", "dcr", "demographics", "fms", "grade", "misc", "nasa_tlx", "preference", "preference_or_tie",
         "slider", "ssq", "vrsq",
     ]  # fmt: skip
 
@@ -71,6 +71,9 @@ def test_directions_and_ranges_as_published():
     assert (grade.least, grade.most, grade.step, grade.low_is_good) == (1, 6, 0.25, True)
     assert grade.anchors[1] == "very good" and grade.anchors[6] == "insufficient"
     assert (acr.least, acr.most, acr.step, acr.low_is_good) == (1, 5, 1, False) and acr.anchors[5] == "excellent"
+    dcr = load_scale("dcr")  # P.910 as well: 5 is imperceptible
+    assert (dcr.least, dcr.most, dcr.step, dcr.low_is_good) == (1, 5, 1, False) and dcr.anchors[5] == "imperceptible"
+    assert [name for name in scale_names() if load_scale(name).beside_reference] == ["dcr"]
     assert (fms.least, fms.most, fms.low_is_good, fms.kind) == (0, 20, True, "sickness")
     assert (misc.least, misc.most, misc.low_is_good, misc.kind) == (0, 10, True, "sickness") and len(misc.anchors) == 11
 
