@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -159,7 +160,9 @@ LONG_COLUMNS = tuple(column.name for column in COLUMNS)
 
 # Settings beside SETTINGS: columns of studies that use them.
 OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
-_BY_NAME = {column.name: column for column in (*COLUMNS, *_PHASE)}
+# Only in tables of a store that was merged.
+_SITE = Column("site", TEXT, "Site that the session comes from")
+_BY_NAME = {column.name: column for column in (*COLUMNS, *_PHASE, _SITE)}
 
 
 def column_of(name: str) -> Column:
@@ -171,10 +174,13 @@ def column_of(name: str) -> Column:
 
 
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale."""
-    others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
+    """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale.
+
+    The rows of a merged store have their site first.
+    """
+    site, *others = ([name] if any(name in row for row in rows) else [] for name in (_SITE.name, *OTHER_SETTINGS))
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
-    names = (*after[:before], *others, *more, *after[before:])
+    names = (*site, *after[:before], *itertools.chain(*others), *more, *after[before:])
     return tuple(column_of(name) for name in names)
 
 
