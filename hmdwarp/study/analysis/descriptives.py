@@ -25,7 +25,7 @@ def condition_rows(ratings: Ratings, part: str, scale: str) -> list[dict[str, An
     """Return a row per condition: n, median, mean, spread, and each participant's rating.
 
     "low" to "high" is Student's 95 % interval of the mean over people, cut at the ends of the
-    scale. Spread and interval are None where n is too small.
+    scale; None where n is too small, as the spread, or all rated alike.
     Source of the interval: ITU-T P.910 (10/2023), as for any mean opinion score.
     """
     table, info = ratings.table(part, scale), ratings.scale_info[scale]
@@ -35,7 +35,7 @@ def condition_rows(ratings: Ratings, part: str, scale: str) -> list[dict[str, An
 
 
 def _mean_interval(row: Mapping[str, Any], scale: ScaleInfo) -> dict[str, float | None]:
-    if row["sd"] is None:
+    if not row["sd"]:
         return {"low": None, "high": None}
     half = float(stdtrit(row["n"] - 1, 0.5 + _LEVEL / 2)) * row["sd"] / math.sqrt(row["n"])
     least = -math.inf if scale.least is None else scale.least
