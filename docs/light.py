@@ -6,7 +6,9 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-SCENES = ("lantern", "sunroom")
+from hmdwarp.compare import start_bytes
+
+SCENES = ("lantern", "sunroom", "doorway")
 LATENCIES = ("200", "400", "800")
 WAYS = {
     "`none`": ("--warp", "none", "--fill", "none"),
@@ -16,6 +18,7 @@ WAYS = {
     "`model`, light baked": ("--strategy", "model"),
     "`irradiance`": ("--strategy", "irradiance"),
     "`photons`": ("--strategy", "photons"),
+    "`light`": ("--strategy", "light"),
 }
 OPTIONS = (
     *("--codec", "h264", "--size", "120x150", "--start", "2", "--seconds", "2", "--rate", "20"),
@@ -42,7 +45,7 @@ def figures(out: Path) -> list[str]:
     """Return PSNR, FLIP, traffic and what crossed at the start, of a run."""
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     quality, models = summary["quality"], summary.get("client_models", ())
-    start = sum(model.get("start_up_bytes", 0) for model in models)
+    start = sum(model.get("start_up_bytes", start_bytes({"client_models": [model]})) for model in models)
     return [
         f"{quality['psnr_db']['mean']:.1f}",
         f"{quality['flip']['mean']:.3f}",

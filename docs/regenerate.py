@@ -546,6 +546,7 @@ def study_simulated(folder: Path) -> None:
     """Simulate studies: how often the analysis is right, and how many people a study needs."""
     replace("coverage", studies.coverage_table(ROOT))
     replace("power", studies.power_text(folder))
+    replace("pairs-power", studies.pairs_power_table())
 
 
 def thesis(folder: Path, *ready: str) -> None:

@@ -10,13 +10,16 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from scipy.special import ndtr
 
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.display import Command
 from hmdwarp.report import p_text, pair_text
-from hmdwarp.study.design import Ask
+from hmdwarp.study.design import Ask, design_from_text
 from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
+from hmdwarp.study.power import pairs_model, power_of
 from hmdwarp.study.scales import load_scale
+from hmdwarp.study.statistics import JOD_SPREAD
 
 Program = Callable[..., None]
 WORDS = ("pairs (+/0/-)", "mean difference", "BCa 95 %", "Hodges-Lehmann", "exact p", "Holm 3 / 6", "r")
@@ -83,6 +86,47 @@ def power_text(folder: Path) -> str:
     # The line left out names this run's folder.
     lines = [line for line in printed.rstrip().splitlines() if not line.startswith("Table and plot:")]
     return "\n".join(["```text", *lines, "```"])
+
+
+PAIRS = """schema = 1
+name = "pairs"
+title = "Which is better?"
+[common]
+scene = "room"
+[trial]
+shows = "pair"
+seconds = 8
+scales = ["{scale}"]
+[[condition]]
+name = "late"
+warp = "none"
+[[condition]]
+name = "warped"
+[[family]]
+name = "a warp against none"
+compare = [{{ better = "warped", baseline = "late" }}]
+"""
+PAIRS_PEOPLE, PAIRS_STUDIES = (10, 20, 30, 40, 60), 1000
+
+
+def pairs_power_table() -> str:
+    """Return the power of one comparison, forced and with ties, for some effects."""
+    lines = [
+        "| true difference | share of forced choices | answers | "
+        + " | ".join(f"{n} people" for n in PAIRS_PEOPLE)
+        + " |",
+        "| ---: | ---: | --- |" + " ---: |" * len(PAIRS_PEOPLE),
+    ]
+    for jod in (0.0, 0.5, 1.0, 1.5):
+        for name, words in (("preference", "forced"), ("preference_or_tie", "or *no difference*")):
+            design = design_from_text(PAIRS.format(scale=name), "pairs.toml", checked=False)
+            scale = design.scales[0]
+            model = pairs_model(design, scale, jod)
+            found = power_of(model, design, scale, PAIRS_PEOPLE, PAIRS_STUDIES, seed=1)
+            shares = (next(iter(at_n.found.values())).value for at_n in found.at)
+            figures = " | ".join(f"{share:.0%}" for share in shares)
+            lines.append(f"| {jod:g} JOD | {ndtr(jod / JOD_SPREAD):.0%} | {words} | {figures} |")
+    return "\n".join(lines)
 
 
 def question_picture(path: Path) -> None:

@@ -88,7 +88,8 @@ class BenchOptions(Declared):
     strategies: tuple[str, ...] = several(
         _RUN.strategy,
         (),
-        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('strategies')}.",
+        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('strategies')}; not those "
+        "that set more than warp, fill, effects and light (proxy, views), see 'hmdwarp compare'.",
         split=split_names,
     )
     fills: tuple[str, ...] = several(

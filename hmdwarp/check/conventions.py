@@ -130,6 +130,11 @@ class Answer:
                 f"wrong: {changed}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree as "
                 f"stated, {share} as found ({frames})"
             )
+        if self.agreement >= names.WELL:
+            return (
+                f"no agreement: {frames} agree in {share} of the depths that two of them show, but not in colour; "
+                "expected pictures of the same things, with detail that can be compared"
+            )
         return (
             f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
             "expected a scene that stands still, seen from places nearby, and the field of view of the camera"

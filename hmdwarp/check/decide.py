@@ -14,7 +14,7 @@ from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree
 # Of the depths agree: what is left are small numbers; one convention explains the frames.
-_WELL, _ENOUGH = 0.85, 0.6
+WELL, _ENOUGH = 0.85, 0.6
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
 _KEPT = 4  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
@@ -80,14 +80,14 @@ def agreement(search: Search, reading: Reading) -> float:
 def explains(search: Search, reading: Reading) -> bool:
     """Return whether a reading leaves small numbers alone to be found."""
     share = agreement(search, reading)
-    return share >= _WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
+    return share >= WELL or (share >= _ENOUGH and likeness(search, reading) >= ALIKE)
 
 
 def decide(search: Search) -> Decision:
     """Return the best reading of the frames."""
     plain = Reading()
     found = [plain, *search.discrete(plain)]
-    well = agreement(search, search.best(found)) >= _WELL
+    well = agreement(search, search.best(found)) >= WELL
     found += _best_of(search, search.usual_numbers(plain)[:1])
     if not well:
         numbers = _best_of(search, search.numbers(plain))

@@ -11,6 +11,7 @@ from typing import Any
 import attrs
 from numpy.typing import NDArray
 
+from ..client.plan import Plan
 from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..link.codec import codecs
@@ -30,6 +31,9 @@ from ..version import __version__
 from .compare_work import ComparePart, pictures_of, run_part
 from .options import CompareOptions
 
+_DUPLICATE = (
+    "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
+)
 PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
 Progress = Callable[[int, int], None]
 
@@ -118,13 +122,13 @@ def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
 def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
     """Return the options of every run, and which strategies are left out and why.
 
-    Those that nobody named are left out where the scene does not call for them, and where recorded
-    frames lack what they send.
+    Those that nobody named are left out where the scene does not call for them, where they would do
+    what another one does, and where recorded frames lack what they send.
     Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
     """
     first = _run_options(options, "", options.recordings[0], 0.0, 0.0)
     scene = scene_of(first)
-    headset, left_out, names = headset_of(first, scene), [], []
+    headset, left_out, chosen = headset_of(first, scene), [], dict[str, Any]()
     for text in options.strategies or strategies.names():
         try:
             run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
@@ -132,14 +136,20 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
             plan = build_plan_for(run, headset, scene)
             if run.is_recorded:
                 refuse_one_eye(plan.needs, 1, ONE_EYE)
-            names.append(text)
         except (PlanError, InputError) as error:
             if options.strategies or not (isinstance(error, PlanError) or options.frames):
                 raise
             left_out.append({"strategy": text, "why": str(error)})
+            continue
+        does = _what_it_does(run, plan)
+        alike = None if options.strategies else next((name for name, one in chosen.items() if one == does), None)
+        if alike is None:
+            chosen[text] = does
+        else:
+            left_out.append({"strategy": text, "why": _DUPLICATE.format(scene=scene.name, alike=alike)})
     rate_hz = options.rate_hz or headset.refresh_hz
     start_s = max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)
-    cases = itertools.product(options.recordings, options.latencies_ms, names)
+    cases = itertools.product(options.recordings, options.latencies_ms, chosen)
     runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
     sequence = scene.sequence if isinstance(scene, RecordedScene) else None
     traces = {
@@ -150,6 +160,14 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
         codecs.get(run.coding.codec)
         schedule_for(run, sequence, traces[run.trace], rate_hz)
     return runs, left_out
+
+
+def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
+    """Return what tells two strategies apart on one scene: all but their names and reasons."""
+    return (
+        attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
+        attrs.evolve(plan, steps=(), left_out=()),
+    )
 
 
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:

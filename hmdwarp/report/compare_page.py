@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -150,41 +149,48 @@ def assigned_markdown(data: Mapping[str, Any]) -> str:
 def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> str:
     """Return which strategy is best for whom at each latency, as a Markdown table.
 
-    For each client of the comparison, and for any client over links of these rates. Errors are
+    For each client of the comparison, over its own link and over links of these rates. Errors are
     means over the recordings; a strategy counts where it suits on all of them. data: as
     compare.json.
     """
     latencies = list(dict.fromkeys(row["latency_ms"] for row in data["rows"]))
-    fits: dict[str, Callable[[Row], bool]] = {
-        f"`{client['name']}`: {client['summary']}": partial(_can_run, client["name"]) for client in data["clients"]
-    }
-    fits |= {f"a link of {rate:g} Mbit/s, any client": partial(_is_carried, rate) for rate in links_mbit_s}
+    recordings = len({row["trace"] for row in data["rows"]})
     lines = ["| for whom | " + " | ".join(f"{latency:g} ms" for latency in latencies) + " |"]
     lines.append("| --- |" + " --- |" * len(latencies))
-    for who, fit in fits.items():
-        cells = [_best_of([row for row in data["rows"] if row["latency_ms"] == latency], fit) for latency in latencies]
-        lines.append(f"| {who} | " + " | ".join(cells) + " |")
+    for rate, client in itertools.product((None, *links_mbit_s), data["clients"]):
+        who = client["summary"] if rate is None else f"over a link of {rate:g} Mbit/s"
+        rows = [row for row in data["rows"] if not row["unfit"][client["name"]]]
+        cells = [_best_of([row for row in rows if row["latency_ms"] == one], rate, recordings) for one in latencies]
+        lines.append(f"| `{client['name']}`: {who} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
 
-def _can_run(client: str, row: Row) -> bool:
-    return not row["unfit"][client]
+def _best_of(rows: Sequence[Row], link_mbit_s: float | None, recordings: int) -> str:
+    """Return the strategy of the least error, with what it takes, as text.
 
-
-def _is_carried(mbit_s: float, row: Row) -> bool:
-    return bool(row["mbit_s"] <= mbit_s)
-
-
-def _best_of(rows: Sequence[Row], fit: Callable[[Row], bool]) -> str:
+    rows: of one latency. It is none where the link carries none on all recordings.
+    """
     by_name: dict[str, list[Row]] = {}
     for row in rows:
         by_name.setdefault(row["strategy"], []).append(row)
-    suited = [group for group in by_name.values() if all(fit(row) for row in group)]
-    if not suited:
-        return "none"
-    best = min(suited, key=lambda group: sum(map(_error, group)))
-    flip, rate = (sum(value(row) for row in best) / len(best) for value in (_error, lambda row: row["mbit_s"]))
-    return f"`{best[0]['strategy']}` (FLIP {flip:.3f}, {rate:.1f} Mbit/s)"
+    suited = [group for group in by_name.values() if len(group) == recordings]
+    carried = [group for group in suited if link_mbit_s is None or max(map(_rate, group)) <= link_mbit_s]
+    if not carried:
+        least = min(suited, key=lambda group: max(map(_rate, group)), default=None)
+        return (
+            "none" if least is None else f"none; least: `{least[0]['strategy']}`, {max(map(_rate, least)):.1f} Mbit/s"
+        )
+    best = min(carried, key=lambda group: sum(map(_error, group)))
+    flip, rate = (sum(map(value, best)) / len(best) for value in (_error, _rate))
+    first_mb = max(row["start_bytes"] for row in best) * 1e-6
+    first = f", {first_mb:.1f} MB first" if first_mb >= 0.05 else ""
+    if first and link_mbit_s is not None:
+        first += f": {8 * first_mb / link_mbit_s:.0f} s"
+    return f"`{best[0]['strategy']}` (FLIP {flip:.3f}, {rate:.1f} Mbit/s{first})"
+
+
+def _rate(row: Row) -> float:
+    return float(row["mbit_s"])
 
 
 def _label(row: Row) -> str:

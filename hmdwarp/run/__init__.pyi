@@ -17,6 +17,10 @@ from .live_log import LiveResult as LiveResult
 from .live_run import display_options as display_options
 from .live_run import live as live
 from .live_run import open_display as open_display
+from .markers import Markers as Markers
+from .markers import MarkerStream as MarkerStream
+from .markers import NoMarkers as NoMarkers
+from .markers import load_lsl as load_lsl
 from .options import LiveOptions as LiveOptions
 from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions

@@ -45,11 +45,13 @@ from .deformations import Skinned as Skinned
 from .deformations import Waving as Waving
 from .motions import Pendulum as Pendulum
 from .motions import Spinning as Spinning
+from .motions import Still as Still
 from .motions import Thrown as Thrown
 from .motions import Track as Track
 from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
 from .radiosity import lamps_at as lamps_at
+from .radiosity import receivers_of as receivers_of
 from .radiosity import transport_of as transport_of
 from .radiosity import with_lamps_stopped as with_lamps_stopped
 from .shapes import Ball as Ball

@@ -8,7 +8,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import RigidState
 from ._content import Motion
 
 if TYPE_CHECKING:
@@ -42,26 +41,13 @@ class Lamp:
         return np.append(pose.position_m, 1.0)
 
 
-@attrs.frozen(eq=False)
-class _Still:
-    _state: RigidState
-
-    def state(self, time_ns: int) -> RigidState:
-        return self._state
-
-
-def stopped(lamp: Lamp, time_ns: int) -> Lamp:
-    """Return the lamp that stays where this one is at that instant."""
-    return attrs.evolve(lamp, motion=_Still(RigidState(lamp.motion.state(time_ns).pose)))
-
-
 def problem_with(meshes: Sequence[Mesh], lamps: Sequence[Lamp]) -> str:
     """Return why the lamps cannot light the meshes, "" if they can."""
     if len(lamps) > MOST_LAMPS:
         return f"{len(lamps)} lamps: expected at most {MOST_LAMPS}"
     for mesh in meshes:
-        if mesh.light_uv is not None and (mesh.body or mesh.deformation is not None):
-            return f"mesh '{mesh.name}' has a place in the light atlas and moves: expected one that stands still"
+        if mesh.light_uv is not None and mesh.deformation is not None:
+            return f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
         if lamps and mesh.material.reflectivity:
             return f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces"
     return ""

@@ -98,7 +98,8 @@ class Mesh:
     # (n, 3) linear colour of the material alone: `light` under light of 1. None if unknown.
     albedo: NDArray[np.float32] | None = attrs.field(default=None, converter=attrs.converters.optional(_triples))
     # (n, 2) texels of the scene's light atlas. With them the scene's lamps light it instead of
-    # `light`, and it stops their light; without, it shines by `light` and stops nothing.
+    # `light`, and it stops their light, wherever its body is; without, it shines by `light` and
+    # stops nothing.
     light_uv: NDArray[np.float32] | None = attrs.field(default=None, converter=attrs.converters.optional(_pairs))
 
     def __attrs_post_init__(self) -> None:

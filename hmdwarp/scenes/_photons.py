@@ -66,7 +66,8 @@ class PhotonTracer:
     """
 
     def __init__(self, transport: Transport, background: Background, paths: int, bundles: int) -> None:
-        self._receivers, self._background = transport.receivers, background
+        # What photons fall on: set anew where something lit has moved.
+        self.receivers, self._background = transport.receivers, background
         self.paths, self.bundles = paths, bundles
 
     @cached_property
@@ -77,7 +78,7 @@ class PhotonTracer:
     @cached_property
     def _box(self) -> Array:
         """(2, 3) lowest and highest corner."""
-        corners = self._receivers.blockers.corners.reshape(-1, 3)
+        corners = self.receivers.blockers.corners.reshape(-1, 3)
         return np.array([corners.min(axis=0), corners.max(axis=0)]) if len(corners) else np.zeros((2, 3))
 
     def trace(self, light: Light | None, bundles: Sequence[int], *, direct: bool = False) -> list[Photons]:
@@ -95,13 +96,13 @@ class PhotonTracer:
         chances = [np.random.default_rng(bundle) for bundle in bundles]
         found = [(np.zeros(0, np.int64), *(np.zeros((0, width)) for width in (3, 3, 3, 2)))]
         for bounce in range(MOST_BOUNCES):
-            met = self._receivers.meet(origins, ways)
+            met = self.receivers.meet(origins, ways)
             on = met.patch >= 0
             patch, places, powers, left = met.patch[on], met.places[on], powers[on], left[on]
-            normals = self._receivers.patches.normals[patch]
+            normals = self.receivers.patches.normals[patch]
             if bounce or direct or light is None:
                 found.append((left, places, normals, powers, met.texels[on]))
-            out = powers * self._receivers.patches.albedo[patch]
+            out = powers * self.receivers.patches.albedo[patch]
             stays = out.max(axis=1, initial=0.0) / np.maximum(powers.max(axis=1, initial=0.0), 1e-300)
             # The same for each path, whatever becomes of others.
             drawn = np.concatenate([chance.random((self.paths, 3)) for chance in chances])[left]
@@ -222,7 +223,7 @@ def kernel_factors(transport: Transport, radius: float) -> NDArray[np.float16]:
     parts = [(column, row) for row in range(finer) for column in range(finer)]
     places = np.concatenate([patches.at(offsets[column], offsets[row]) for column, row in parts])
     normals, areas = np.tile(patches.normals, (len(parts), 1)), np.tile(patches.areas, len(parts)) / len(parts)
-    factors = _balanced(places, normals, areas, radius)
+    factors = _balanced(places, normals, areas, np.tile(patches.bodies, len(parts)), radius)
     width, height = finer * np.array(ATLAS)
     values = np.full((height, width), np.nan)
     for number, (column, row) in enumerate(parts):
@@ -233,7 +234,7 @@ def kernel_factors(transport: Transport, radius: float) -> NDArray[np.float16]:
     return picture
 
 
-def _balanced(places: Array, normals: Array, areas: Array, radius: float) -> Array:
+def _balanced(places: Array, normals: Array, areas: Array, bodies: NDArray[np.int64], radius: float) -> Array:
     """Return (n,) factors with which each part gives and gets as much as it should."""
     from scipy.sparse import coo_matrix
     from scipy.spatial import cKDTree
@@ -243,6 +244,7 @@ def _balanced(places: Array, normals: Array, areas: Array, radius: float) -> Arr
     first, other = cKDTree(places).query_pairs(radius, output_type="ndarray").T
     ways = places[other] - places[first]
     alike = (normals[first] * normals[other]).sum(axis=1) > LEAST_COSINE
+    alike &= bodies[first] == bodies[other]  # what moves past something is no part of it
     alike &= np.abs((ways * normals[first]).sum(axis=1)) <= OFF_PLANE * radius
     first, other = first[alike], other[alike]
     given = kernel(np.linalg.norm(ways[alike], axis=1), radius)
@@ -267,10 +269,13 @@ def of_atlas(atlas: NDArray[np.float16], texels: Array) -> Array:
     return np.stack(channels, axis=1)
 
 
-def light_keys(lamps: Sequence[Light], background: Background) -> list[tuple[Light | None, bytes]]:
-    """Return the lamps, and None for a sky that shines; each with what tells its light apart."""
+def light_keys(lamps: Sequence[Light], background: Background, moved: bytes = b"") -> list[tuple[Light | None, bytes]]:
+    """Return the lamps, and None for a sky that shines; each with what tells its light apart.
+
+    moved: what tells apart where all is that moves and is lit.
+    """
     found: list[tuple[Light | None, bytes]] = [
-        (lamp, np.array([*lamp[0], *lamp[1]]).tobytes()) for lamp in lamps if max(lamp[1]) > 0
+        (lamp, np.array([*lamp[0], *lamp[1]]).tobytes() + moved) for lamp in lamps if max(lamp[1]) > 0
     ]
     sky = max(*background.zenith, *background.horizon, *background.ground)
-    return [*found, (None, b"sky")] if lamps and sky > 0 else found
+    return [*found, (None, b"sky" + moved)] if lamps and sky > 0 else found

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ._chunks import morton
 from ._mesh import Mesh, Texture
+from ._photons import of_atlas
 from ._scene import Scene
+from .radiosity import OFF_M, direct_light, lamps_at, transport_of
 
 Array = NDArray[np.float64]
 # A cell is at most so long, or so much of its distance from the viewpoint, whichever is more.
@@ -42,7 +44,8 @@ class PointCells:
     What deforms, is see-through or fixed to the head has none. A point's colour is the texture
     times the light, as the server draws it, filtered to the spacing that is asked: it is rounded to
     8 bits of sRGB, which is off by half a step at most, light beyond 1 is clipped, and what varies
-    within the spacing is averaged over squares of texels.
+    within the spacing is averaged over squares of texels. Lamps stand where they are at the start,
+    and their light is looked up at the corners of triangles no longer than a cell.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -61,6 +64,8 @@ class PointCells:
         order = np.lexsort((morton(rows[:, :, :3].mean(axis=1)), cell)) if len(cell) else np.argsort(cell)
         self._rows, self._area, cell = rows[order], area[order], cell[order]
         self._normal = across[order] / (2 * self._area[:, None])
+        if scene.lamps:
+            _light_up(self._rows, self._normal, owner[order], meshes, scene)
         self._texels = _texels_per_metre(self._rows, self._area, owner[order], meshes, scene)
         self.count = int(cell[-1]) + 1 if len(cell) else 0
         self._first = np.searchsorted(cell, np.arange(self.count + 1))
@@ -165,10 +170,37 @@ def _eye(scene: Scene) -> Array:
     return scene.viewpoint.position_m - scene.origin_m
 
 
+def _light_up(rows: Array, normals: Array, owner: NDArray[np.int64], meshes: list[Mesh], scene: Scene) -> None:
+    """Put in place of the albedo at each corner what it shows under the lamps of the start."""
+    transport, lamps = transport_of(scene), lamps_at(scene, 0)
+    atlas = transport.atlas(transport.indirect(transport.direct(lamps)))
+    for number, mesh in enumerate(meshes):
+        own = np.flatnonzero(owner == number)
+        if mesh.light_uv is None or not len(own):
+            continue
+        # A little inside: at an edge the next surface begins.
+        places = (0.9 * rows[own, :, :3] + 0.1 * rows[own, :, :3].mean(axis=1, keepdims=True)).reshape(-1, 3)
+        facing = np.repeat(normals[own], 3, axis=0)
+        if mesh.body:
+            pose = scene.bodies[mesh.body - 1].motion.state(scene.lit_ns(0)).pose
+            places, facing = pose.transform(places) - scene.origin_m, pose.rotation.apply(facing)
+        light = direct_light(transport.blockers, places + OFF_M * facing, facing, lamps)
+        light += of_atlas(atlas, rows[own, :, 8:].reshape(-1, 2))
+        rows[own, :, 5:8] *= light.reshape(-1, 3, 3)
+
+
 def _split(meshes: list[Mesh], scene: Scene) -> tuple[Array, NDArray[np.int64]]:
-    """Return (m, 3, 8) positions, uv and light of small triangles, and their meshes."""
-    parts = [np.concatenate([one.positions, one.uv, one.light], axis=1)[one.triangles] for one in meshes]
-    rows = np.concatenate([np.zeros((0, 3, 8)), *parts])
+    """Return (m, 3, 10) of small triangles, and their meshes.
+
+    Positions, uv, light (albedo where lamps light it) and place in the light atlas.
+    """
+    parts = []
+    for one in meshes:
+        lit = scene.lamps and one.light_uv is not None
+        light = one.albedo if lit and one.albedo is not None else one.light
+        places = one.light_uv if one.light_uv is not None else np.zeros_like(one.uv)
+        parts.append(np.concatenate([one.positions, one.uv, light, places], axis=1)[one.triangles])
+    rows = np.concatenate([np.zeros((0, 3, 10)), *parts])
     owner = np.repeat(np.arange(len(meshes)), [len(one.triangles) for one in meshes])
     body = np.array([mesh.body for mesh in meshes], np.int64)
     done: list[tuple[Array, NDArray]] = []

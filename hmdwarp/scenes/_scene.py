@@ -96,6 +96,8 @@ class Scene:
     notes: tuple[str, ...] = attrs.field(default=(), converter=_notes)
     # Light that moves; without lamps all light is baked.
     lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_lamps)
+    # Of which instant the lamps' light is, whatever moves; None for that which is drawn.
+    light_ns: int | None = None
 
     def __attrs_post_init__(self) -> None:
         for mesh in self.meshes:
@@ -116,6 +118,15 @@ class Scene:
     def mirrors(self) -> tuple[SceneMirror, ...]:
         """Mirrors, plane ones first; see mirrors_of for its errors."""
         return mirrors_of(self.name, self.meshes, self.origin_m)
+
+    def lit_ns(self, time_ns: int) -> int:
+        """Return of which instant the light is in which the scene is seen at an instant."""
+        return time_ns if self.light_ns is None else self.light_ns
+
+    @property
+    def lit_moves(self) -> bool:
+        """Whether something moves that lamps light, and that stops their light."""
+        return any(mesh.light_uv is not None and mesh.body for mesh in self.meshes)
 
     @property
     def is_still(self) -> bool:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .radiosity import lit_meshes, mean_colour
+from .radiosity import lit_meshes, mean_colour, moved_meshes
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ._mesh import Mesh
     from ._scene import Scene
 
 Array = NDArray[np.float64]
@@ -20,9 +24,10 @@ _NORMAL_STEPS = 16  # pieces of one cell whose normals agree to 1 / 16 are one
 
 @attrs.frozen(eq=False)
 class VoxelGrid:
-    """A cube of `size` cells a side around all surfaces that lamps light.
+    """A cube of `size` cells a side around all surfaces that stand still and that lamps light.
 
     The outermost lie in the middle of a cell, with a cell to spare: no rounding puts them in two.
+    What moves beyond counts in the outermost cells.
     """
 
     low: Array  # (3,) its lowest corner, metres from the scene's origin
@@ -52,10 +57,22 @@ class VoxelSurfaces:
         return len(self.cells)
 
 
-def voxel_surfaces(scene: Scene, grid: VoxelGrid) -> VoxelSurfaces:
-    """Return all lit surfaces of the scene, cut along the cells; no area is lost."""
+def voxel_surfaces(scene: Scene, grid: VoxelGrid, time_ns: int = 0) -> VoxelSurfaces:
+    """Return all lit surfaces at an instant, cut along the cells; no area is lost."""
+    return _merged(
+        np.concatenate([_still_pieces(scene, grid), _pieces(scene, moved_meshes(scene, time_ns), grid)]), grid
+    )
+
+
+@lru_cache(maxsize=2)
+def _still_pieces(scene: Scene, grid: VoxelGrid) -> Array:
+    return _pieces(scene, lit_meshes(scene.meshes), grid)
+
+
+def _pieces(scene: Scene, meshes: Sequence[Mesh], grid: VoxelGrid) -> Array:
+    """Return (n, 3, 9) triangles: places in cells, normals and albedo of the corners."""
     kinds = [np.zeros((0, 3, 9))]
-    for mesh in lit_meshes(scene.meshes):
+    for mesh in meshes:
         albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.positions, 0.5)
         texture = mean_colour(scene.textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
         places = (mesh.positions.astype(np.float64) - grid.low) / grid.cell_m
@@ -63,7 +80,7 @@ def voxel_surfaces(scene: Scene, grid: VoxelGrid) -> VoxelSurfaces:
     pieces = np.concatenate(kinds)
     for axis in range(3):
         pieces = _cut(pieces, axis)
-    return _merged(pieces, grid)
+    return pieces
 
 
 def _cut(pieces: Array, axis: int) -> Array:

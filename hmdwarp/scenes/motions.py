@@ -1,4 +1,4 @@
-"""Motions of rigid bodies: spinning, thrown, along a track.
+"""Motions of rigid bodies: none, spinning, swinging, thrown, along a track.
 
 They are pure functions of the scene's clock, in float64.
 """
@@ -36,6 +36,17 @@ def _array(value: ArrayLike) -> Array:
 def _positive_seconds(_: object, attribute: attrs.Attribute, value: float) -> None:
     if not (np.isfinite(value) and value > 0):
         raise SceneError(f"motion: {attribute.name} {value!r}: expected a time above 0")
+
+
+@attrs.frozen(eq=False)
+class Still:
+    """No motion: a lamp that hangs, say, where something else moves."""
+
+    at: Pose
+
+    def state(self, time_ns: int) -> RigidState:
+        """Return the pose, whatever `time_ns`."""
+        return RigidState(self.at)
 
 
 @attrs.frozen(eq=False)

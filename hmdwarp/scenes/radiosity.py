@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ._cache import cache_folder, read_arrays, write_arrays
-from ._lamps import ATLAS, NEAREST_M, stopped
+from ._lamps import ATLAS, NEAREST_M
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ._scene import Background, Scene
 
 Array = NDArray[np.float64]
-VERSION = 1  # of stored form factors; counted up with every change of them
+VERSION = 2  # of stored rays; counted up with every change of them
 RAYS = 512  # of a patch
 # Places on a patch where light of lamps is looked up, (x, y) in texels from its middle: a Fibonacci
 # lattice, which no straight edge of a shadow runs along.
@@ -38,7 +38,10 @@ LOOKED_AT = np.stack([(np.arange(21) + 0.5) / 21, (np.arange(21) * 13 + 0.5) / 2
 # A ray starts this far in front of its surface, and a triangle reaches this share beyond its edges,
 # so that no ray slips between two.
 OFF_M, EDGE = 1e-4, 1e-6
-_AT_ONCE = 1 << 21  # rays times triangles
+_AT_ONCE = 1 << 15  # rays times triangles: what a cache holds is three times as quick
+# Of what moves, light is solved bounce by bounce until one adds no more than this share of all. The
+# atlas rounds to 2^-11.
+_ENOUGH, _MOST_BOUNCES = 2.0**-18, 1000
 
 
 @attrs.define(eq=False, slots=False)
@@ -71,9 +74,10 @@ class Blockers:
             inside = (u >= -EDGE) & (v >= -EDGE) & (u + v <= 1 + EDGE) & (t > 0)
         return np.where(inside, t, np.inf), u, v
 
-    def first(self, origins: Array, ways: Array) -> tuple[NDArray[np.int64], Array, Array]:
-        """Return of each ray the number of the first triangle, -1 for none, and u and v on it."""
-        which, across, up = np.full(len(origins), -1), np.zeros(len(origins)), np.zeros(len(origins))
+    def first(self, origins: Array, ways: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        """Return of each ray the first triangle's number, -1 for none; u and v; how many `ways`."""
+        which, far = np.full(len(origins), -1), np.full(len(origins), np.inf)
+        across, up = np.zeros(len(origins)), np.zeros(len(origins))
         size = max(1, _AT_ONCE // max(1, len(self.corners)))
         for start in range(0, len(origins) if len(self.corners) else 0, size):
             part = slice(start, start + size)
@@ -81,8 +85,8 @@ class Blockers:
             nearest = np.argmin(t, axis=1)
             rows = np.arange(len(t))
             which[part] = np.where(np.isfinite(t[rows, nearest]), nearest, -1)
-            across[part], up[part] = u[rows, nearest], v[rows, nearest]
-        return which, across, up
+            across[part], up[part], far[part] = u[rows, nearest], v[rows, nearest], t[rows, nearest]
+        return which, across, up, far
 
     def stop(self, origins: Array, ways: Array, longest: float) -> NDArray[np.bool_]:
         """Return whether something lies on each way, up to `longest` times the way."""
@@ -104,6 +108,7 @@ class Patches:
     # (n, 3, 2) metres along the surface for each texel to the right and up.
     steps: Array
     albedo: Array  # (n, 3) linear
+    bodies: NDArray[np.int64]  # (n,) that each belongs to, 0 for what stands still
 
     def __len__(self) -> int:
         return len(self.texels)
@@ -119,17 +124,25 @@ class Patches:
 
 
 def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
-    """Return the meshes that lamps light: they have places in the light atlas."""
-    return [mesh for mesh in meshes if mesh.light_uv is not None]
+    """Return the meshes that stand still and that lamps light: they have places in the atlas."""
+    return [mesh for mesh in meshes if mesh.light_uv is not None and not mesh.body]
 
 
-def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
-    """Return a patch for each texel whose centre some lit triangle covers.
+def moved_meshes(scene: Scene, time_ns: int) -> list[Mesh]:
+    """Return the meshes of bodies that lamps light, in the scene's axes at that instant."""
+    moved = []
+    for mesh in scene.meshes:
+        if mesh.light_uv is not None and mesh.body:
+            pose = scene.bodies[mesh.body - 1].motion.state(scene.lit_ns(time_ns)).pose
+            positions = pose.transform(mesh.positions.astype(np.float64)) - scene.origin_m
+            moved.append(attrs.evolve(mesh, positions=positions, normals=pose.rotation.apply(mesh.normals)))
+    return moved
 
-    Errors: SceneError where two triangles cover the same texel.
-    """
-    kinds: list[list[Array]] = [[] for _ in range(5)]
-    for mesh in lit_meshes(meshes):
+
+def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
+    """Return a patch for each texel whose centre some triangle covers."""
+    kinds: list[list[Array]] = [[] for _ in range(6)]
+    for mesh in meshes:
         texture = mean_colour(textures[mesh.texture]) if mesh.texture >= 0 else np.ones(3)
         albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.positions, 0.5)
         assert mesh.light_uv is not None
@@ -156,17 +169,13 @@ def patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
                 normals / np.linalg.norm(normals, axis=1, keepdims=True),
                 np.broadcast_to(sides @ inverse, (len(texels), 3, 2)),
                 full @ albedo[triangle].astype(np.float64) * texture,
+                np.full(len(texels), mesh.body),
             )
             for kind, one in zip(kinds, found, strict=True):
                 kind.append(one)
-    shapes = ((0, 2), (0, 3), (0, 3), (0, 3, 2), (0, 3))
-    texels, *rest = (np.concatenate([np.empty(s), *kind]) for kind, s in zip(kinds, shapes, strict=True))
-    texels = texels.astype(np.int64)
-    if len(np.unique(texels, axis=0)) < len(texels):
-        raise SceneError("two triangles have the same texel of the light atlas: expected places of their own")
-    if len(texels) and (texels.min() < 0 or (texels.max(axis=0) >= ATLAS).any()):
-        raise SceneError(f"a mesh lies outside the light atlas of {ATLAS[0]}x{ATLAS[1]} texels: use wider texels")
-    return Patches(texels, *rest)
+    shapes = ((0, 2), (0, 3), (0, 3), (0, 3, 2), (0, 3), (0,))
+    texels, *rest = [np.concatenate([np.empty(s), *kind]) for kind, s in zip(kinds, shapes, strict=True)]
+    return Patches(texels.astype(np.int64), rest[0], rest[1], rest[2], rest[3], rest[4].astype(np.int64))
 
 
 def mean_colour(texture: Texture) -> Array:
@@ -184,6 +193,7 @@ class Met:
     patch: NDArray[np.int64]
     places: Array  # (n, 3) metres
     texels: Array  # (n, 2) in the light atlas
+    far: Array  # (n,) how many `ways`; inf where they meet nothing
 
 
 SKY, BLACK = -1, -2
@@ -211,7 +221,7 @@ class Receivers:
 
     def meet(self, origins: Array, ways: Array) -> Met:
         """Return what each ray meets first; SKY as its patch where it meets nothing."""
-        which, u, v = self.blockers.first(origins, ways)
+        which, u, v, far = self.blockers.first(origins, ways)
         hit = np.flatnonzero(which >= 0)
         which, u, v = which[hit], u[hit, None], v[hit, None]
         patch, places, texels = np.full(len(origins), SKY), np.zeros((len(origins), 3)), np.zeros((len(origins), 2))
@@ -221,16 +231,40 @@ class Receivers:
         column, row = np.clip(np.floor(texels[hit]).astype(int), 0, np.array(ATLAS) - 1).T
         front = (ways[hit] * self._facing[which]).sum(axis=1) < 0
         patch[hit] = np.where(front, self._number[row, column], BLACK)
-        return Met(patch, places, texels)
+        return Met(patch, places, texels, far)
+
+
+@attrs.frozen(eq=False)
+class _Rays:
+    """What some patches see along rays spread evenly over cosine and patch: each a like share."""
+
+    starts: Array  # (n, r, 3) metres
+    ways: Array  # (n, r, 3) unit vectors
+    patch: NDArray[np.int16]  # (n, r) as of Met
+    far: NDArray[np.float32]  # (n, r) metres
+
+    def form_factors(self, count: int) -> Array:
+        """Return (n, count) what share of what comes to each patch each of all sends."""
+        own, rays = self.patch.shape
+        met = (np.arange(own)[:, None] * count + self.patch)[self.patch >= 0]
+        return np.bincount(met, minlength=own * count).reshape(own, count) / rays
+
+    def sky(self, background: Background) -> Array:
+        """Return (n, 3) what each patch gets from the sky itself."""
+        open_, own = self.patch == SKY, np.nonzero(self.patch == SKY)[0]
+        light = sky_light(background, self.ways[open_])
+        sums = [np.bincount(own, light[:, k], len(self.patch)) for k in range(3)]
+        return np.stack(sums, axis=1) / self.patch.shape[1]
 
 
 @attrs.define(eq=False, slots=False)
 class Transport:
-    """How light goes from patch to patch of one scene."""
+    """How light goes from patch to patch of one scene, at one instant if something lit moves."""
 
     receivers: Receivers
     form_factors: Array  # (n, n): the share of what leaves patch i that patch j gets
     sky: Array  # (n, 3) what each patch gets from the sky itself
+    is_moving: bool = False
 
     @property
     def patches(self) -> Patches:
@@ -263,8 +297,20 @@ class Transport:
     def indirect(self, direct: Array) -> Array:
         """Return (n, 3) what each patch gets over any number of others, and from the sky."""
         sent = (self.patches.albedo * (direct + self.sky)).astype(np.float32)
+        if self.is_moving:
+            return self._bounced(sent) + self.sky
         over_others = np.stack([self.gathered[k] @ sent[:, k] for k in range(3)], axis=1)
         return over_others + self.sky
+
+    def _bounced(self, sent: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return (n, 3) what each gets of `sent`, for an instant asked for once or twice."""
+        factors, albedo = self.form_factors.astype(np.float32), self.patches.albedo.astype(np.float32)
+        gets: NDArray[np.float32] = factors @ sent
+        for _ in range(_MOST_BOUNCES):
+            before, gets = gets, factors @ (sent + albedo * gets)
+            if np.abs(gets - before).max(initial=0.0) <= _ENOUGH * np.abs(gets).max(initial=0.0):
+                break
+        return gets
 
     @cached_property
     def _nearest(self) -> NDArray[np.int64]:
@@ -307,13 +353,13 @@ def direct_light(
 
 
 def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
-    """Return the scene with its lamps where they are at that instant: what can be baked."""
-    return attrs.evolve(scene, lamps=[stopped(lamp, time_ns) for lamp in scene.lamps]) if scene.lamps else scene
+    """Return the scene in the light of that instant, whatever moves: what can be baked."""
+    return attrs.evolve(scene, light_ns=time_ns) if scene.lamps else scene
 
 
 def lamps_at(scene: Scene, time_ns: int) -> list[tuple[Array, tuple[float, float, float]]]:
     """Return place and colour of the scene's lamps at an instant, relative to its origin."""
-    return [(_seen_from(lamp, scene.origin_m, time_ns), lamp.colour) for lamp in scene.lamps]
+    return [(_seen_from(lamp, scene.origin_m, scene.lit_ns(time_ns)), lamp.colour) for lamp in scene.lamps]
 
 
 def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
@@ -322,62 +368,140 @@ def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
     return place
 
 
-def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS) -> Transport:
-    """Return how light goes through the scene; the same object for the same surfaces and sky.
+def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:
+    """Return the surfaces that get light at an instant, those that stand still first.
 
-    folder: where form factors are kept, the user's cache folder if None. One that cannot be read or
-    written is no error.
+    The same object for the same surfaces. Errors: SceneError where two triangles have the same
+    texel of the atlas, or lie outside it.
     """
-    return _transport(scene.meshes, scene.textures, scene.background, folder, rays)
+    if not scene.lit_moves:
+        return _still_receivers(scene.meshes, scene.textures)
+    return _receivers_at(scene, scene.lit_ns(time_ns))
+
+
+@lru_cache(maxsize=4)  # each pass of an instant asks
+def _receivers_at(scene: Scene, time_ns: int) -> Receivers:
+    still = _still_receivers(scene.meshes, scene.textures)
+    return _joined(still, _receivers(moved_meshes(scene, time_ns), scene.textures))
 
 
 @lru_cache(maxsize=4)
-def _transport(
-    every: tuple[Mesh, ...], textures: tuple[Texture, ...], background: Background, folder: Path | None, rays: int
-) -> Transport:
-    meshes, patches = lit_meshes(every), patches_of(every, textures)
+def _still_receivers(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...]) -> Receivers:
+    # Of what moves, the places in the atlas alone matter here.
+    _receivers([mesh for mesh in meshes if mesh.light_uv is not None], textures)
+    return _receivers(lit_meshes(meshes), textures)
+
+
+def _receivers(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Receivers:
+    patches = _patches_of(meshes, textures)
+    texels = patches.texels
+    if len(np.unique(texels, axis=0)) < len(texels):
+        raise SceneError("two triangles have the same texel of the light atlas: expected places of their own")
+    if len(texels) and (texels.min() < 0 or (texels.max(axis=0) >= ATLAS).any()):
+        raise SceneError(f"a mesh lies outside the light atlas of {ATLAS[0]}x{ATLAS[1]} texels: use wider texels")
     corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
     )
-    receivers = Receivers(patches, Blockers(corners), places)
-    path = (folder or cache_folder()) / f"light-{_key(background, patches, corners, rays)}.npz"
-    count = len(patches)
-    stored = read_arrays(path, ("form_factors", "sky"))
-    if stored is not None and [one.shape for one in stored] == [(count, count), (count, 3)]:
-        return Transport(receivers, *stored)
-    factors, sky = _cast(receivers, background, rays)
+    return Receivers(patches, Blockers(corners), places)
+
+
+def _joined(first: Receivers, other: Receivers) -> Receivers:
+    names = [field.name for field in attrs.fields(Patches)]
+    patches = Patches(*(np.concatenate([getattr(one.patches, name) for one in (first, other)]) for name in names))
+    corners, atlas = (
+        np.concatenate(pair) for pair in ((first.blockers.corners, other.blockers.corners), (first.atlas, other.atlas))
+    )
+    return Receivers(patches, Blockers(corners), atlas)
+
+
+def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS, *, time_ns: int = 0) -> Transport:
+    """Return how light goes through the scene; the same object for the same surfaces and sky.
+
+    folder: where rays between what stands still are kept, the user's cache folder if None. One that
+    cannot be read or written is no error. time_ns: matters where something lit moves: then the
+    object is of that instant alone. Errors: as receivers_of.
+    """
+    if not scene.lit_moves:
+        return _still_transport(scene.meshes, scene.textures, scene.background, folder, rays)
+    return _transport_at(scene, scene.lit_ns(time_ns), folder, rays)
+
+
+@lru_cache(maxsize=4)
+def _still_transport(
+    meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], background: Background, folder: Path | None, rays: int
+) -> Transport:
+    receivers, seen = _still_receivers(meshes, textures), _still_rays(meshes, textures, folder, rays)
+    return Transport(receivers, seen.form_factors(len(receivers.patches)), seen.sky(background))
+
+
+@lru_cache(maxsize=4)  # several ask for the instant that is drawn
+def _transport_at(scene: Scene, time_ns: int, folder: Path | None, rays: int) -> Transport:
+    """Return light's ways at an instant: rays of what stands still end where they meet others."""
+    every, still = receivers_of(scene, time_ns), _still_rays(scene.meshes, scene.textures, folder, rays)
+    own, triangles = len(still.patch), len(_still_receivers(scene.meshes, scene.textures).blockers.corners)
+    moved = Receivers(every.patches, Blockers(every.blockers.corners[triangles:]), every.atlas[triangles:])
+    near = _near(still, moved.blockers.corners.reshape(-1, 3))
+    met = moved.meet(still.starts[near], still.ways[near])
+    patch, stopped = still.patch.copy(), met.far < still.far[near]
+    patch[tuple(which[stopped] for which in near)] = met.patch[stopped]
+    still = attrs.evolve(still, patch=patch)
+    of_moved = _cast(every, slice(own, None), rays)
+    parts, count = (still, of_moved), len(every.patches)
+    factors = np.concatenate([part.form_factors(count) for part in parts])
+    sky = np.concatenate([part.sky(scene.background) for part in parts])
+    return Transport(every, factors, sky, is_moving=True)
+
+
+def _near(rays: _Rays, points: Array) -> tuple[NDArray[np.int64], ...]:
+    """Return the numbers (patch, ray) of those that pass through the sphere around some points."""
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    square = float(((points - centre) ** 2).sum(axis=1).max()) * (1 + 1e-9)
+    to_centre = centre - rays.starts
+    along, apart = (to_centre * rays.ways).sum(axis=2), (to_centre**2).sum(axis=2)
+    return np.nonzero((apart - along**2 <= square) & ((along > 0) | (apart <= square)))
+
+
+@lru_cache(maxsize=4)
+def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder: Path | None, rays: int) -> _Rays:
+    """Return the rays from what stands still to what stands still."""
+    receivers = _still_receivers(meshes, textures)
+    path = (folder or cache_folder()) / f"light-{_key(receivers, rays)}.npz"
+    stored, shape = read_arrays(path, ("patch", "far")), (len(receivers.patches), rays)
+    if stored is not None and [one.shape for one in stored] == [shape, shape]:
+        return _Rays(*_begun(receivers.patches, slice(None), rays), *stored)
+    found = _cast(receivers, slice(None), rays)
     with suppress(OSError):
-        write_arrays(path, {"form_factors": factors, "sky": sky})
-    return Transport(receivers, factors, sky)
+        write_arrays(path, {"patch": found.patch, "far": found.far})
+    return found
 
 
-def _key(background: Background, patches: Patches, corners: Array, rays: int) -> str:
-    digest = hashlib.sha256(f"{VERSION} {rays} {background}".encode())
-    for array in (patches.texels, patches.centres, patches.normals, patches.steps, corners):
+def _key(receivers: Receivers, rays: int) -> str:
+    patches = receivers.patches
+    digest = hashlib.sha256(f"{VERSION} {rays}".encode())
+    for array in (patches.texels, patches.centres, patches.normals, patches.steps, receivers.blockers.corners):
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()[:40]
 
 
-def _cast(receivers: Receivers, background: Background, rays: int) -> tuple[Array, Array]:
-    """Return the form factors and the sky's light by rays spread evenly over cosine and patch.
+def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:
+    """Return (n, r, 3) starts and ways of the rays of some patches.
 
     All patches use the same rays in their own axes: the error is as smooth as the light.
     """
-    patches = receivers.patches
-    count = len(patches)
     samples = _spread(rays)
-    local = cosine_ways(samples)
-    factors, sky = np.zeros((count, count)), np.zeros((count, 3))
-    for i in range(count):
-        right = patches.steps[i, :, 0] / np.linalg.norm(patches.steps[i, :, 0])
-        axes = np.stack([right, np.cross(patches.normals[i], right), patches.normals[i]])
-        ways = local @ axes
-        starts = patches.centres[i] + (samples[:, 2:] - 0.5) @ patches.steps[i].T + OFF_M * patches.normals[i]
-        found = receivers.meet(starts, ways).patch
-        sky[i] = sky_light(background, ways[found == SKY]).sum(axis=0) / rays
-        factors[i] = np.bincount(found[found >= 0], minlength=count) / rays
-    return factors, sky
+    steps, normals = patches.steps[which], patches.normals[which]
+    right = steps[..., 0] / np.linalg.norm(steps[..., 0], axis=1, keepdims=True)
+    axes = np.stack([right, np.cross(normals, right), normals], axis=1)
+    fronts = patches.centres[which] + OFF_M * normals
+    return fronts[:, None] + (samples[:, 2:] - 0.5) @ steps.transpose(0, 2, 1), cosine_ways(samples) @ axes
+
+
+def _cast(receivers: Receivers, which: slice, rays: int) -> _Rays:
+    starts, ways = _begun(receivers.patches, which, rays)
+    met = receivers.meet(starts.reshape(-1, 3), ways.reshape(-1, 3))
+    shape = starts.shape[:2]
+    return _Rays(starts, ways, met.patch.astype(np.int16).reshape(shape), met.far.astype(np.float32).reshape(shape))
 
 
 def cosine_ways(samples: Array) -> Array:

@@ -12,7 +12,7 @@ from ..errors import InputError
 def read_json(path: Path, wanted: str = "an object") -> dict[str, Any]:
     """Return the object in a JSON file. wanted: in words. Errors: InputError."""
     try:
-        data = json.loads(path.read_bytes().decode("utf-8"))
+        data = json.loads(path.read_bytes().decode("utf-8-sig"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     except UnicodeDecodeError as error:

@@ -10,6 +10,8 @@ from .options import SequenceOptions
 from .readers import readers
 from .recorded import Sequence
 
+_NAMED = 6  # of the files of a folder that nobody knows
+
 
 def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -> Sequence:
     """Return the recorded sequence of a folder, or of a file in it (transforms.json).
@@ -27,5 +29,13 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     best = max(chances, key=lambda name: chances[name])
     if not chances[best]:
         known = "; ".join(f"{reader.name}: {reader.summary}" for reader in readers)
-        raise InputError(f"{place}: no layout of recorded frames that is known. Known are: {known}")
+        raise InputError(f"{place} ({_held(place)}): no layout of recorded frames that is known. Known are: {known}")
     return readers.get(best).read(place, options)
+
+
+def _held(place: Path) -> str:
+    """Return what is there, in words."""
+    if not place.is_dir():
+        return "a file"
+    names = sorted(f"{one.name}/" if one.is_dir() else one.name for one in place.iterdir())
+    return f"holds {', '.join(names[:_NAMED])}{' ..' if len(names) > _NAMED else ''}" if names else "an empty folder"

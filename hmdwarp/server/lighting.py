@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.textures import COLOUR, allocate
-from ..scenes import ATLAS, MOST_LAMPS, lamps_at, transport_of
+from ..scenes import ATLAS, MOST_LAMPS, lamps_at, receivers_of, transport_of
 
 if TYPE_CHECKING:
     from ..gpu.context import Gpu
@@ -42,7 +42,7 @@ _DEFINES = {
 
 def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
     """Return the converged indirect light of an instant as the light atlas, bottom row first."""
-    transport = transport_of(scene)
+    transport = transport_of(scene, time_ns=time_ns)
     return transport.atlas(transport.indirect(transport.direct(lamps_at(scene, time_ns))))
 
 
@@ -54,9 +54,9 @@ class Lighting:
         self._own = allocate(gpu.gl, ATLAS, COLOUR) if source is Indirect.OWN else None
         self.indirect = self._own
         self.splats: Inputs | None = None
-        rows = transport_of(scene).blockers.rows.astype(np.float32)
-        self._count = len(rows)
-        self._blockers = gpu.gl.texture((3, max(1, len(rows))), 4, rows.tobytes() or b"\0" * 48, dtype="f4")
+        self._count = len(receivers_of(scene).blockers.corners)
+        self._blockers = gpu.gl.texture((3, max(1, self._count)), 4, dtype="f4")
+        self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._light: bytes = b""
         self._buffers: list[moderngl.Buffer] = []
@@ -93,7 +93,11 @@ class Lighting:
         self.indirect.use(INDIRECT_UNIT)
 
     def use_lamps(self, uniforms: Uniforms, time_ns: int) -> bytes:
-        """Set what direct light takes, for an instant; return where the lamps are."""
+        """Set what direct light takes, for an instant; return what tells its light apart."""
+        rows = receivers_of(self._scene, time_ns).blockers.rows.astype(np.float32).tobytes()
+        if rows != self._written:
+            self._blockers.write(rows)
+            self._written = rows
         lamps = lamps_at(self._scene, time_ns)
         places, colours = np.zeros((MOST_LAMPS, 4), np.float32), np.zeros((MOST_LAMPS, 4), np.float32)
         for number, (place, colour) in enumerate(lamps):
@@ -106,7 +110,7 @@ class Lighting:
             blockers=BLOCKERS_UNIT,
         )
         self._blockers.use(BLOCKERS_UNIT)
-        return places.tobytes()
+        return places.tobytes() + rows
 
     def close(self) -> None:
         """Free its textures and buffers."""

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from .upload import SceneTextures
 
 
+STAYS = np.eye(4)
+STAYS.flags.writeable = False
+
+
 @attrs.frozen(eq=False)
 class Place:
     """An eye in the space that positions are relative to."""
@@ -48,6 +52,10 @@ class Moving(ABC):
     def place(self, view: View) -> Place:
         """Return the place of the view's eye at the instant set last."""
 
+    def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
+        """Return the 4x4 that takes its positions to the scene's axes at an instant."""
+        return STAYS
+
     def close(self) -> None:
         """Free its buffers."""
         self.buffers.close()
@@ -61,7 +69,7 @@ class MovingBody(Moving):
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.number = meshes[0].body
         self.buffers = SceneBuffers(gpu, meshes, textures)
-        self._motion = scene.bodies[self.number - 1].motion
+        self._motion, self._origin_m = scene.bodies[self.number - 1].motion, scene.origin_m
         self._set_ns: int | None = None
 
     def set_time(self, time_ns: int) -> None:
@@ -70,6 +78,11 @@ class MovingBody(Moving):
 
     def place(self, view: View) -> Place:
         return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)
+
+    def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
+        matrix = self._motion.state(time_ns).pose.matrix()
+        matrix[:3, 3] -= self._origin_m
+        return matrix
 
 
 class DeformingMesh(Moving):

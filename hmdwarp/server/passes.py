@@ -12,7 +12,7 @@ from ..gpu.context import Gpu
 from ..gpu.scopes import drawing_into
 from ..scenes import Scene
 from .lighting import Indirect, Lighting
-from .moving import Moving, Place
+from .moving import STAYS, Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
 from .upload import Batch, SceneBuffers
 from .visibility import Draws, Visibility, draws_of
@@ -60,7 +60,9 @@ class ScenePasses:
         # What colours are made of; receivers have none.
         self._coloured = colour and not (self.lighting is not None and self.lighting.source is Indirect.RECEIVERS)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
-        self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **self._lit_defines())
+        lit = self._lit_defines()
+        self._is_lit = bool(lit)
+        self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = self._vertex_array(gpu, buffers)
         self._of_moving = [self._vertex_array(gpu, one.buffers) for one in self.moving]
@@ -114,8 +116,13 @@ class ScenePasses:
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self.scene.origin_m), view.pose.position_m - self.scene.origin_m)
+            if self._is_lit:
+                self._surface.uniforms.set(scene_from_here=STAYS)
             self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.visibility)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
+                if self._is_lit:
+                    lit = one.scene_from_here(self.scene.lit_ns(time_ns))
+                    self._surface.uniforms.set(scene_from_here=lit)
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             self._draw_background()
             gl.depth_func = "<"

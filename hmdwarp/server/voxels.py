@@ -47,22 +47,12 @@ class VoxelLighting(Lighting):
         super().__init__(gpu, scene, Indirect.VOXELS)
         self.gpu, self.settings = gpu, settings
         self.grid = grid = VoxelGrid.around(scene, settings.size)
-        surfaces = voxel_surfaces(scene, grid)
-        self._piece_count = len(surfaces)
         self._update: int | None = None
-        numbers, first, counts = np.unique(surfaces.cells, return_index=True, return_counts=True)
-        self._cells = np.column_stack([numbers, first, counts, np.zeros_like(first)]).astype(np.uint32)
-        rows = np.zeros((len(surfaces), 3, 4), np.float32)
-        rows[:, 0, :3], rows[:, 0, 3] = surfaces.places, surfaces.areas
-        rows[:, 1, :3], rows[:, 2, :3] = surfaces.normals, surfaces.albedo
-        gl, empty = gpu.gl, b"\0" * 48
-        sent = max(16, 16 * len(surfaces))
-        self._storage = (
-            gl.buffer(rows.tobytes() or empty),
-            gl.buffer(reserve=sent),
-            gl.buffer(reserve=sent),
-            gl.buffer(self._cells.tobytes() or empty),
-        )
+        gl = gpu.gl
+        # Pieces, what lamps give each, what each sends, cells.
+        self._storage = tuple(gl.buffer(reserve=16) for _ in range(4))
+        self._filled = np.zeros(0, np.int64)
+        self._cut(0)
         self._facing = [gl.texture3d((grid.size,) * 3, 4, dtype="f2") for _ in range(6)]
         for one in self._facing:
             one.write(b"\0" * (8 * grid.size**3))
@@ -84,6 +74,27 @@ class VoxelLighting(Lighting):
             "sky_horizon": sky.horizon,
             "sky_ground": sky.ground,
         }
+
+    def _cut(self, time_ns: int) -> None:
+        """Take the surfaces as they are at an instant."""
+        surfaces = voxel_surfaces(self._scene, self.grid, time_ns)
+        self._piece_count = len(surfaces)
+        numbers, first, counts = np.unique(surfaces.cells, return_index=True, return_counts=True)
+        # Cells that a surface has left are entered once more, empty.
+        left = np.setdiff1d(self._filled, numbers)
+        none = np.zeros_like(left)
+        cells = np.concatenate([np.stack([numbers, first, counts]), np.stack([left, none, none])], axis=1)
+        self._filled, self._cell_count = numbers, cells.shape[1]
+        rows = np.zeros((len(surfaces), 3, 4), np.float32)
+        rows[:, 0, :3], rows[:, 0, 3] = surfaces.places, surfaces.areas
+        rows[:, 1, :3], rows[:, 2, :3] = surfaces.normals, surfaces.albedo
+        told = np.zeros((self._cell_count, 4), np.uint32)
+        told[:, :3] = cells.T
+        sent = bytes(16 * len(surfaces))
+        for buffer, content in zip(self._storage, (rows.tobytes(), sent, sent, told.tobytes()), strict=True):
+            if content:
+                buffer.orphan(len(content))
+                buffer.write(content)
 
     @property
     def bytes(self) -> int:
@@ -109,6 +120,8 @@ class VoxelLighting(Lighting):
         if update == self._update:
             return
         self._update = update
+        if self._scene.lit_moves:
+            self._cut(time_ns)
         if not self._piece_count:
             return
         for binding, buffer in enumerate(self._storage):
@@ -130,8 +143,8 @@ class VoxelLighting(Lighting):
         """Enter what the surfaces send into the grid, and make its levels."""
         for unit, one in enumerate(self._facing):
             one.bind_to_image(unit, read=False, write=True)
-        self._fill.uniforms.set(cell_count=len(self._cells), grid_size=self.grid.size)
-        self._fill.run(len(self._cells))
+        self._fill.uniforms.set(cell_count=self._cell_count, grid_size=self.grid.size)
+        self._fill.run(self._cell_count)
         self.gpu.barrier()
         for one in self._facing:
             one.build_mipmaps()

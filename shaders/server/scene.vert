@@ -17,6 +17,8 @@ out vec2 uv;
 out vec3 light;
 #endif
 #if defined(LAMPS) || defined(RECEIVERS)
+uniform mat4 scene_from_here;  // where lamps light what is drawn
+
 in vec3 in_normal;
 in vec2 in_light_uv;
 
@@ -36,11 +38,11 @@ void main() {
     light = in_light;
 #endif
 #if defined(LAMPS) || defined(RECEIVERS)
-    normal = in_normal;
+    normal = mat3(scene_from_here) * in_normal;
     light_uv = in_light_uv;
 #endif
 #ifdef LAMPS
-    place = in_position;
+    place = (scene_from_here * vec4(in_position, 1.0)).xyz;
     albedo = in_albedo;
 #endif
     gl_Position = clip_from_scene * vec4(in_position, 1.0);

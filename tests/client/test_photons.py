@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from client_scene import ClientScene
 from gl_clock import counting_made
-from lit_rooms import Fixed
+from lit_rooms import Fixed, placed, plain
 from reference.photons import photons, received, seen
 from replays import run, small
 from worlds import read
@@ -21,6 +21,7 @@ from hmdwarp.client.warps import Output
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers.photons import PhotonMap
+from hmdwarp.frames.photon_bundles import CUBE_BYTES
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
@@ -41,9 +42,7 @@ SPEC = "photons:budget=20000,paths=1024,radius=0.5"
 @functools.cache
 def white(name: str):
     """The scene with plain surfaces only: no textures, no bulb."""
-    scene = load_scene(name)
-    meshes = [attrs.evolve(mesh, texture=-1) for mesh in scene.meshes if mesh.light_uv is not None]
-    return attrs.evolve(scene, meshes=meshes, bodies=())
+    return plain(load_scene(name))
 
 
 def client_of(gpu, scene) -> PlainClientScene:
@@ -84,7 +83,7 @@ def receive(geometry, contents, wanted=FEW) -> None:
         geometry.photons(wanted).receive(content)
 
 
-@pytest.mark.parametrize(("name", "time_ms"), [("lantern", 700), ("sunroom", 1000)])
+@pytest.mark.parametrize(("name", "time_ms"), [("lantern", 700), ("sunroom", 1000), ("doorway", 1300)])
 def test_splatted_light_is_that_of_the_twin(gpu, name, time_ms):
     """Places and kernels in float32 err by 1e-5 of the kernel, some 200 of which make the sum; half
     floats of normal and factor by 2^-11. A ray that meets an edge may fall on either side of it."""
@@ -95,9 +94,11 @@ def test_splatted_light_is_that_of_the_twin(gpu, name, time_ms):
     splats.draw(THERE, time_ns)
     got = read(splats.light)[..., :3]
     splats.close()
-    scene = geometry._server.scene
+    scene = placed(geometry._server.scene, time_ns)
     there = seen(scene, THERE, (24, 20))
-    wanted = photons(there, received(contents), kernel_factors(transport_of(scene), FEW.radius), FEW.radius)
+    wanted = photons(
+        there, received(contents), kernel_factors(transport_of(geometry._server.scene), FEW.radius), FEW.radius
+    )
     lit = np.isfinite(wanted[..., 0])
     assert lit.mean() > 0.9
     wrong = np.abs(got - wanted)[lit].max(axis=1) > 1e-3 * wanted[lit].max(axis=1) + 1e-6
@@ -114,10 +115,12 @@ def test_the_picture_is_albedo_times_direct_light_and_the_twins_light_between_lo
     contents = frames_of(geometry, time_ns)
     receive(geometry, contents)
     got = shown(gpu, geometry, time_ns, f"{SPEC},scale=1")[0][::4, ::4, :3]
-    scene = geometry._server.scene
+    scene = placed(geometry._server.scene, time_ns)
     there = seen(scene, THERE, SIZE)
     there = type(there)(*(kind[::4, ::4] for kind in (there.places, there.normals, there.texels, there.albedo)))
-    late = photons(there, received(contents), kernel_factors(transport_of(scene), FEW.radius), FEW.radius)
+    late = photons(
+        there, received(contents), kernel_factors(transport_of(geometry._server.scene), FEW.radius), FEW.radius
+    )
     lit = np.isfinite(late[..., 0])
     places, normals = there.places[lit], there.normals[lit]
     blockers = transport_of(scene).blockers
@@ -148,10 +151,17 @@ def test_before_any_photon_there_is_direct_light_alone(gpu):
     warp.close()
 
 
+# When the light has changed, and the share of the error of light that stands still. In sunroom the
+# sun turns by 10 degrees, and what photons scatter is most of the error; in doorway those of the
+# bright room also light the floor of the dim one, since they know no wall. Measured 0.41, 0.71 and
+# 0.24; paths have fixed random numbers, so only rounding moves them.
+MOVED = {"lantern": (900_000_000, 0.5), "sunroom": (900_000_000, 0.9), "doorway": (2_500_000_000, 0.5)}
+
+
 @pytest.mark.parametrize("name", LIT)
 def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu, name):
     geometry = ClientScene(gpu, name)
-    then, now = 100_000_000, 900_000_000
+    then, now, least = 100_000_000, *MOVED[name]
     wanted = PhotonMap()
     receive(geometry, frames_of(geometry, then, wanted), wanted)
     truth = read(geometry._server.draw(THERE, SIZE, time_ns=now).colour)
@@ -160,9 +170,19 @@ def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu
     baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
     stopped.close()
     late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))
-    # In sunroom the sun turns by 10 degrees, and what photons scatter is most of the error.
-    # Measured 0.41 and 0.71; paths have fixed random numbers, so only rounding moves them.
-    assert late_error < baked_error * {"lantern": 0.5, "sunroom": 0.9}[name]
+    assert late_error < baked_error * least
+
+
+def test_a_door_that_moves_makes_all_photons_stale(gpu):
+    """Lamps stand still, but what they light does not: from any past to the same photons."""
+    wanted, door = PhotonMap(budget=20_000, paths=1024), load_scene("doorway")
+    moved, fresh = client_of(gpu, door), client_of(gpu, door)
+    receive(moved, frames_of(moved, 0, wanted), wanted)
+    assert [len(one) for one in frames_of(moved, 400_000_000, wanted)] == [CUBE_BYTES], "it is still shut"
+    receive(moved, frames_of(moved, 2_500_000_000, wanted), wanted)
+    receive(fresh, frames_of(fresh, 2_500_000_000, wanted), wanted)
+    one, other = (each.photons(wanted).photons.read() for each in (moved, fresh))
+    assert one == other
 
 
 def test_updates_in_any_order_and_some_of_them_twice_show_the_same(gpu):

@@ -106,8 +106,14 @@ def test_the_sky_fades_from_horizon_to_zenith_and_is_a_hole_before_the_first_pic
 
 @pytest.mark.parametrize(
     ("points", "area"),
-    [([[0.0, 0.0, -1e6]], 1.0), ([[0.0, 0.0, -2.0]], 0.0), ([[0.3, -0.1, 0.2]], 1.0), ([[0.0, 0.0, -1e30]], 1e30)],
-    ids=["far", "radius 0", "in the eye", "beyond"],
+    [
+        ([[0.0, 0.0, -1e6]], 1.0),
+        ([[0.0, 0.0, -2.0]], 0.0),
+        ([[0.3, -0.1, 0.2]], 1.0),
+        ([[0.3, -0.1, 2.0]], 1.0),
+        ([[0.0, 0.0, -1e30]], 1e30),
+    ],
+    ids=["far", "radius 0", "in the eye", "behind the eye", "beyond"],
 )
 def test_hard_points(gpu, points, area):
     points = np.repeat(np.array(points), 16, axis=0)
@@ -115,6 +121,9 @@ def test_hard_points(gpu, points, area):
     colour, depth = shown(gpu, [content(points, normals, area)])
     if area == 0.0 or points[0, 2] == -1e6:
         assert (depth > 0).sum() == 1 and colour[depth > 0, 0] == 1
+    assert np.isfinite(colour).all() and np.isfinite(depth).all()
+    if points[0, 2] > EYE.pose.position_m[2]:
+        assert (depth == 0).all(), "sky alone"
 
 
 def test_nothing_at_all(gpu):

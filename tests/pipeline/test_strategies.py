@@ -72,24 +72,35 @@ def test_a_study_condition_takes_it(name):
     assert live_options({"strategy": name}).strategy == name
 
 
-def test_bench_compares_those_that_share_frames(tmp_path):
-    shared = [
-        name
-        for name in NAMES
-        if set(options_of_strategy(name)) <= {"warp", "fill", "effects"} and scene_for(name) == "planes"
-    ]
+BY_THEMSELVES = {"proxy", "views"}  # their links are other ones
+
+
+@pytest.mark.parametrize("scene", ["planes", "lantern", "parade"])
+def test_bench_compares_those_that_share_frames(scene, tmp_path):
+    """Each in the scene that calls for it."""
+    shared = [name for name in NAMES if name not in BY_THEMSELVES and scene_for(name) == scene]
+    assert shared
     chosen = [part for name in shared for part in ("--strategy", name)]
     options = ("--instants", 1, "--rounds", 1, "--workers", 0, "--out", tmp_path / "bench")
-    done = hmdwarp("bench", "look-around", *chosen, "--size", "96x80", "--scene", "planes", "--quiet", *options)
+    done = hmdwarp("bench", "look-around", *chosen, "--size", "96x80", "--scene", scene, "--quiet", *options)
     assert (done.returncode, done.stderr) == (0, "")
     rows = json.loads((tmp_path / "bench" / "bench.json").read_text(encoding="utf-8"))["rows"]
     assert [row["strategy"] for row in rows] == shared
     assert all(row["quality"]["psnr_db"]["mean"] > 5 for row in rows)
+    if scene != "planes":
+        return
     by_strategy = {row["strategy"]: row for row in rows}
     # The light alone is warped by the default chain: other pictures, of the same warp and fill.
     light, usual = by_strategy["light"], by_strategy["depth_image"]
     assert (light["warp"], light["fill"]) == (usual["warp"], usual["fill"]) == (DEFAULT_WARP, DEFAULT_FILL)
     assert light["quality"]["psnr_db"] != usual["quality"]["psnr_db"]
+
+
+@pytest.mark.parametrize("name", sorted(BY_THEMSELVES))
+def test_bench_refuses_the_others_and_says_what_runs_them(name, tmp_path):
+    done = hmdwarp("bench", "look-around", "--strategy", name, "--quiet", "--out", tmp_path / "bench")
+    assert done.returncode == 2 and "'hmdwarp compare' runs each for itself" in done.stderr
+    assert name in " ".join(hmdwarp("bench", "--help").stdout.split()).partition("set more than warp")[2][:80]
 
 
 @pytest.mark.parametrize(

@@ -148,6 +148,27 @@ def test_a_denser_trajectory_is_the_motion_between_the_frames(tmp_path):
     assert track.pose(1).isclose(taken(3)[0].pose.towards(taken(3)[1].pose, 1 / 3), 1e-9)
 
 
+def test_texts_with_a_mark_and_lines_of_windows_are_read_alike(layout, tmp_path):
+    reader, write, options = layout
+    write(tmp_path, taken(3))
+    plain = sequences.open(tmp_path, options)
+    for path in tmp_path.rglob("*"):
+        if path.suffix in (".txt", ".json", ".freiburg", ".log"):
+            path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))
+    again = sequences.open(tmp_path, options)
+    assert (again.layout, len(again.frames)) == (reader, 3)
+    for one, other in zip(again.frames, plain.frames, strict=True):
+        assert one.time_ns == other.time_ns and one.pose.isclose(other.pose, 0)
+
+
+def test_a_folder_of_no_layout_is_told_with_what_it_holds(tmp_path):
+    refused(tmp_path, "an empty folder", "no layout")
+    (tmp_path / "notes.txt").write_text("nothing", encoding="utf-8")
+    refused(tmp_path / "notes.txt", "a file", "no layout")
+    (tmp_path / "rgb").mkdir()
+    refused(tmp_path, "holds notes.txt, rgb/)", "no layout")
+
+
 def test_files_that_do_not_fit_are_named(tmp_path):
     refused(tmp_path / "nothing", "no such file or folder")
     refused(tmp_path, "no layout", "tum: ", "nerfstudio: ", "redwood: ")

@@ -7,6 +7,7 @@ import math
 import attrs
 import numpy as np
 import pytest
+from lit_rooms import placed
 from worlds import read
 
 from hmdwarp.client import parse_indirect
@@ -251,3 +252,18 @@ def test_another_name_is_told():
     with pytest.raises(UnknownNameError, match="did you mean 'voxels'"):
         parse_indirect("voxel")
     assert parse_indirect("converged") is None
+
+
+def test_a_door_leaves_no_trace_in_cells_that_it_has_left(gpu):
+    """What was drawn before changes nothing, and the light is that of a door that stands there: the
+    pieces of a cell are summed in another order, and moved by a matrix in float64 both times."""
+    scene, needs = load_scene("doorway"), Needs(voxels=parse_indirect("voxels:size=32,updates=100"))
+    server = Server(gpu, scene)
+    for time_ns in (2_500_000_000, 0, 1_000_000_000):
+        got = read(server.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour)
+        alone = Server(gpu, scene)
+        assert np.array_equal(got, read(alone.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour))
+        alone.close()
+        wanted, _ = lit(gpu, placed(scene, time_ns))
+        assert np.isclose(got[..., :3], wanted, rtol=0.01, atol=2e-3).mean() > 0.99
+    server.close()

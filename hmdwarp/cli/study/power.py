@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ...study.respondents import Model
     from ...study.scales import Scale
 
+MOST_COUNTS = 9  # numbers of people from a range: so many columns fit a terminal
 OWNED = ("power.csv", "power.png")
 
 
@@ -31,10 +33,12 @@ class PowerOptions(Declared):
     study: str = study_field()
     out: Path = out_field(attrs.NOTHING, "Folder for the table, the plot and power.json.")
     force: bool = force_field()
-    effect: float | None = option(None, "Assumed true difference, in scale units.", kind=float)
-    sd: float | None = option(None, "Standard deviation of one person's difference, in scale units.", kind=float)
+    effect: float | None = option(None, "Assumed true difference, in scale units; of pairs in JOD.", kind=float)
+    sd: float | None = option(
+        None, "Standard deviation of one person's difference, in scale units; of pairs of taste, in JOD.", kind=float
+    )
     model: str | None = option(None, "Response model: a .toml file, or a shipped one's name.")
-    scale: str | None = option(None, "Rating scale of the study; by default each of them.")
+    scale: str | None = option(None, "Rating scale or preference of the study; by default each of them.")
     n: str = option("6..40", "People who begin: 6..40 tries numbers that balance the orders; or a list, 10,12,15.")
     studies: int = option(1000, "Number of simulated studies.", valid=Number(least=10, most=1_000_000))
     power: float = option(0.8, "Target power.", valid=Number(least=0.01, most=0.999))
@@ -71,11 +75,11 @@ def power(said: Said) -> None:
 
 def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:
     from ...errors import InputError
-    from ...study.scales import RATING
+    from ...study.power import planned_comparisons
+    from ...study.scales import PREFERENCE, RATING
 
-    known = {one.name: one for one in design.scales if one.kind == RATING}
-    if not known:
-        raise InputError(f"{design.path}: compares pairs; study power plans studies of ratings")
+    planned_comparisons(design)  # raises where there is nothing to plan for
+    known = {one.name: one for one in design.scales if one.kind in (RATING, PREFERENCE)}
     if name is not None and name not in known:
         raise InputError(f"--scale {name}: {design.path} has {', '.join(known)} after each trial")
     return tuple(known.values()) if name is None else (known[name],)
@@ -83,11 +87,10 @@ def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:
 
 def _model(design: Design, scale: Scale, effect: float | None, sd: float | None, name: str | None) -> Model:
     """Return the response model. Errors: InputError for too few or conflicting options."""
-    import math
-
     from ...errors import InputError
-    from ...study.power import planned_model, with_effect
+    from ...study.power import pairs_model, pairs_with_effect, planned_model, with_effect
     from ...study.respondents import load_model, model_names
+    from ...study.scales import PREFERENCE
 
     if effect is not None and not math.isfinite(effect):
         raise InputError(f"--effect {effect:g}: expected a number, in units of '{scale.name}'")
@@ -105,7 +108,13 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
                 f"{found.path}: no [rating.{scale.name}], which the study asks for after each trial: add it, or plan "
                 f"another scale of the study by --scale ({has} in the model)"
             )
-        return found if effect is None else with_effect(found, design, scale, effect)
+        if effect is None:
+            return found
+        return (pairs_with_effect if scale.kind == PREFERENCE else with_effect)(found, design, scale, effect)
+    if scale.kind == PREFERENCE:
+        if effect is None:
+            raise InputError("no response model: expected --effect (in JOD), or --model FILE.toml")
+        return pairs_model(design, scale, effect, sd)
     if effect is None or sd is None:
         wanted = "--sd (of one person's difference between two showings)" if effect is not None else "--effect and --sd"
         raise InputError(f"no response model: expected {wanted}, or --model FILE.toml")
@@ -114,8 +123,6 @@ def _model(design: Design, scale: Scale, effect: float | None, sd: float | None,
 
 def _counts(text: str, design: Design) -> list[int]:
     """Return the numbers of people. Errors: InputError."""
-    from math import lcm
-
     from ...errors import InputError
     from ...study.design import rows_for
     from ...study.statistics import MOST_PAIRS
@@ -131,8 +138,9 @@ def _counts(text: str, design: Design) -> list[int]:
             raise InputError(f"--n {text}: runs backwards: expected the smaller number first, {most}..{least}")
         if most > many:
             raise InputError(f"--n {text}: {wanted}")
-        step = lcm(*(len(rows_for(design, part.name)) for part in design.parts))
+        step = math.lcm(*(len(rows_for(design, part.name)) for part in design.parts))
         balanced = [count for count in range(step, most + 1, step) if count >= least]
+        balanced = balanced[:: max(1, math.ceil(len(balanced) / MOST_COUNTS))]
         counts = (
             balanced if len(balanced) > 1 else sorted({*range(least, most + 1, max(1, (most - least) // 8)), *balanced})
         )
@@ -146,6 +154,7 @@ def _counts(text: str, design: Design) -> list[int]:
 def _write(folder: OutputFolder, powers: Sequence[Power], target: float) -> None:
     from ...report.study import PowerLine, power_chart
     from ...study.power import COLUMNS, name_of, power_data, power_rows
+    from ...study.scales import PREFERENCE
 
     folder.write_csv("power.csv", [row for found in powers for row in power_rows(found)], COLUMNS)
     lines = []
@@ -163,7 +172,9 @@ def _write(folder: OutputFolder, powers: Sequence[Power], target: float) -> None
                 )
             )
     ns = [one.n for one in powers[0].at]
-    power_chart(folder.path("power.png"), ns, lines, target, powers[0].design.title)
+    pairs = powers[0].scale.kind == PREFERENCE
+    unlimited = {"unlimited": "if people said by how much"} if pairs else {}
+    power_chart(folder.path("power.png"), ns, lines, target, powers[0].design.title, **unlimited)
     folder.write_json("power.json", power_data(powers, target))
 
 

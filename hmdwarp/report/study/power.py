@@ -24,12 +24,19 @@ class PowerLine:
     power: Sequence[float]
     low: Sequence[float]
     high: Sequence[float]
-    # Without the scale's ends and steps.
+    # Without what a scale's answers lose of what is felt.
     unlimited: Sequence[float]
 
 
-def power_chart(path: Path, ns: Sequence[int], lines: Sequence[PowerLine], target: float, title: str) -> None:
-    """Write the chart as a PNG; target: the power to reach."""
+def power_chart(
+    path: Path,
+    ns: Sequence[int],
+    lines: Sequence[PowerLine],
+    target: float,
+    title: str,
+    unlimited: str = "without ends and steps of the scale",
+) -> None:
+    """Write the chart as a PNG; target: the power to reach. unlimited: what those values are."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -44,7 +51,7 @@ def power_chart(path: Path, ns: Sequence[int], lines: Sequence[PowerLine], targe
         marker = MARKERS[number % len(MARKERS)]
         axes.plot(ns, line.power, color=colour, linestyle=style, marker=marker, markersize=5, label=line.name)
         axes.plot(ns, line.unlimited, color=colour, linestyle=(0, (1, 2)), linewidth=1)
-    axes.plot([], [], color=PAPER.ink, linestyle=(0, (1, 2)), linewidth=1, label="without ends and steps of the scale")
+    axes.plot([], [], color=PAPER.ink, linestyle=(0, (1, 2)), linewidth=1, label=unlimited)
     axes.set(xlabel="people who begin", ylabel="power (after Holm)", ylim=(-0.02, 1.02), title=title)
     axes.set_xticks(ns)
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")

@@ -28,12 +28,12 @@ def wall(centre: Triple, right: Triple, up: Triple, albedo: Triple, texture: int
     return Quad(centre, right, up, texture, albedo, sides)
 
 
-def box(low: Triple, high: Triple, albedo: Triple) -> list[Quad]:
+def box(low: Triple, high: Triple, albedo: Triple, texture: int = 0) -> list[Quad]:
     """Return the sides of a box and its top; it stands on the floor."""
     middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
     x, y, z = np.diag(half)
     outwards = ((x, -z, y), (-x, z, y), (z, x, y), (-z, -x, y), (y, x, -z))  # side, right, up
-    return [wall(tuple(middle + side), tuple(right), tuple(up), albedo) for side, right, up in outwards]
+    return [wall(tuple(middle + side), tuple(right), tuple(up), albedo, texture) for side, right, up in outwards]
 
 
 def in_atlas(quads: Iterable[Quad], texel_m: float) -> list[Mesh]:

@@ -237,7 +237,7 @@ def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Po
 def rows_of(path: Path) -> list[tuple[int, list[str]]]:
     """Return the line number and the words of each line; comments and empty lines are left out."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin files with a mark
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     except UnicodeDecodeError as error:

@@ -29,7 +29,9 @@ class Light(Part):
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
         self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
-        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving)
+        # Lamps light it as they light the scene itself: between white surfaces there is more light.
+        lighting = context.colour.lighting
+        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "light" not in drawing.needs:

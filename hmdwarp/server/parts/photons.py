@@ -18,7 +18,16 @@ from ...frames.photon_bundles import (
     bundle_bytes,
     packed,
 )
-from ...scenes import PhotonTracer, kernel_factors, lamps_at, light_keys, octahedral, of_atlas, transport_of
+from ...scenes import (
+    PhotonTracer,
+    kernel_factors,
+    lamps_at,
+    light_keys,
+    octahedral,
+    of_atlas,
+    receivers_of,
+    transport_of,
+)
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
@@ -91,7 +100,7 @@ class _Sender:
         self.book.settle(now_ns)
         out, sent = bytearray(), []
         left, traced = self._wanted.budget - CUBE_BYTES, 0
-        lights = light_keys(lamps_at(self._scene, now_ns), self._scene.background) if self._tracers else []
+        lights = self._lights(now_ns) if self._tracers else []
         told_by = [lights[k][1] for k, _ in self._bundles]
         stale = self.book.stale(told_by)
         largest = bundle_bytes(self._wanted.paths_of_bundle)
@@ -110,6 +119,13 @@ class _Sender:
         self.complete = not stale
         start = self._cube.packed(whole=self.book.whole)
         return PhotonUpdate(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
+
+    def _lights(self, now_ns: int) -> list[tuple[Light | None, bytes]]:
+        receivers = receivers_of(self._scene, now_ns)
+        for tracer in self._tracers:
+            tracer.receivers = receivers
+        moved = receivers.blockers.corners.tobytes() if self._scene.lit_moves else b""
+        return light_keys(lamps_at(self._scene, now_ns), self._scene.background, moved)
 
     def _traced(self, light: Light | None, bundles: Sequence[int]) -> list[TracedPhotons]:
         """Return the photons of some bundles of one lamp."""

@@ -10,7 +10,7 @@ import attrs
 if TYPE_CHECKING:
     from ...display import Command
 
-KINDS = (AUTO, TERMINAL, LINES, NONE) = ("auto", "terminal", "lines", "none")
+KINDS = (AUTO, TERMINAL, BROWSER, LINES, NONE) = ("auto", "terminal", "browser", "lines", "none")
 
 
 @attrs.frozen

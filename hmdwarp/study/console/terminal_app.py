@@ -75,7 +75,7 @@ class PrintedLines:
 
 
 class ConsoleApp(App[None], inherit_bindings=False):
-    """Screen of the console."""
+    """Screen of the console, wherever its terminal is."""
 
     CSS = """
     Screen { background: ansi_default; color: ansi_default; overflow: hidden; }
@@ -97,20 +97,15 @@ class ConsoleApp(App[None], inherit_bindings=False):
     .typing #note { max-height: 1; }
     #keys { dock: bottom; height: 2; }
     """
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+c", "interrupt('SIGINT')", priority=True),
-        Binding("ctrl+backslash", "interrupt('SIGQUIT')", priority=True),
-        Binding("ctrl+l", "repaint", priority=True),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("ctrl+l", "repaint", priority=True)]
     ENABLE_COMMAND_PALETTE = False
 
-    def __init__(self, messages: MessageSocket, printed_fd: int, session_pid: int) -> None:
+    def __init__(self, messages: MessageSocket) -> None:
         unicode = (sys.stdout.encoding or "").lower().replace("-", "") == "utf8"
         super().__init__(driver_class=None if unicode else AsciiDriver, ansi_color=True)
         self.theme = "ansi-dark"
-        self.printed = PrintedLines()
         self.left_well = False  # whether the session told it to leave
-        self._messages, self._printed_fd, self._session_pid = messages, printed_fd, session_pid
+        self._messages = messages
         self._state, self._entry = ConsoleState(), KeyEntry()
         self._heard_s = 0.0  # when the newest state came
         self._drawn: dict[str, Text] = {}  # by part
@@ -145,10 +140,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         """Start to listen to the session, and to draw what is new."""
         loop = asyncio.get_running_loop()
         self._heard_s = loop.time()
-        self._raw_modes = termios.tcgetattr(0)
         loop.add_reader(self._messages.fileno(), self._hear)
-        loop.add_reader(self._printed_fd, self._hear_printed)
-        loop.add_signal_handler(signal.SIGCONT, self._come_back)
         self.set_interval(REDRAW_S, self._redraw)
 
     def on_resize(self, event: events.Resize) -> None:
@@ -168,20 +160,9 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self._entry.paste(event.text, self._state)
         self._draw()
 
-    def action_interrupt(self, name: str) -> None:
-        """Send the session's program the signal that the terminal would send it for this key."""
-        if os.getppid() == self._session_pid:
-            os.kill(self._session_pid, signal.Signals[name])
-
     def action_repaint(self) -> None:
         """Draw everything anew."""
         self.refresh(repaint=True, layout=True)
-
-    def _hear_printed(self) -> None:
-        for piece in pieces(self._printed_fd):
-            for line in self.printed.feed(piece):
-                if line.strip():
-                    self._note(f"printed: {line}")
 
     def _send(self, entered: Entered | None) -> None:
         if entered is not None:
@@ -195,7 +176,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
                     self._state, self._heard_s = content[0], asyncio.get_running_loop().time()
                     self._drawn_s = 0.0
                 elif kind == "say":
-                    self._note(content[0])
+                    self._note(*content)
                 else:
                     self.left_well = True
                     self._leave()
@@ -206,8 +187,10 @@ class ConsoleApp(App[None], inherit_bindings=False):
         asyncio.get_running_loop().remove_reader(self._messages.fileno())
         self.exit(return_code=status)
 
-    def _note(self, text: str) -> None:
-        self.query_one("#journal", RichLog).write(Text(f"{clock(self._state.elapsed_s):>7}  {plain(text)}"))
+    def _note(self, text: str, at_s: float | None = None) -> None:
+        """Add a line to the journal. at_s: when it was said; None for now."""
+        when = clock(self._state.elapsed_s if at_s is None else at_s)
+        self.query_one("#journal", RichLog).write(Text(f"{when:>7}  {plain(text)}"))
 
     def _redraw(self) -> None:
         """Draw what is new, and once a second in any case: that no news came is news."""
@@ -231,13 +214,45 @@ class ConsoleApp(App[None], inherit_bindings=False):
                 self._drawn[name] = text
                 self.query_one(f"#{name}", Static).update(text)
 
+
+class TerminalApp(ConsoleApp):
+    """Console in the terminal that the session was started from, whose prints it keeps."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+c", "interrupt('SIGINT')", priority=True),
+        Binding("ctrl+backslash", "interrupt('SIGQUIT')", priority=True),
+    ]
+
+    def __init__(self, messages: MessageSocket, printed_fd: int, session_pid: int) -> None:
+        super().__init__(messages)
+        self.printed = PrintedLines()
+        self._printed_fd, self._session_pid = printed_fd, session_pid
+
+    def on_mount(self) -> None:
+        """Start to listen to what is printed; ConsoleApp's own on_mount runs too."""
+        loop = asyncio.get_running_loop()
+        self._raw_modes = termios.tcgetattr(0)
+        loop.add_reader(self._printed_fd, self._hear_printed)
+        loop.add_signal_handler(signal.SIGCONT, self._come_back)
+
+    def action_interrupt(self, name: str) -> None:
+        """Send the session's program the signal that the terminal would send it for this key."""
+        if os.getppid() == self._session_pid:
+            os.kill(self._session_pid, signal.Signals[name])
+
+    def _hear_printed(self) -> None:
+        for piece in pieces(self._printed_fd):
+            for line in self.printed.feed(piece):
+                if line.strip():
+                    self._note(f"printed: {line}")
+
     def _come_back(self) -> None:
         """Take the terminal again after a stop from outside (kill -STOP), when the shell had it."""
         termios.tcsetattr(0, termios.TCSANOW, self._raw_modes)
         self.action_repaint()
 
 
-def _lower_priority() -> None:
+def lower_priority() -> None:
     """Let the session's program run first on a machine with few cores.
 
     SCHED_BATCH keeps this program from preempting it whenever a message arrives.
@@ -249,9 +264,9 @@ def _lower_priority() -> None:
 
 def main(messages_fd: int, printed_fd: int, error_fd: int, session_pid: int) -> None:
     """Run the program. error_fd: stderr of the session's program, for the last lines."""
-    _lower_priority()
+    lower_priority()
     os.set_blocking(printed_fd, False)
-    app = ConsoleApp(MessageSocket(socket.socket(fileno=messages_fd)), printed_fd, session_pid)
+    app = TerminalApp(MessageSocket(socket.socket(fileno=messages_fd)), printed_fd, session_pid)
     app.run(mouse=False)
     for piece in pieces(printed_fd):
         app.printed.feed(piece)

@@ -16,15 +16,16 @@ import socket
 import subprocess
 import sys
 import termios
-from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
-from ._base import AUTO, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
-from .console_commands import Subject, is_bound, subject_of
+from ...extra import install_line
+from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
+from .browser_console import BrowserConsole
+from .command_queue import CommandQueue
 from .line_console import LineConsole
 from .message_socket import LONGEST_LINE, MessageSocket, PeerGone
 from .output_capture import OutputCapture
@@ -49,9 +50,7 @@ class TerminalConsole:
     def __init__(self, title: str) -> None:
         self._title = title
         self._state = ConsoleState(heading=title)
-        self._commands: deque[Command] = deque()
-        self._bound: deque[tuple[str, object, Subject]] = deque()  # commands that belong to their subject
-        self._told = True  # since a bound one was returned: only then is the next one's subject known
+        self._queue = CommandQueue(self._state)
         self._lines: LineConsole | None = None
 
     def __enter__(self) -> Self:
@@ -86,7 +85,8 @@ class TerminalConsole:
 
     def tell(self, state: ConsoleState) -> None:
         """Show a new state."""
-        self._state, self._told = state, True
+        self._state = state
+        self._queue.tell(state)
         if self._lines is not None:
             self._lines.tell(state)
         else:
@@ -110,34 +110,12 @@ class TerminalConsole:
         """Return the commands since the last call."""
         if self._lines is None:
             try:
-                self.messages.flush()
-                for _, name, value, subject in self.messages.received():
-                    if is_bound(name):
-                        self._bound.append((name, value, subject))
-                    else:
-                        self._commands.append(Command(name, value))
-                self._release_bound()
+                self._queue.receive(self.messages)
             except PeerGone:
                 self._continue_with_lines()
         more = self._lines.commands() if self._lines is not None else ()
-        if not self._commands:
-            return more
-        commands = [*self._commands, *more]
-        self._commands.clear()
-        return commands
-
-    def _release_bound(self) -> None:
-        """Release one bound command at a time.
-
-        A second answer to the same question must not become an answer to the next one.
-        """
-        while self._bound and self._told:
-            name, value, subject = self._bound.popleft()
-            if subject != subject_of(self._state):
-                self.messages.send("say", f"{name!r} came too late and was dropped: that question is over")
-            else:
-                self._commands.append(Command(name, value))
-                self._told = False
+        taken = self._queue.taken()
+        return [*taken, *more] if taken else more
 
     def _continue_with_lines(self) -> None:
         """Replace a console program that ended, whatever it left of the terminal."""
@@ -171,7 +149,7 @@ def make_console(kind: str, title: str, *, quiet: bool = False) -> Console:
     """Make a console. kind: one of KINDS; "auto" is the terminal where possible, else lines.
 
     title: shown until the first state comes. quiet: lines only answer commands.
-    Errors: InputError for another kind; MachineError where "terminal" is impossible.
+    Errors: InputError for another kind; MachineError where "terminal" or "browser" is impossible.
     """
     if kind not in KINDS:
         raise InputError(f"--console {kind!r}: there are {', '.join(KINDS)}")
@@ -180,6 +158,12 @@ def make_console(kind: str, title: str, *, quiet: bool = False) -> Console:
         raise MachineError(f"--console terminal: {why}; or use --console lines")
     if kind == NONE:
         return NoConsole()
+    if kind == BROWSER:
+        if importlib.util.find_spec("textual_serve") is None:
+            raise MachineError(
+                f"--console browser needs textual-serve, which is not installed: {install_line('study')}"
+            )
+        return BrowserConsole(title)
     if kind == LINES or why:
         return LineConsole(title, f"no full-screen console: {why}" if why else "", quiet=quiet)
     return TerminalConsole(title)

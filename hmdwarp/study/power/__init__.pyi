@@ -1,3 +1,8 @@
+from .pairs import choice_differences as choice_differences
+from .pairs import expected_jod as expected_jod
+from .pairs import pairs_model as pairs_model
+from .pairs import pairs_with_effect as pairs_with_effect
+from .planned_effects import planned_comparisons as planned_comparisons
 from .planned_effects import planned_model as planned_model
 from .planned_effects import with_effect as with_effect
 from .power_text import COLUMNS as COLUMNS

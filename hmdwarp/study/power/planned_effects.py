@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from ...errors import InputError
-from ..design import Comparison, Design, Part
+from ..design import ADAPTIVE, Comparison, Design, Part
 from ..respondents import Model, RatingModel
 from ..scales import Scale
 
@@ -32,8 +32,33 @@ def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Mod
 def with_effect(model: Model, design: Design, scale: Scale, effect: float) -> Model:
     """Replace the means, so that every planned comparison differs by the effect."""
     rating = model.rating(scale)
-    means = {part.name: _means(part, comparisons_of(design, part), scale, effect) for part in design.parts}
+    middle = (scale.least + scale.most) / 2
+    means = means_of_parts(design, -effect if scale.low_is_good else effect, middle)
     return attrs.evolve(model, ratings={**model.ratings, scale.name: attrs.evolve(rating, means=means)})
+
+
+def means_of_parts(design: Design, difference: float, middle: float = 0.0) -> Mapping[str, Mapping[str, float]]:
+    """Return means, by part, of which every planned comparison's differ: `better` less baseline.
+
+    Errors: InputError where comparisons contradict each other.
+    """
+    return {part.name: _means(part, comparisons_of(design, part), difference, middle) for part in design.parts}
+
+
+def planned_comparisons(design: Design) -> tuple[Comparison, ...]:
+    """Return all planned comparisons, each once.
+
+    Errors: InputError where there is none, and where answers choose what is compared.
+    """
+    comparisons = tuple(dict.fromkeys(one for family in design.families for one in family.comparisons))
+    if not comparisons:
+        raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
+    if design.order == ADAPTIVE:
+        raise InputError(
+            f'{design.path}: order = "{ADAPTIVE}" lets answers choose the pairs, so their number is not planned: '
+            "expected a plan without it; a session then has more trials"
+        )
+    return comparisons
 
 
 def comparisons_of(design: Design, part: Part) -> list[Comparison]:
@@ -45,18 +70,17 @@ def comparisons_of(design: Design, part: Part) -> list[Comparison]:
     ]
 
 
-def _means(part: Part, comparisons: list[Comparison], scale: Scale, effect: float) -> Mapping[str, float]:
-    """Return the means of least spread whose differences are the effect."""
+def _means(part: Part, comparisons: list[Comparison], difference: float, middle: float) -> Mapping[str, float]:
+    """Return the means of least spread around the middle."""
     names = [one.name for one in part.conditions]
-    middle = (scale.least + scale.most) / 2
     if not comparisons:
         return dict.fromkeys(names, middle)
     differences = np.zeros((len(comparisons), len(names)))
     for row, one in zip(differences, comparisons, strict=True):
-        row[names.index(one.baseline)], row[names.index(one.better)] = 1, -1
-    target = np.full(len(comparisons), effect if scale.low_is_good else -effect)
+        row[names.index(one.baseline)], row[names.index(one.better)] = -1, 1
+    target = np.full(len(comparisons), difference)
     offsets = np.linalg.lstsq(differences, target, rcond=None)[0]
     if not np.allclose(differences @ offsets, target):
-        why = f"its comparisons form a cycle, so they cannot all differ by {effect:g}"
+        why = f"its comparisons form a cycle, so they cannot all differ by {abs(difference):g}"
         raise InputError(f"part '{part.name}': {why}: set the means in a file (--model)")
     return {name: middle + float(offset) for name, offset in zip(names, offsets, strict=True)}

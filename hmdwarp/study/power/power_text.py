@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from scipy.special import ndtr
+
 from ...report import counted, pair_text
 from ..design import Comparison
+from ..scales import PREFERENCE
+from ..statistics import JOD_SPREAD
+from .pairs import UNIT
 from .proportions import Proportion, people_for
 from .simulation import Power, PowerAt
 
@@ -67,7 +72,7 @@ def sentences(power: Power, target: float) -> list[str]:
 
 def _enough(power: Power, one: Comparison, target: float) -> str:
     reached, last = power.enough(target, one), power.at[-1]
-    name = f"{name_of(one, power)} (a true mean difference of {power.true_effect[one]:+.2f})"
+    name = f"{name_of(one, power)} ({_effect(power, one)})"
     if reached is None:
         share = f"with {counted(last.n, 'person')} it is found in {_percent(last.found[one])} of studies"
         return f"{name}: {target:.0%} is not reached; {share}."
@@ -78,6 +83,13 @@ def _enough(power: Power, one: Comparison, target: float) -> str:
     if found.is_uncertain_about(target):
         text += f" The simulation leaves open whether that is {target:.0%}: use more --studies."
     return text
+
+
+def _effect(power: Power, one: Comparison) -> str:
+    true = power.true_effect[one]
+    if power.scale.kind == PREFERENCE:
+        return f"{true:+.2f} {UNIT}: preferred in {ndtr(true / JOD_SPREAD):.0%} of forced choices"
+    return f"a true mean difference of {true:+.2f}"
 
 
 def _percent(found: Proportion) -> str:

@@ -10,11 +10,12 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from ...errors import InputError
 from ..design import Comparison, Design
 from ..respondents import Cohort, Floats, Model, Population
-from ..scales import Scale
+from ..scales import PREFERENCE, Scale
 from ..statistics import holm, wilcoxon_exact
+from .pairs import choice_differences, expected_jod
+from .planned_effects import planned_comparisons
 from .proportions import Proportion, proportion_of
 
 Progress = Callable[[int, int], None]
@@ -26,7 +27,7 @@ class PowerAt:
 
     n: int
     found: dict[Comparison, Proportion]  # significant after Holm in its families
-    unlimited: dict[Comparison, Proportion]  # the same for ratings without steps and ends
+    unlimited: dict[Comparison, Proportion]  # the same without steps, ends and choices
     all_found: Proportion  # all comparisons at once
     complete: float  # mean number of people who finish
     pairs: dict[Comparison, float]  # mean number of people with both ratings
@@ -44,7 +45,8 @@ class Power:
     seed: int
     balanced: int  # multiples of that many people have all orders equally often
     complete_share: float  # share of people who finish
-    # Expected difference of the ratings, exactly: with steps and ends of the scale, and without.
+    # Expected difference of the ratings, exactly: with steps and ends of the scale, and without. Of
+    # pairs in JOD.
     true_effect: dict[Comparison, float]
     planned: dict[Comparison, float]
 
@@ -76,12 +78,10 @@ def power_of(
 
     ns: numbers of people who begin, in each part. The first n people of a study are the same for
     every n.
-    Errors: InputError for a plan without families, and for a model that does not name a scale or a
+    Errors: InputError as planned_comparisons, and for a model that does not name a scale or a
     condition of the study.
     """
-    comparisons = tuple(dict.fromkeys(one for family in design.families for one in family.comparisons))
-    if not comparisons:
-        raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
+    comparisons = planned_comparisons(design)
     parts = dict.fromkeys(one.part for one in comparisons)
     model = attrs.evolve(model, others=None)  # means that rehearse any plan alike say nothing about this one
     populations = {part: Population(model, design, part, [scale.name]) for part in parts}
@@ -109,7 +109,12 @@ def power_of(
 
 
 def expected_difference(population: Population, scale: Scale, comparison: Comparison, *, latent: bool = False) -> float:
-    """Return how much better `better` is rated than the baseline in the mean of all people."""
+    """Return how much better `better` is rated than the baseline in the mean of all people.
+
+    Of pairs: by how many JOD it is better.
+    """
+    if scale.kind == PREFERENCE:
+        return expected_jod(population, scale, comparison)
     names = [one.name for one in population.part.conditions]
     rated = population.expected(scale.name, latent=latent)
     out = float(rated[names.index(comparison.baseline)] - rated[names.index(comparison.better)])
@@ -119,7 +124,12 @@ def expected_difference(population: Population, scale: Scale, comparison: Compar
 def differences(
     cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)
 ) -> Floats:
-    """Return how much better `better` was rated than the baseline, by each who rated both."""
+    """Return how much better `better` was rated than the baseline, by each who rated both.
+
+    Of pairs: how often it was chosen, less how often the baseline was.
+    """
+    if scale.kind == PREFERENCE:
+        return choice_differences(cohort, scale, comparison, latent=latent, people=people)
     rated = cohort.per_condition(scale.name, latent=latent, people=people)
     names = [one.name for one in cohort.part.conditions]
     out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]

@@ -27,6 +27,7 @@ class Cohort:
 
     part: Part
     order: Ints  # (n, T) numbers of the part's conditions in the order shown, of a pair the second
+    first: Ints  # (n, T) the first of a pair; as order where one condition is shown
     trials: Ints  # (n) trials shown and rated before the end
     why: tuple[str, ...]  # (n) status of the session
     answers: dict[str, Floats]  # (n, T) by scale, rounded to the scale
@@ -73,6 +74,10 @@ class Population:
         """Number of people who together have each order once."""
         return len(self._rows)
 
+    def means(self, scale: str) -> Floats:
+        """Return each condition's mean in the model, before anything else counts."""
+        return self._means[scale]
+
     def of(self, persons: Sequence[int], seed: int, study: int = 0, orders: Sequence[Order] | None = None) -> Cohort:
         """Simulate one study of these people, in the sequence they come.
 
@@ -93,7 +98,7 @@ class Population:
             latent[scale.name] = np.where(none, np.nan, felt)
             said = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
             answers[scale.name] = np.where(none, np.nan, said)
-        return Cohort(self.part, order, trials, why, answers, latent, sickness, drawn.susceptible)
+        return Cohort(self.part, order, first, trials, why, answers, latent, sickness, drawn.susceptible)
 
     def expected(self, scale: str, *, latent: bool = False) -> Floats:
         """Compute each condition's expected rating, exactly: over all people, showings and orders.

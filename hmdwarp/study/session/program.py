@@ -11,7 +11,8 @@ import attrs
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
 from ...pipeline.recorded_scene import scene_of
-from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
+from ...run import Driver, Ending, LiveOptions, Markers, MarkerStream, NoMarkers, Watchdog, load_lsl, open_display
+from ...run.options import OFFSCREEN
 from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
@@ -51,6 +52,8 @@ def run_session(
     design = load_design(options.study)
     # Refuses a display without a head, before there is a store.
     live_options(design.parts[0].conditions[0].settings, source=options.source, trace=options.trace)
+    if options.lsl:
+        load_lsl()  # refuses a machine without it, before there is a store
     with ExitStack() as stack:
         ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
         folder = store_folder(design, options.store, options.origin)
@@ -66,7 +69,17 @@ def run_session(
         display = stack.enter_context(
             closing(open_display(live, watchdog.watching, console.say, CONTROLS, briefly=True))
         )
-        return _Program(options, design, part, ending, store, console, words, display, live, answers_for).run()
+        markers: Markers = NoMarkers()
+        if options.lsl:
+            markers = stack.enter_context(closing(_marker_stream(design, display)))
+            console.say(markers.describe())
+        return _Program(options, design, part, ending, store, console, words, display, markers, live, answers_for).run()
+
+
+def _marker_stream(design: Design, display: Display) -> MarkerStream:
+    about = {"study": design.name, "title": design.title, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
+    name = f"hmdwarp study {design.name}"
+    return MarkerStream(name, about, display.now_ns, is_simulated=display.name == OFFSCREEN)
 
 
 def _planned(options: SessionOptions, design: Design, store: Store) -> tuple[str, Design]:
@@ -111,6 +124,7 @@ class _Program:
     console: Console
     words: ClosingWords
     display: Display
+    markers: Markers
     live: LiveOptions  # between trials there is no pipeline, but the driver asks for these options
     answers_for: Callable[[Session], Respondent]
 
@@ -135,6 +149,9 @@ class _Program:
             raise
         else:
             runner.farewell(self.words.session.status)
+        finally:
+            who = {"participant": session.sub, "session": session.number}
+            self.markers.send("session_end", self.display.now_ns(), **who, status=self.words.session.status)
         return self.words.session
 
     def _session(self) -> Session:
@@ -161,7 +178,15 @@ class _Program:
         sources = CommandSources(self.console, self.answers_for(session))
         before_s = seconds_since(session.started_utc) if self.options.resume else 0.0
         context = SessionContext(
-            self.design, session, store, display, sources, steps, store.done(session), before_s=before_s
+            self.design,
+            session,
+            store,
+            display,
+            sources,
+            steps,
+            store.done(session),
+            before_s=before_s,
+            markers=self.markers,
         )
         every = self._all_options()
         scenes = {key: scene_of(one) for key, one in {one.scene_key: one for one in every}.items()}

@@ -161,6 +161,8 @@ class SessionRunner:
         while True:
             if step.after and self._just_seen != step.after:
                 self._show(self._show_of(step.after))
+            if not context.markers.are_received:
+                context.say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
             panel = number_panel(step, context.steps, self.hints, context.found)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
@@ -205,14 +207,17 @@ class SessionRunner:
             self.about.get(step.key),
             handler.dialog.text,
         )
+        at_ns = handler.began_ns + round(handler.seconds * 1e9)
+        about = {"scale": answer.scale, "item": answer.item, "value": answer.value, "showing": answer.showing}
+        context.mark("answer", step, at_ns, **about, revision=answer.revision)
         context.done.add(step.key)
         self.answered = step
         said = step.scale.words_for(step.item, answer.value, answer.text) or (
             "left unanswered" if answer.value is None else f"{answer.value:g}"
         )
         name = step_name(step, context.steps)
-        about = f"{name}, {step.scale.title}" if step.about else name
-        context.say(f"{about}: {said}" + (" (answered again)" if answer.revision > 1 else ""))
+        where = f"{name}, {step.scale.title}" if step.about else name
+        context.say(f"{where}: {said}" + (" (answered again)" if answer.revision > 1 else ""))
         rule = context.design.sickness
         if rule is not None and step.scale.name == rule.scale.name:
             self._end_if_sick()

@@ -11,6 +11,7 @@ import attrs
 from ...display import Command, Display, Status
 from ...geometry import Pose
 from ...poses import Origin, PoseSample
+from ...run import Markers, NoMarkers
 from ..console import Console, ConsoleState
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Design, Show, Step
@@ -60,6 +61,7 @@ class SessionContext:
     sources: CommandSources
     steps: tuple[Step, ...]  # all of the session
     done: set[str]  # keys of the steps that are over
+    markers: Markers = attrs.field(factory=NoMarkers)
     shown: Show | None = None  # the step shown last
     break_due: bool = False  # whether a requested break waits for the end of the trial
     found: tuple[int, int] | None = None  # targets that were found in the last trial, and all of it
@@ -96,6 +98,11 @@ class SessionContext:
     def record(self, kind: str, step: Step, **data: object) -> None:
         """Write to the journal of the session; on the disk when this returns."""
         self.store.record(self.session, kind, step.key, **data)
+
+    def mark(self, event: str, step: Step, at_ns: int, **data: object) -> None:
+        """Send a marker of the step, with the word that stands for the participant in exports."""
+        who = {"participant": self.session.sub, "session": self.session.number}
+        self.markers.send(event, at_ns, step=step.key, **who, **data)
 
     def remark(self, by: str, command: Command, step: Step) -> None:
         """Keep a remark."""

@@ -37,9 +37,10 @@ class SessionOptions(Declared):
     )
     console: str = option(
         "auto",
-        "Experimenter's console: terminal, lines, none; auto: terminal if possible.",
+        "Experimenter's console: terminal, browser, lines, none; auto: terminal if possible.",
         valid=one_of(*CONSOLES),
     )
+    lsl: bool = option(False, "Send markers to the Lab Streaming Layer (pip install 'hmdwarp[lsl]').")
 
     def __attrs_post_init__(self) -> None:
         if self.resume and self.new_session:
@@ -69,7 +70,7 @@ class SessionOptions(Declared):
         """Return the command that resumes the session. several: whether there are several parts."""
         words = ["hmdwarp", "study", "run", self.study, "--participant", participant, "--resume"]
         words += ["--part", part] if several else []
-        words += ["--pilot"] if self.pilot else []
+        words += [f"--{name}" for name in ("pilot", "lsl") if getattr(self, name)]
         for name in ("simulate", "source", "trace", "store", "console"):
             value = getattr(self, name)
             if value != attrs.fields_dict(SessionOptions)[name].default:

@@ -53,8 +53,8 @@ class TrialHandler(StepHandler):
     the middle of a run; a recorded head starts anew that long before. The time of the trial counts
     from its first picture, on the display's clock.
 
-    panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s. score: of
-    the trial's task.
+    panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s. showing:
+    as it was begun. score: of the trial's task.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
@@ -70,16 +70,18 @@ class TrialHandler(StepHandler):
         panel_ns: int,
         log: LiveLog,
         wait_s: float,
+        showing: Showing,
         score: TaskScore | None = None,
     ) -> None:
         super().__init__(context, step)
         self.score = score
-        self._panel_ns, self._log, self._wait_s = panel_ns, log, wait_s
+        self._panel_ns, self._log, self._wait_s, self._showing = panel_ns, log, wait_s, showing
         self.head = HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
         self._arrived = self._is_done = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
+        self.last_shown_ns: int | None = None  # when its newest picture is seen; None before the first
 
     @property
     def seen_s(self) -> float:
@@ -112,6 +114,13 @@ class TrialHandler(StepHandler):
         if self._first_ns is None:
             self._first_ns = self.context.display.now_ns()
             self._onset_s = self.context.before_s + self.context.elapsed_s
+            self.mark("trial_start", refresh.shown_ns, condition=self.step.condition.name)
+        self.last_shown_ns = refresh.shown_ns
+
+    def mark(self, event: str, at_ns: int, **data: object) -> None:
+        """Send a marker of this showing."""
+        shown = {"trial": self.step.trial, "showing": self._showing.id, "presentation": self._showing.presentation}
+        self.context.mark(event, self.step, at_ns, **shown, **data)
 
     def figures(self) -> dict[str, Any]:
         """Return what the session adds to the figures of study/actual.py."""
@@ -210,7 +219,7 @@ class TrialRunner:
                 recorder.begin(context.display.about, context.display.rate_hz)
                 log.begin(context.display, host)
                 score = TaskScore(places, step.task.size_deg) if step.task is not None else None
-                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, score)
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, score)
                 log.status.heading = context.title(step)
                 Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt
@@ -231,4 +240,7 @@ class TrialRunner:
 
     def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())
-        return self.context.store.end_showing(self.context.session, showing, actual, complete)
+        ended = self.context.store.end_showing(self.context.session, showing, actual, complete)
+        if handler is not None and handler.last_shown_ns is not None:
+            handler.mark("trial_end", handler.last_shown_ns, complete=complete)
+        return ended

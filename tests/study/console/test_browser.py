@@ -1,0 +1,249 @@
+"""The experimenter's console in a browser: the same screen, for who knows its address."""
+
+from __future__ import annotations
+
+import ast
+import asyncio
+import base64
+import contextlib
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
+
+import needs
+import numpy as np
+import pytest
+from PIL import Image
+
+pytest.importorskip("textual_serve", reason="textual-serve is not installed: pip install 'hmdwarp[study]'")
+pytest.importorskip("aiohttp", reason="textual-serve brings aiohttp")
+
+import aiohttp
+
+from hmdwarp.errors import MachineError
+from hmdwarp.study.console import make_console
+
+from .played import HEADING
+from .terminals import PLAYED, ROOT
+
+
+class Played:
+    """played.py with its console in a browser."""
+
+    def __init__(self, log: Path, folder: str) -> None:
+        self.log, self.folder = log, Path(folder)
+        environment = {
+            **os.environ,
+            "TMPDIR": folder,
+            "PYTHONPATH": f"{ROOT}{os.pathsep}{os.environ.get('PYTHONPATH', '')}",
+        }
+        self.program = subprocess.Popen(
+            [sys.executable, PLAYED, str(log), "--console", "browser", "--seconds", "600"],
+            stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL, text=True, env=environment,
+        )  # fmt: skip
+        self.said = self.program.stderr.readline()
+        self.address = self.said.split()[2]
+
+    def show(self, state: str) -> None:
+        new = self.log.with_suffix(".new")
+        new.write_text(state, encoding="utf-8")
+        new.replace(self.log.with_suffix(".state"))
+
+    def asked(self) -> list[tuple[str, object]]:
+        return [ast.literal_eval(line) for line in self.log.read_text(encoding="utf-8").splitlines()]
+
+
+@contextlib.contextmanager
+def playing(log: Path) -> Iterator[Played]:
+    # Not in tmp_path: the path of a socket must be short.
+    with tempfile.TemporaryDirectory() as folder:
+        played = Played(log, folder)
+        try:
+            yield played
+        finally:
+            played.program.kill()
+            played.program.stderr.read()  # which the server holds open as long as it lives
+            played.program.wait()
+            played.program.stderr.close()
+
+
+class Page:
+    """What a page is for the server: a WebSocket. Waits for words on the screen, and types."""
+
+    def __init__(self, socket) -> None:
+        self._socket, self._seen = socket, b""
+
+    async def until(self, words: str) -> None:
+        """Wait until these were drawn since the last call."""
+        while words.encode() not in self._seen:
+            message = await self._socket.receive()
+            assert message.type == aiohttp.WSMsgType.BINARY, (message, self._seen)
+            self._seen += message.data
+        self._seen = b""
+
+    async def type(self, keys: str) -> None:
+        for key in keys:
+            await self._socket.send_json(["stdin", key])
+
+    async def closed(self) -> None:
+        """Wait until the server closes it."""
+        while (await self._socket.receive()).type == aiohttp.WSMsgType.BINARY:
+            pass
+
+
+@contextlib.asynccontextmanager
+async def page_of(address: str) -> AsyncIterator[Page]:
+    async with aiohttp.ClientSession() as client, client.ws_connect(f"{address}ws?width=80&height=24") as socket:
+        yield Page(socket)
+
+
+def test_a_page_shows_the_session_and_sends_its_commands(tmp_path):
+    async def visit(played: Played) -> None:
+        async with page_of(played.address) as page:
+            await page.until("participant P07")
+            played.show("asking")
+            await page.until("How good was the picture?")
+            await page.type("3.5\r\r")
+            await page.until("asked for: answer")
+        # A later page gets the state and the journal, and takes the place of another.
+        async with page_of(played.address) as first:
+            await first.until("asked for: answer")
+            async with page_of(played.address) as second:
+                await second.until("asked for: answer")
+                await first.closed()
+                await second.type("sy")
+                await second.closed()
+
+    with playing(tmp_path / "log") as played:
+        asyncio.run(visit(played))
+        assert played.program.wait() == 0
+        assert played.asked() == [("answer", 3.5), ("stop", None)]
+
+
+def test_only_this_machine_and_only_the_whole_address_gets_in(tmp_path):
+    async def statuses(urls: list[str]) -> list[int]:
+        found = []
+        async with aiohttp.ClientSession() as client:
+            for url in urls:
+                async with client.get(url) as answer:
+                    found.append(answer.status)
+        return found
+
+    with playing(tmp_path / "log") as played:
+        assert played.address.startswith("http://127.0.0.1:")
+        root, token = played.address[:-1].rsplit("/", 1)
+        assert len(token) >= 32
+        wrong = token[:-1] + ("A" if token[-1] != "A" else "B")
+        inside = ["", "ws", "static/js/textual.js"]
+        refused = [f"{root}/{one}" for one in ("", "ws", "static/js/textual.js", *(f"{wrong}/{one}" for one in inside))]
+        assert set(asyncio.run(statuses(refused))) == {404}
+        assert asyncio.run(statuses([f"{played.address}{one}" for one in ("", "static/js/textual.js")])) == [200, 200]
+        port = int(root.rsplit(":", 1)[1])
+        listening = [line.split()[1] for line in Path("/proc/net/tcp").read_text().splitlines()[1:] if " 0A " in line]
+        assert [one for one in listening if one.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
+
+
+def test_the_server_and_the_page_end_with_a_session_that_is_killed(tmp_path):
+    async def visit(played: Played) -> None:
+        async with page_of(played.address) as page:
+            await page.until("participant P07")
+            played.program.send_signal(signal.SIGKILL)
+            await page.closed()
+
+    with playing(tmp_path / "log") as played:
+        asyncio.run(visit(played))
+        # The server holds stderr open as long as it lives.
+        assert played.program.stderr.read() == ""
+        assert not list(played.folder.iterdir())
+
+
+def test_a_server_that_dies_leaves_the_session_a_console_of_lines(capfd):
+    with make_console("browser", HEADING) as console:
+        console.server.kill()
+        console.server.wait()
+        console.tell(console._state)
+        console.say("it goes on")
+    assert "console: it goes on" in capfd.readouterr().err
+
+
+def test_without_textual_serve_one_line_says_how(monkeypatch):
+    monkeypatch.setitem(sys.modules, "textual_serve", None)
+    with pytest.raises(MachineError, match=r"textual-serve, which is not installed: pip install 'hmdwarp\[study\]'"):
+        make_console("browser", "")
+
+
+class Chromium:
+    """A page in Chromium, by its DevTools protocol."""
+
+    def __init__(self, socket) -> None:
+        self._socket, self._number = socket, 0
+
+    async def do(self, method: str, **parameters: object) -> dict:
+        self._number += 1
+        await self._socket.send_json({"id": self._number, "method": method, "params": parameters})
+        while (answer := await self._socket.receive_json()).get("id") != self._number:
+            pass
+        assert "error" not in answer, answer
+        return answer["result"]
+
+    async def value(self, expression: str) -> object:
+        return (await self.do("Runtime.evaluate", expression=expression, returnByValue=True))["result"].get("value")
+
+    async def picture(self) -> np.ndarray:
+        shot = await self.do("Page.captureScreenshot")
+        return np.asarray(Image.open(io.BytesIO(base64.b64decode(shot["data"]))).convert("RGB"))
+
+
+@contextlib.asynccontextmanager
+async def chromium(profile: Path, address: str) -> AsyncIterator[Chromium]:
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--window-size=1000,700", "--remote-debugging-port=0"]
+    command = [needs.program("chromium"), *flags, f"--user-data-dir={profile}", address]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        line = next(line for line in process.stderr if "DevTools listening" in line)
+        listing = f"http://{line.split('//')[1].split('/')[0]}/json/list"
+        async with aiohttp.ClientSession() as client:
+            async with client.get(listing) as answer:
+                pages = json.loads(await answer.text())
+            url = next(one["webSocketDebuggerUrl"] for one in pages if one["type"] == "page")
+            async with client.ws_connect(url, max_msg_size=0) as socket:
+                yield Chromium(socket)
+    finally:
+        process.kill()
+        process.wait()
+        process.stderr.close()
+
+
+@needs.programs("chromium")
+@pytest.mark.slow(15)
+def test_in_chromium_it_is_drawn_and_takes_keys(tmp_path):
+    async def visit(played: Played) -> None:
+        async with chromium(tmp_path / "profile", played.address) as browser:
+            while not await browser.value("document.body.className.includes('-first-byte')"):
+                await asyncio.sleep(0.05)
+            outside = "performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith(location))"
+            assert await browser.value(outside) == []
+            before = await browser.picture()
+            played.show("asking")
+            while True:  # until the question is drawn
+                picture = await browser.picture()
+                if (picture != before).any(axis=2).mean() > 0.01:
+                    break
+                await asyncio.sleep(0.05)
+            if "CONSOLE_SHOT" in os.environ:
+                Image.fromarray(picture).save(os.environ["CONSOLE_SHOT"])
+            for key in ("r", "p"):
+                await browser.do("Input.dispatchKeyEvent", type="keyDown", key=key, text=key)
+            while len(played.asked()) < 2:
+                await asyncio.sleep(0.05)
+
+    with playing(tmp_path / "log") as played:
+        played.log.touch()
+        asyncio.run(visit(played))
+        assert [name for name, _ in played.asked()] == ["again", "pause"]

@@ -1,0 +1,99 @@
+"""Markers of a session in the Lab Streaming Layer: a real inlet in another process records one."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+from run.lsl import lsl_on_this_machine, receiving, with_lsl  # noqa: F401
+from run.offscreen import PERIOD_NS
+
+from hmdwarp.display.offscreen import AHEAD
+from hmdwarp.errors import MachineError
+from hmdwarp.study.dialogs import MessagePanel
+
+from .sessions import Person, contents, run, study, whole
+
+ROUNDING_S = 1e-8  # a double of the seconds that a machine is up
+
+
+def shown_ns(display) -> list[tuple[int, int]]:
+    """When the first and the last picture of each trial are seen, by the display's clock."""
+    pictures = [at_ns + AHEAD * PERIOD_NS for at_ns, is_picture, _ in display.handed if is_picture]
+    breaks = np.flatnonzero(np.diff(pictures) > PERIOD_NS) + 1
+    return [(part[0], part[-1]) for part in np.split(np.array(pictures), breaks)]
+
+
+@with_lsl
+@pytest.mark.usefixtures("lsl_on_this_machine")
+def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pictures(tmp_path, gpu, monkeypatch):
+    path = whole(tmp_path)
+    with receiving("hmdwarp study small", "session_end") as receiver:
+
+        def waits_for_the_recorder(panel):
+            if isinstance(panel, MessagePanel) and panel.title == "Ready?":
+                receiver.connected()
+
+        ran = run(monkeypatch, gpu, path, Person(own=waits_for_the_recorder), lsl=True)
+        assert ran.error is None
+        markers = receiver.markers()
+    stored = contents(path)
+    # What came before the recorder was connected is lost to it; the practice makes sure of that.
+    markers = markers[[one.get("step") for one in markers].index("trial/1") :]
+    wanted = []
+    for showing in stored.showings[1:]:
+        asked = [("answer", one.key) for one in stored.answers if one.showing == showing.id]
+        wanted += [("trial_start", showing.key), ("trial_end", showing.key), *asked]
+    after = [("answer", one.key) for one in stored.answers if one.phase == "after"]
+    assert [(one["event"], one.get("step")) for one in markers] == [*wanted, *after, ("session_end", None)]
+
+    shown = {one.id: one for one in stored.showings}
+    starts, ends = ([one for one in markers if one["event"] == f"trial_{what}"] for what in ("start", "end"))
+    for start, end in zip(starts, ends, strict=True):
+        assert start["condition"] == shown[start["showing"]].condition
+        assert (start["trial"], end["showing"], end["complete"]) == (
+            shown[end["showing"]].trial,
+            start["showing"],
+            True,
+        )
+    values = {(one.key, one.value, one.showing) for one in stored.answers}
+    answers = [one for one in markers if one["event"] == "answer"]
+    assert answers and all((one["step"], one["value"], one["showing"]) in values for one in answers)
+    session = ran.session
+    assert {(one["participant"], one["session"]) for one in markers} == {(session.sub, session.number)}
+    assert session.code not in repr(markers)
+    assert markers[-1]["status"] == "complete"
+
+    # Beside each other, as this display's clock is simulated: it advances by refreshes.
+    instants = np.array(shown_ns(ran.display)[1:])
+    stamps = np.array([[start["stamp"], end["stamp"]] for start, end in zip(starts, ends, strict=True)])
+    assert stamps - stamps[0, 0] == pytest.approx((instants - instants[0, 0]) * 1e-9, abs=ROUNDING_S)
+    in_order = [one["stamp"] for one in markers if one["event"] != "trial_end"]
+    assert in_order == sorted(in_order)
+    assert any(
+        "stream 'hmdwarp study small'; the clock of this display is simulated" in one for one in ran.console.said
+    )
+
+
+@with_lsl
+@pytest.mark.usefixtures("lsl_on_this_machine")
+def test_where_nothing_receives_the_markers_the_console_says_so_before_each_trial(tmp_path, gpu, monkeypatch):
+    ran = run(monkeypatch, gpu, study(tmp_path), lsl=True)
+    assert ran.error is None
+    assert ran.console.said.count("no program receives the markers: start the recorder") == 2
+
+
+def test_without_pylsl_one_line_says_how_and_nothing_is_begun(tmp_path, gpu, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pylsl", None)
+    ran = run(monkeypatch, gpu, study(tmp_path), lsl=True)
+    assert isinstance(ran.error, MachineError)
+    assert str(ran.error) == "this needs pylsl, which is not installed: pip install 'hmdwarp[lsl]'"
+    assert not (tmp_path / "small-data").exists()
+
+
+def test_resuming_sends_markers_again(tmp_path, gpu, monkeypatch):
+    from hmdwarp.study.session import SessionOptions
+
+    options = SessionOptions(study="small", participant="P1", lsl=True)
+    assert "--lsl" in options.command("P1", "main", several=False).split()
