@@ -253,7 +253,7 @@ def _scales() -> list[dict[str, str]]:
 
 
 def _scale_row(scale: Scale) -> dict[str, str]:
-    items = [item.text for item in scale.items]
+    items = [item.described for item in scale.items]
     return {
         "name": scale.name,
         "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, {scale.direction}"

@@ -154,7 +154,7 @@ def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
     from ...report import counted
     from ...report.study import condition_lines
 
-    heads, lines = condition_lines(part["conditions"])
+    heads, lines = condition_lines(part["conditions"], measure["mean_name"])
     return lines_as_table(
         f"{part['part'] or 'Conditions'}: {measure['title']}, {counted(part['participants'], 'participant')}",
         heads,

@@ -119,7 +119,7 @@ def _part(part: Row, rows: Sequence[Row], measure: Row) -> Row:
         "name": part["part"] or "All conditions",
         "participants": counted(part["participants"], "participant"),
         "chart": PageChart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
-        "conditions": PageTable.of(caption, *condition_lines(part["conditions"])),
+        "conditions": PageTable.of(caption, *condition_lines(part["conditions"], measure["mean_name"])),
         "friedman": part["friedman_sentence"],
         "reference": part["reference_sentence"],
         "without": _without(part.get("without", ())),

@@ -11,7 +11,8 @@ Row = Mapping[str, Any]
 Heads = tuple[tuple[str, str], ...]
 
 CONDITION_COLUMNS = (
-    "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "sd", "q1", "q3", "least", "most",
+    "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "low", "high", "sd", "q1", "q3",
+    "least", "most",
 )  # fmt: skip
 COMPARISON_COLUMNS = (
     "scale", "part", "family", "condition", "baseline", "n", "better", "equal", "worse", "mean", "sd", "median",
@@ -30,15 +31,14 @@ PREFERENCE_COLUMNS = (
 MISSING_COLUMNS = ("scale", "part", "participant", "session", "condition", "why")
 
 
-def condition_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
+def condition_lines(rows: Iterable[Row], mean_name: str) -> tuple[Heads, list[list[str]]]:
     """Return the heads and cells of the table of a part's conditions."""
-    names = ("condition", "n", "missing", "median", "mean", "sd", "quartiles", "range")
+    names = ("condition", "n", "missing", "median", mean_name, "95 %", "sd", "quartiles")
     lines = []
     for row in rows:
         counts = [str(row["n"]), str(row["missing"])]
-        middle = [plain(row["median"]), plain(row["mean"]), plain(row["sd"])]
-        ranges = [_range(row["q1"], row["q3"]), _range(row["least"], row["most"])]
-        lines.append([condition_text(row), *counts, *middle, *ranges])
+        middle = [plain(row["median"]), plain(row["mean"]), _range(row["low"], row["high"]), plain(row["sd"])]
+        lines.append([condition_text(row), *counts, *middle, _range(row["q1"], row["q3"])])
     return tuple((name, "") for name in names), lines
 
 

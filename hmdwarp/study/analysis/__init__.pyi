@@ -5,6 +5,7 @@ from .claims import load_claims as load_claims
 from .comparisons import Resampling as Resampling
 from .comparisons import compared as compared
 from .comparisons import families_for as families_for
+from .descriptives import condition_rows as condition_rows
 from .full_analysis import analyse as analyse
 from .full_analysis import analysis_folder as analysis_folder
 from .full_analysis import write_analysis as write_analysis

@@ -59,12 +59,14 @@ class ScaleInfo:
     least: float | None = None  # None where not known, as `most`
     most: float | None = None
     unit: str = "points"  # or "grades"
+    mean_name: str = "mean"  # of a condition's ratings: "DMOS" where they are beside a reference
 
     @classmethod
     def of(cls, scale: Scale) -> ScaleInfo:
         """Take it from a scale."""
         unit = "grades" if scale.name == "grade" else "points"
-        return cls(scale.name, scale.title, scale.low_is_good, scale.least, scale.most, unit)
+        mean_name = "DMOS" if scale.beside_reference else "mean"
+        return cls(scale.name, scale.title, scale.low_is_good, scale.least, scale.most, unit, mean_name)
 
     @property
     def sign(self) -> int:

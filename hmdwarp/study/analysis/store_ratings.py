@@ -10,7 +10,7 @@ import attrs
 
 from ...errors import InputError
 from ...report import counted
-from ..design import ONLY_PART, Ask, Design, Show, every_scale, steps_of
+from ..design import ONLY_PART, Ask, Design, Show, Step, every_scale, steps_of
 from ..export import declined, long_rows, no_sessions, of_origin, plan_of, unconsented
 from ..scales import PREFERENCE, RATING
 from ..store import COMPLETE, INTERRUPTED, PERSON, RUNNING, SICK, STOPPED, Answer, Contents, Session, Showing
@@ -108,15 +108,23 @@ def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
 
 def _ratings(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Rating]:
     names = {scale.name for scale in plan.scales if scale.kind == RATING}
-    rows: list[Rating] = []
-    show: Show | None = None
-    before = ""
-    for step in steps_of(plan, session.order, session.part):
-        if isinstance(step, Show) and step.trial:
-            before, show = (show.condition.name if show else ""), step
-        elif isinstance(step, Ask) and show is not None and step.phase == "trial" and step.scale.name in names:
-            rows.append(_rating(session, show, before, step, answers.get(step.key)))
-    return rows
+    steps = steps_of(plan, session.order, session.part)
+    judged = _judged(steps)
+    return [
+        _rating(session, judged[ask.trial], _before(judged, ask.trial), ask, answers.get(ask.key))
+        for ask in steps
+        if isinstance(ask, Ask) and ask.phase == "trial" and ask.scale.name in names
+    ]
+
+
+def _judged(steps: Sequence[Step]) -> dict[int, Show]:
+    """Return the showing that the questions of each trial are about, by trial: its last one."""
+    return {step.trial: step for step in steps if isinstance(step, Show) and step.trial}
+
+
+def _before(judged: Mapping[int, Show], trial: int) -> str:
+    """Return the condition that was judged before a trial; "" for the first."""
+    return judged[trial - 1].condition.name if trial - 1 in judged else ""
 
 
 def _preferences(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Preference]:
@@ -158,16 +166,15 @@ def _task_scores(session: Session, plan: Design, showings: Iterable[Showing]) ->
     """Return the scores of a session's task, of the last complete showing of each trial."""
     seen = {one.key: one.actual for one in showings if one.session == session.id and one.complete}
     rows: list[Rating] = []
-    before = ""
-    for show in steps_of(plan, session.order, session.part):
-        if not isinstance(show, Show) or not show.trial:
+    judged = _judged(steps_of(plan, session.order, session.part))
+    for trial, show in judged.items():
+        if show.task is None:
             continue
-        if show.task is not None:
-            actual = seen.get(show.key)
-            why = _WHY[session.status] if actual is None else "no target was found"
-            for name in TASK_MEASURES:
-                rows.append(_row(session, show, before, name, None if actual is None else actual.get(name), why))
-        before = show.condition.name
+        actual = seen.get(show.key)
+        why = _WHY[session.status] if actual is None else "no target was found"
+        before = _before(judged, trial)
+        for name in TASK_MEASURES:
+            rows.append(_row(session, show, before, name, None if actual is None else actual.get(name), why))
     return rows
 
 

@@ -16,6 +16,7 @@ from .definitions import ORDERS as ORDERS
 from .definitions import PAIR as PAIR
 from .definitions import PARTICIPANT as PARTICIPANT
 from .definitions import RANDOM as RANDOM
+from .definitions import REFERENCE_FIRST as REFERENCE_FIRST
 from .definitions import UNBLINDED as UNBLINDED
 from .definitions import WILLIAMS as WILLIAMS
 from .definitions import Breaks as Breaks

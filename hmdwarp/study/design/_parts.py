@@ -23,6 +23,7 @@ from .definitions import (
     ONLY_PART,
     ORDERS,
     PAIR,
+    REFERENCE_FIRST,
     SHOWS,
     WILLIAMS,
     Comparison,
@@ -173,7 +174,10 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
             settings = checker.settings(table, own | chosen, f"condition '{name}'", others=_NO_SETTINGS)
             made.append(Condition(name, settings, reference))
     trial = data.table("trial")
-    order, pairs = trial.word("order", ORDERS, WILLIAMS), trial.word("shows", SHOWS, ONE) == PAIR
+    order, shows = trial.word("order", ORDERS, WILLIAMS), trial.word("shows", SHOWS, ONE)
+    pairs = shows == PAIR
+    if shows == REFERENCE_FIRST and not any(condition.reference for condition in made):
+        raise trial.fault("shows", f'is "{shows}", and no {heading} has reference = true: expected one in each part')
     if len(made) < 2 and pairs:
         raise trial.fault("shows", f"is {PAIR}, of one condition: expected two at least")
     if len(made) < 2 and order == WILLIAMS:

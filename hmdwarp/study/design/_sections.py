@@ -12,7 +12,7 @@ from ...tables import Table, quoted, text_of
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
-from .definitions import ONE, PAIR, SHOWS, Breaks, Condition, Consent, Page, Part, Sickness, Task
+from .definitions import ONE, PAIR, REFERENCE_FIRST, SHOWS, Breaks, Condition, Consent, Page, Part, Sickness, Task
 from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
@@ -65,7 +65,8 @@ def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
     """Check that the scales after a trial fit what it shows."""
     names = ", ".join(scale.name for scale in made)
     preferences = [scale for scale in made if scale.kind == PREFERENCE]
-    if trial.word("shows", SHOWS, ONE) == PAIR:
+    shows = trial.word("shows", SHOWS, ONE)
+    if shows == PAIR:
         if len(preferences) != 1 or any(scale.kind not in (PREFERENCE, QUESTIONNAIRE) for scale in made):
             raise trial.fault(
                 key,
@@ -81,6 +82,16 @@ def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
             key,
             f"has no rating ({names}): expected one scale of kind rating at least; the others belong in [sickness]",
         )
+    for scale in made:
+        if scale.kind == RATING and scale.beside_reference != (shows == REFERENCE_FIRST):
+            raise trial.fault(
+                key,
+                f"has '{scale.name}', which asks for the difference from a reference shown right before: it needs "
+                f'shows = "{REFERENCE_FIRST}"'
+                if scale.beside_reference
+                else f"has '{scale.name}', which asks nothing about the reference: expected dcr, or a scale with "
+                f'beside_reference = true, with shows = "{REFERENCE_FIRST}"',
+            )
 
 
 def length_of(trial: Table) -> tuple[float, bool]:
@@ -113,8 +124,8 @@ def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | No
     """Return the task, None without [task]; the scenes of all conditions must have room for it."""
     if "task" not in data:
         return None
-    if data.table("trial").word("shows", SHOWS, ONE) != ONE:
-        raise data.fault("task", f'does not go with shows = "{PAIR}": expected trials of one condition')
+    if (shows := data.table("trial").word("shows", SHOWS, ONE)) != ONE:
+        raise data.fault("task", f'does not go with shows = "{shows}": expected trials of one condition')
     table = data.table("task")
     table.word("kind", TASKS)
     names = table.texts("conditions", ())

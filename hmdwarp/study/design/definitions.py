@@ -9,7 +9,7 @@ import attrs
 from ..scales import Scale
 
 ORDERS = (WILLIAMS, RANDOM, FIXED, ADAPTIVE) = ("williams", "random", "fixed", "adaptive")
-SHOWS = (ONE, PAIR) = ("one", "pair")
+SHOWS = (ONE, PAIR, REFERENCE_FIRST) = ("one", "pair", "reference first")
 BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
 ONLY_PART = "main"  # name of the part in a study without [[part]]
 

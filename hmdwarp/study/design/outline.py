@@ -10,7 +10,7 @@ import attrs
 
 from ...report import counted
 from ..scales import QUESTIONNAIRE, Scale
-from .definitions import FIXED, PAIR, RANDOM, WILLIAMS, Design, Part
+from .definitions import FIXED, PAIR, RANDOM, REFERENCE_FIRST, WILLIAMS, Design, Part
 from .orders import Order, presented, trials_of
 from .pair_orders import turned
 from .steps import Ask, PageStep, Pause, Read, Show, Step, steps_of
@@ -78,6 +78,8 @@ def _lasting(design: Design) -> str:
     lasting = f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
     if design.shows == PAIR:
         return f"pairs, each condition {lasting.removeprefix('of ')}"
+    if design.shows == REFERENCE_FIRST:
+        return f"of the reference and a condition, each {lasting.removeprefix('of ')}"
     return f"{lasting}, with {counted(design.task.count, 'target')} to find" if design.task else lasting
 
 

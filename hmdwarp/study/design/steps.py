@@ -9,10 +9,11 @@ from __future__ import annotations
 import attrs
 
 from ..scales import Item, Scale
-from .definitions import PAIR, Condition, Design, Page, Task
+from .definitions import ONE, PAIR, REFERENCE_FIRST, Condition, Design, Page, Part, Task
 from .pair_orders import pair_of
 
-TURNS = (FIRST_SHOWN, SECOND_SHOWN) = ("first", "second")
+# Names of a trial's showings, by what it shows; the questions are about the last one.
+TURNS = {ONE: ("",), PAIR: ("first", "second"), REFERENCE_FIRST: ("reference", "second")}
 
 
 @attrs.frozen
@@ -43,7 +44,7 @@ class Show:
     block: int = 1  # of trials between two planned breaks, from 1 on; 0 for the practice
     until_done: bool = False  # whether the participant ends it; with a task the last target does
     task: Task | None = None
-    turn: str = ""  # which showing of its trial: one of TURNS, "" for the only one or the one that counts
+    turn: str = ""  # which showing of its trial: as TURNS has it
     after: str = ""  # key of the Show that must have been seen just before; "" for none
 
 
@@ -87,12 +88,18 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
         steps += _sickness(design, "practice", 0, "practice")
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
-        shown_names = pair_of(name) if design.shows == PAIR else (name,)
-        steps += _trial(design, trial, [conditions.condition(one) for one in shown_names], repeat)
+        steps += _trial(design, trial, [conditions.condition(one) for one in _shown(design, conditions, name)], repeat)
         if design.breaks.every and trial % design.breaks.every == 0 and trial < len(shown):
             steps.append(Pause(f"break/{trial // design.breaks.every}", design.breaks.seconds))
     steps += [ask for scale in design.after for ask in _asks(scale, "after", "after")]
     return tuple(steps)
+
+
+def _shown(design: Design, part: Part, name: str) -> tuple[str, ...]:
+    """Return the names of the conditions that a trial shows, in order. name: of it in the order."""
+    if design.shows == PAIR:
+        return pair_of(name)
+    return (*(one.name for one in part.conditions if one.reference and design.shows == REFERENCE_FIRST), name)
 
 
 def _trial(design: Design, trial: int, conditions: list[Condition], repeat: int) -> list[Step]:
@@ -101,9 +108,8 @@ def _trial(design: Design, trial: int, conditions: list[Condition], repeat: int)
     task = design.task
     if task is not None and task.conditions and conditions[-1].name not in task.conditions:
         task = None
-    turns = TURNS if len(conditions) > 1 else ("",)
     shows: list[Show] = []
-    for condition, turn in zip(conditions, turns, strict=True):
+    for condition, turn in zip(conditions, TURNS[design.shows], strict=True):
         after = shows[-1].key if shows else ""
         at = f"{key}/{turn}" if turn else key
         shows.append(Show(at, trial, condition, design.seconds, repeat, block, design.until_done, task, turn, after))

@@ -226,7 +226,7 @@ def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -
             out[column.name]["Units"] = column.units
     if scales and "scale" in out:
         out["scale"]["Levels"] = {name: _about(scale) for name, scale in scales.items()}
-        items = {item.key: item.text for scale in scales.values() for item in scale.items}
+        items = {item.key: item.described for scale in scales.values() for item in scale.items}
         out["item"]["Levels"] = items | {
             one.name: one.title or one.name for scale in scales.values() for one in scale.scores
         }

@@ -48,6 +48,7 @@ def _scale(data: Table, name: str) -> Scale:
         units=data.line("units", ""),
         source=data.line("source"),
         prompt=data.line("prompt", ""),
+        beside_reference=data.flag("beside_reference", False),
     )
     return made.with_scores(_scores(data, made))
 
@@ -99,8 +100,19 @@ def _items(data: Table, own: bool) -> tuple[Item, ...]:
             raise table.fault(
                 "answer", f"is for kind {QUESTIONNAIRE} or {PREFERENCE}: expected the answers of the scale alone"
             )
-        items.append(Item(key, table.line("text"), **(_own_answers(table) if "answer" in table else {})))
+        items.append(Item(key, table.line("text"), **(_of_item(table, data) if own else {})))
     return tuple(items)
+
+
+def _of_item(table: Table, data: Table) -> dict[str, Any]:
+    """Return what an item says of its answers."""
+    if "answer" in table:
+        return _own_answers(table)
+    made: dict[str, Any] = {"is_reversed": table.flag("reversed", False)}
+    if "anchors" in table:
+        answer = data.table("answer")
+        made["anchors"] = _anchors(table, answer.number("least"), answer.number("most"))
+    return made
 
 
 def _own_answers(table: Table) -> dict[str, Any]:

@@ -30,6 +30,15 @@ class Item:
     least: float = 0.0  # of a number
     most: float = 0.0
     step: float = 1.0
+    anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)  # in place of the scale's
+    is_reversed: bool = False  # whether scores count it from the other end
+
+    @property
+    def described(self) -> str:
+        """The question, with what differs from the other questions of its scale."""
+        own = [f"{value:g} = {words}" for value, words in self.anchors.items()]
+        own += ["reversed"] if self.is_reversed else []
+        return f"{self.text} ({'; '.join(own)})" if own else self.text
 
 
 @attrs.frozen
@@ -61,6 +70,8 @@ class Scale:
     units: str = ""  # for tables; "" for a plain number
     source: str = ""  # the paper or standard it comes from
     prompt: str = ""  # the question about every item; "" where the items are questions themselves
+    # Whether a rating is of the difference from the reference, which is shown right before.
+    beside_reference: bool = False
 
     def values(self) -> tuple[float, ...]:
         """Return every possible answer, from least to most."""
@@ -93,7 +104,7 @@ class Scale:
             return attrs.evolve(self, least=1.0, most=float(len(words)), step=1.0, anchors=words)
         if item.answer == NUMBER:
             return attrs.evolve(self, least=item.least, most=item.most, step=item.step, anchors={})
-        return self
+        return attrs.evolve(self, anchors=item.anchors) if item.anchors else self
 
     def words_for(self, item: Item, value: float | None, text: str) -> str | None:
         """Return an answer of the item's own in words: the choice, or what was typed; else None."""
@@ -143,7 +154,7 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
         if value is not None and not own.least <= value <= own.most:
             where = f"scale '{scale.name}', item '{key}'"
             raise InputError(f"{where}: {value:g}: expected an answer from {own.least:g} to {own.most:g}")
-    values = [answers.get(key) for key in known]
+    values = [_counted(scale, item, answers.get(key)) for key, item in known.items()]
     sums: dict[str, float | None] = {}
     scores: dict[str, float | None] = {}
     for score in scale.scores:
@@ -154,6 +165,11 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
         sums[score.name] = total
         scores[score.name] = None if total is None else total * score.weight
     return scores
+
+
+def _counted(scale: Scale, item: Item, answer: float | None) -> float | None:
+    """Return what an answer counts in scores."""
+    return scale.least + scale.most - answer if item.is_reversed and answer is not None else answer
 
 
 def most_scored(scale: Scale) -> dict[str, float]:

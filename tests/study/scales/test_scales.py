@@ -14,6 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs import KEYS, QuestionDialog
 from hmdwarp.study.scales import (
     FOLDER,
     KINDS,
@@ -32,8 +34,8 @@ GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 def test_what_is_shipped():
     assert scale_names() == [
-        "acr", "comments", "demographics", "fms", "grade", "misc", "nasa_tlx", "preference", "preference_or_tie",
-        "slider", "ssq", "vrsq",
+        "acr", "comments", "dcr", "demographics", "fms", "grade", "ipq", "misc", "nasa_tlx", "preference",
+        "preference_or_tie", "slider", "ssq", "vrsq",
     ]  # fmt: skip
 
 
@@ -71,6 +73,9 @@ def test_directions_and_ranges_as_published():
     assert (grade.least, grade.most, grade.step, grade.low_is_good) == (1, 6, 0.25, True)
     assert grade.anchors[1] == "very good" and grade.anchors[6] == "insufficient"
     assert (acr.least, acr.most, acr.step, acr.low_is_good) == (1, 5, 1, False) and acr.anchors[5] == "excellent"
+    dcr = load_scale("dcr")  # P.910 as well: 5 is imperceptible
+    assert (dcr.least, dcr.most, dcr.step, dcr.low_is_good) == (1, 5, 1, False) and dcr.anchors[5] == "imperceptible"
+    assert [name for name in scale_names() if load_scale(name).beside_reference] == ["dcr"]
     assert (fms.least, fms.most, fms.low_is_good, fms.kind) == (0, 20, True, "sickness")
     assert (misc.least, misc.most, misc.low_is_good, misc.kind) == (0, 10, True, "sickness") and len(misc.anchors) == 11
 
@@ -94,7 +99,6 @@ def test_the_most_a_vrsq_can_come_to():
     )
 
 
-# The published table of Kennedy and others, a line for each item: in which of N, O, D it counts.
 def test_task_load_is_the_mean_of_six():
     """Raw TLX, as Hart 2006 has it: every scale from 0 to 100 in steps of 5, none weighted."""
     tlx = load_scale("nasa_tlx")
@@ -105,6 +109,49 @@ def test_task_load_is_the_mean_of_six():
     assert scored(tlx, given | {"effort": None})["load"] is None
 
 
+# The items of Schubert, Friedmann and Regenbrecht 2001 in their order; (-): coded the other way.
+IPQ_TABLE = ["G", "SP", "SP(-)", "SP", "SP", "SP", "INV", "INV", "INV(-)", "INV", "REAL(-)", "REAL", "REAL", "REAL"]
+IPQ_NAMES = {"G": "general", "SP": "spatial", "INV": "involvement", "REAL": "realism"}
+
+
+@given(st.lists(st.integers(0, 6), min_size=14, max_size=14))
+def test_an_ipq_against_the_published_table(answers):
+    """Means of each factor's items, reversed ones counted from the other end."""
+    scale = load_scale("ipq")
+    counted = [6 - value if code.endswith("(-)") else value for code, value in zip(IPQ_TABLE, answers, strict=True)]
+    wanted = {
+        name: np.mean([value for code, value in zip(IPQ_TABLE, counted, strict=True) if code.startswith(short)])
+        for short, name in IPQ_NAMES.items()
+    }
+    assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
+
+
+def test_who_was_wholly_present_has_the_most_of_every_score():
+    """The end of each item that means presence, by its words."""
+    scale = load_scale("ipq")
+    lowest = {"pictures", "attention", "real"}
+    answers = {item.key: 0.0 if item.key in lowest else 6.0 for item in scale.items}
+    words = {item.key: scale.of(item).anchors[answers[item.key]] for item in scale.items}
+    assert words["real"] == "completely real" and words["not_present"] == "felt present"
+    assert words["aware"] == "not aware at all" and words["pictures"] == "fully disagree"
+    assert scored(scale, answers) == pytest.approx(dict.fromkeys(IPQ_NAMES.values(), 6))
+
+
+def test_items_with_words_of_their_own(tmp_path):
+    scale = load_scale("ipq")
+    assert scale.of(scale.items[0]).anchors == {0: "not at all", 6: "very much"}
+    assert scale.of(scale.items[1]).anchors == scale.anchors
+    assert scale.items[10].described.endswith("(0 = completely real; 6 = not real at all; reversed)")
+    asked = QuestionDialog(Ask("after/ipq/aware", scale, scale.items[6], "after"), lambda: 0.0, KEYS).question()
+    assert asked.anchors == ((0, "extremely aware"), (3, "moderately aware"), (6, "not aware at all"))
+    text = (FOLDER / "ipq.toml").read_text(encoding="utf-8")
+    with pytest.raises(InputError, match="has no word for 6"):
+        load_text(tmp_path, text.replace('6 = "very much"\n', ""))
+    with pytest.raises(InputError, match="unknown key item.reversed"):
+        load_text(tmp_path, GRADE + "reversed = true\n")
+
+
+# The published table of Kennedy and others, a line for each item: in which of N, O, D it counts.
 SSQ_TABLE = ["NO", "O", "O", "O", "OD", "N", "N", "ND", "NO", "D", "OD", "D", "D", "D", "N", "N"]
 WEIGHTS = {"N": 9.54, "O": 7.58, "D": 13.92}
 NAMES = {"N": "nausea", "O": "oculomotor", "D": "disorientation"}

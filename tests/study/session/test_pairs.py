@@ -1,4 +1,4 @@
-"""Trials of two conditions: both are seen, one right after the other, before the question."""
+"""Trials that show two: both are seen, one right after the other, before the question."""
 
 from __future__ import annotations
 
@@ -37,6 +37,26 @@ def test_both_are_shown_and_then_compared(tmp_path, gpu, monkeypatch):
     assert "Trial 1 of 1: first" in titles
     assert "Trial 1 of 1: second" in titles
     assert not any("late" in title or "spun" in title for title in titles)
+
+
+def test_the_reference_comes_before_each_condition(tmp_path, gpu, monkeypatch):
+    """Itself included; each rating is about what came second."""
+    path = tmp_path / "small.toml"
+    text = TEXT.format(more="").replace("seconds = 0.1", 'shows = "reference first"\nseconds = 0.1')
+    text += "reference = true\n"  # of the last condition
+    path.write_text(text.replace('["grade"]', '["dcr"]'), encoding="utf-8")
+    ran = run(monkeypatch, gpu, path)
+    assert ran.error is None
+    assert ran.session.status == COMPLETE
+    stored = contents(path)
+    (order,) = stored.sessions[0].order
+    keys = [f"trial/{trial}/{turn}" for trial in (1, 2) for turn in ("reference", "second")]
+    assert shown(path) == [(key, 1, True) for key in keys]
+    assert [one.condition for one in stored.showings] == ["spun-about", order[0], "spun-about", order[1]]
+    assert [one.showing for one in stored.answers] == [stored.showings[1].id, stored.showings[3].id]
+    titles = [panel.title for panel in ran.display.panels if isinstance(panel, MessagePanel)]
+    assert "Trial 2 of 2: reference" in titles
+    assert "Trial 2 of 2: second" in titles
 
 
 @pytest.mark.parametrize("how", ["lost", "closed"])

@@ -1,0 +1,133 @@
+"""Degradation ratings (DCR) of simulated people: plan, store, analysis, page."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from hmdwarp.errors import InputError
+from hmdwarp.report.study import render_study_report
+from hmdwarp.study.analysis import analyse, condition_rows, from_contents
+from hmdwarp.study.design import Ask, Show, design_from_text, session_phases, steps_of
+from hmdwarp.study.export import long_rows
+from hmdwarp.study.respondents import Simulated, load_model, model_from_text, person_of
+from hmdwarp.study.store import COMPLETE, SIMULATED, Store
+
+from ..made_up import simulate_study
+
+STUDY = """schema = 1
+name = "impaired"
+title = "How much is it impaired?"
+seed = 4
+[common]
+scene = "planes"
+[trial]
+shows = "reference first"
+seconds = 2
+scales = ["dcr"]
+[[condition]]
+name = "late"
+latency = 400
+warp = "none"
+fill = "none"
+[[condition]]
+name = "warped"
+latency = 400
+warp = "forward"
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+"""
+MODEL = """schema = 1
+title = "people who notice"
+[rating.dcr]
+people_sd = 0.4
+condition_sd = 0.3
+noise_sd = 0.6
+[rating.dcr.means]
+late = 2.0
+warped = 3.4
+reference = 4.8
+"""
+
+
+def test_a_trial_shows_the_reference_and_then_the_condition():
+    design = design_from_text(STUDY, "impaired.toml", checked=False)
+    steps = steps_of(design, (("late", "reference", "warped"),), "main")
+    shows = [step for step in steps if isinstance(step, Show)]
+    assert [one.condition.name for one in shows] == ["reference", "late"] + ["reference"] * 3 + ["warped"]
+    assert [one.after for one in shows[1::2]] == [one.key for one in shows[::2]]
+    asks = [step for step in steps if isinstance(step, Ask)]
+    assert [one.about for one in asks] == [one.key for one in shows[1::2]]
+    trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
+    assert trials.content == "3 of the reference and a condition, each 2 s, each rated: dcr"
+    assert trials.seconds == 3 * (2 * 2 + 6)
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "says"),
+    [
+        ("reference = true", "", r'trial.shows is "reference first", and no \[\[condition\]\] has reference = true'),
+        ('"dcr"', '"acr"', "has 'acr', which asks nothing about the reference: expected dcr"),
+        ('shows = "reference first"', "", r'has \'dcr\', .*: it needs shows = "reference first"'),
+        ('"dcr"', '"preference"', "has 'preference', a preference"),
+        ("seed = 4", 'seed = 4\n[task]\nkind = "targets"\ncount = 3', 'does not go with shows = "reference first"'),
+    ],
+)
+def test_what_does_not_go_together_is_refused(found, put, says):
+    assert found in STUDY
+    with pytest.raises(InputError, match=says):
+        design_from_text(STUDY.replace(found, put), "impaired.toml", checked=False)
+
+
+def test_from_the_store_to_the_page(tmp_path):
+    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+    design = design_from_text(STUDY, "impaired.toml", checked=False)
+    with Store(tmp_path / "data", create=True, study=design.name) as store:
+        for person in range(6):
+            session = store.begin(design, None, f"P{person}", SIMULATED)
+            respondent = Simulated(load_model("quick"), design, "main", 1, person_of(f"P{person}"), session.order)
+            for step in steps_of(design, session.order, "main"):
+                if isinstance(step, Show):
+                    store.shown(session, step, dict(step.condition.settings), False, {}, complete=True)
+                elif isinstance(step, Ask):
+                    store.answer(session, step, respondent.answer(step, step.trial), 1.0, "simulated")
+            store.end(session, COMPLETE)
+        contents = store.contents()
+    ratings = from_contents(contents, design, SIMULATED)
+    orders = {one.sub: one.order[0] for one in contents.sessions}
+    for row in ratings.rows:
+        order = orders[row.participant]
+        assert row.condition == order[row.place - 1]
+        assert row.previous == (order[row.place - 2] if row.place > 1 else "")
+    table = [(row["participant"], row["condition"], row["value"]) for row in long_rows(contents, design)]
+    assert sorted(table) == sorted((row.participant, row.condition, row.value) for row in ratings.rows)
+    data = analyse(ratings)
+    assert data["scales"][0]["measure"]["mean_name"] == "DMOS"
+    assert "DMOS" in render_study_report(data, "hmdwarp study analyse")
+
+
+def test_intervals_hold_the_true_mean_at_the_nominal_rate():
+    """95 % of 200 studies of 12 people, as the binomial tells (fewer or more come once in 500 times
+    each); the truth is the mean of 20,000 people, known to 0.01.
+    """
+    design = design_from_text(STUDY, "impaired.toml", checked=False)
+    model = model_from_text(MODEL, "test")
+    studies = 200
+    many = simulate_study(design, model, 20_000, 1).table("main", "dcr")
+    truth = dict(zip(many.conditions, np.nanmean(many.values, axis=0), strict=True))
+    held = dict.fromkeys(("late", "warped"), 0)
+    for study in range(1, studies + 1):
+        rows = condition_rows(simulate_study(design, model, 12, 2, study), "main", "dcr")
+        for row in rows:
+            if row["condition"] in held:
+                assert 1 <= row["low"] <= row["mean"] <= row["high"] <= 5
+                held[row["condition"]] += row["low"] <= truth[row["condition"]] <= row["high"]
+        alike = [row for row in rows if row["sd"] == 0]
+        assert all((row["low"], row["high"]) == (None, None) for row in alike)
+    least, most = stats.binom.ppf((0.002, 0.998), studies, 0.95)
+    assert all(least <= count <= most for count in held.values()), held
