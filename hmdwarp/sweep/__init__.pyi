@@ -4,6 +4,7 @@ from .kept_cases import Failure as Failure
 from .kept_cases import KeptCases as KeptCases
 from .kept_cases import Result as Result
 from .options import ClusterOptions as ClusterOptions
+from .options import KeptOptions as KeptOptions
 from .options import SweepOptions as SweepOptions
 from .run_cases import Swept as Swept
 from .run_cases import outcomes as outcomes

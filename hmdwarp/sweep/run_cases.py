@@ -10,7 +10,7 @@ import attrs
 
 from ..errors import HmdwarpError, InputError, MachineError
 from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
-from .options import ONE, ClusterOptions, SweepOptions
+from .options import ClusterOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
 
 Progress = Callable[[int, int], None]
@@ -37,7 +37,7 @@ def run_cases(
     work: Work,
     cases: Sequence[SweepCase],
     out: Path,
-    options: SweepOptions,
+    options: KeptOptions,
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
 ) -> Swept:
@@ -55,7 +55,7 @@ def run_cases(
     if known:
         say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
     bar = _Bar(cases, missing, progress)
-    for case, outcome in _run(work, missing, options, bar, say, in_turn=options.timing_on == ONE):
+    for case, outcome in _run(work, missing, options, bar, say, in_turn=options.in_turn):
         if isinstance(outcome, Failure):
             kept.keep_failure(case.identity, outcome)
             say(f"failed: {case.name}: {outcome.why}")
