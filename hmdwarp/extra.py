@@ -7,6 +7,19 @@ from types import ModuleType
 
 from .errors import MachineError
 
+# What each is for. Which packages they are, pyproject.toml says.
+EXTRAS = {
+    "bench": "cv2.warpFrame among the warps of bench",
+    "cluster": "--cluster",
+    "draco": "glTF scenes compressed with Draco",
+    "exr": "frames in OpenEXR",
+    "feed": "serve and --connect",
+    "jod": "--jod",
+    "mcap": "head traces in MCAP",
+    "panel": "the controls in the window of live; without them there are keys",
+    "study": "study analyse and study power, Parquet files, the full-screen console of study run",
+}
+
 
 def install_line(extra: str) -> str:
     """Return the line that installs the packages of an extra."""

@@ -26,7 +26,7 @@ from ..version import __version__
 from .bench_case import BenchCase, options_of_case, prepared, sequence_of
 from .bench_rows import COLUMNS, flat
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fused_steps, grid_steps
-from .cases import cases_of, combinations_of, common_start_s, outside_notes, run_options
+from .cases import cases_of, combinations_of, common_start_s, notes_on_warps, run_options
 from .client_notes import left_out_notes
 from .options import DEFAULT_SIZES, BenchOptions
 from .parquet import check_parquet, write_parquet
@@ -147,7 +147,7 @@ def _checked(
     """
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations_of(options, None)  # names, before any scene is built
-    called, notes = {}, outside_notes(options)
+    called, notes = {}, notes_on_warps(options)
     for name in options.scenes:
         scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
         build_plan_for(

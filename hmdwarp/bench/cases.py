@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from ..client.effects import effects
-from ..client.plan import OTHERS, PICTURE, Plan, build_plan
+from ..client.plan import CLIENT_MODEL, OTHERS, PICTURE, Plan, build_plan
 from ..client.variants import (
     CONVERGED,
     every_baseline,
@@ -17,7 +17,9 @@ from ..client.variants import (
     parse_fills,
     parse_warp,
 )
+from ..client.warps import warps
 from ..errors import InputError, MachineError, PlanError, listed
+from ..frames.layers import layers
 from ..link import LinkOptions
 from ..pipeline.build import refreshes_of
 from ..pipeline.planning import check_suited
@@ -49,7 +51,7 @@ def cases_of(options: BenchOptions) -> list[Case]:
 
 
 def warps_of(options: BenchOptions) -> list[str]:
-    """Return the warps of the options, or all with their variants and the baselines.
+    """Return the warps of the options, or all that warp a late picture with variants and baselines.
 
     As shortest text, each once. Those of other libraries come last.
     Errors: as parse_warp; MachineError for one of another library that was named and is missing.
@@ -57,7 +59,8 @@ def warps_of(options: BenchOptions) -> list[str]:
     for name in options.warps:
         if name in OUTSIDE and (why := missing(name)):
             raise MachineError(f"--warp {name}: {why}")
-    names = options.warps or [*every_warp(), *every_baseline(), *(name for name in OUTSIDE if not missing(name))]
+    every = [*filter(_warps_pictures, every_warp()), *every_baseline()]
+    names = options.warps or [*every, *(name for name in OUTSIDE if not missing(name))]
     own = dict.fromkeys(str(parse_warp(text)) for text in names if text not in OUTSIDE)
     return [*own, *(name for name in OUTSIDE if name in names)]
 
@@ -67,11 +70,23 @@ def baselines() -> dict[str, str]:
     return every_baseline() | OUTSIDE
 
 
-def outside_notes(options: BenchOptions) -> list[str]:
-    """Return why baselines of other libraries are left out."""
-    if options.warps:
+def _warps_pictures(text: str) -> bool:
+    """Return whether a warp shows pictures of the server, and draws no scene or points instead."""
+    warp = parse_warp(text)
+    reads = warp.entry.reads_for(warp.settings)
+    return CLIENT_MODEL not in reads and any(layer.formats for layer in layers if layer.readable() in reads)
+
+
+def notes_on_warps(options: BenchOptions) -> list[str]:
+    """Return which warps are left out where all are compared, and why."""
+    if options.warps or options.strategies:
         return []
-    return [f"{name} is left out: {why}." for name in OUTSIDE if (why := _left_out(options, name))]
+    others = [entry.name for entry in warps if not _warps_pictures(entry.name)]
+    return [
+        f"{listed(others)} are left out, which draw what the client has of the scene: 'hmdwarp compare' has "
+        "them, and --warp NAME takes them here.",
+        *(f"{name} is left out: {why}." for name in OUTSIDE if (why := _left_out(options, name))),
+    ]
 
 
 def _left_out(options: BenchOptions, name: str) -> str:

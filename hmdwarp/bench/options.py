@@ -75,13 +75,13 @@ class BenchOptions(Declared):
     frames: Path | None = same_as(_RUN.frames)
     sequence_options: SequenceOptions = group(SequenceOptions)
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
-    # Names, with settings where they matter (`mesh:cut=slope`); empty for all, their variants and
-    # the baselines.
+    # Names, with settings where they matter (`mesh:cut=slope`); empty for all that warp a late
+    # picture, their variants and the baselines.
     warps: tuple[str, ...] = several(
         _RUN.warp,
         (),
-        f"Warp: {names_in('client/warps')}, or cv2.warpFrame; by default all, and what other systems do. "
-        "Settings follow a colon, as in mesh:cut=slope.",
+        f"Warp: {names_in('client/warps')}, or cv2.warpFrame; by default all that warp a late picture, and what other "
+        "systems do. Settings follow a colon, as in mesh:cut=slope.",
         split=split_names,
     )
     # Those made of a warp, fills and effects; beside the warps that are named, or alone.

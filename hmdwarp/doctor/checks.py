@@ -15,14 +15,14 @@ import platform
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from typing import Any
 
 import attrs
 
 from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
+from ..extra import EXTRAS, install_line
 from ..gpu import egl
 from ..gpu.context import HOW_TO_GET_GL
 from ..version import __version__
@@ -62,7 +62,7 @@ def examine() -> list[Finding]:
     with ThreadPoolExecutor() as asked:
         graphics, known = asked.submit(opengl), asked.submit(devices)
         runtime, screen = asked.submit(openxr), asked.submit(window)
-        here = [python(), packages(), panel(), study(), video(), codecs()]
+        here = [python(), packages(), video(), codecs(), *extras()]
         headset, desktop = runtime.result(), screen.result()
     return [*here[:2], *graphics.result(), known.result(), *headset, desktop, live(headset, desktop), *here[2:]]
 
@@ -128,18 +128,12 @@ def packages() -> Finding:
             "hmdwarp runs from a folder, not installed: its packages were not checked",
             "make setup",
         )
-    found, absent = {}, []
-    for name in sorted(re.split(r"[^\w.-]", line)[0] for line in declared if "extra ==" not in line):
-        try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            absent.append(name)
+    found, absent = _versions(line for line in declared if "extra ==" not in line)
     if absent:
         return Finding(
             "packages", State.MISSING, f"not installed: {', '.join(absent)}", f"pip install {' '.join(absent)}", found
         )
-    detail = f"hmdwarp {__version__}; " + ", ".join(f"{name} {version}" for name, version in found.items())
-    return Finding("packages", State.OK, detail, facts=found)
+    return Finding("packages", State.OK, f"hmdwarp {__version__}; {_named(found)}", facts=found)
 
 
 def opengl() -> list[Finding]:
@@ -238,41 +232,40 @@ def live(headset: list[Finding], desktop: Finding) -> Finding:
     return Finding("live", State.OPTIONAL, why, "either remedy above makes one", {"source": None})
 
 
-def panel() -> Finding:
-    """Check the package behind the control panel; optional, every control has a key."""
+def extras() -> list[Finding]:
+    """Check the optional packages, one finding for each extra; none if hmdwarp is not installed."""
     try:
-        version = importlib.metadata.version("imgui-bundle")
+        declared = importlib.metadata.requires("hmdwarp") or []
     except importlib.metadata.PackageNotFoundError:
-        return Finding(
-            "panel",
-            State.OPTIONAL,
-            "not installed: the window of hmdwarp live has keys alone",
-            "pip install 'hmdwarp[panel]'",
-        )
-    return Finding("panel", State.OK, f"imgui-bundle {version}", facts={"version": version})
+        return []
+    return [_extra(name, [line for line in declared if _is_of(line, name)]) for name in EXTRAS]
 
 
-STUDY_PACKAGES = {
-    "statsmodels": "study analyse, study power",
-    "pyarrow": "Parquet of study export",
-    "textual": "the experimenter's full-screen console",
-}
+def _is_of(requirement: str, extra: str) -> bool:
+    return re.search(rf"extra == ['\"]{extra}['\"]", requirement) is not None
 
 
-def study() -> Finding:
-    """Check the packages behind parts of `hmdwarp study`; sessions run and export without them."""
-    versions: dict[str, str] = {}
-    for name in STUDY_PACKAGES:
-        with suppress(importlib.metadata.PackageNotFoundError):
-            versions[name] = importlib.metadata.version(name)
-    lacking = [f"{name} ({what})" for name, what in STUDY_PACKAGES.items() if name not in versions]
-    if lacking:
-        return Finding(
-            "study", State.OPTIONAL, f"not installed: {', '.join(lacking)}", "pip install 'hmdwarp[study]'", versions
-        )
-    return Finding(
-        "study", State.OK, ", ".join(f"{name} {version}" for name, version in versions.items()), facts=versions
-    )
+def _extra(name: str, requirements: list[str]) -> Finding:
+    found, absent = _versions(requirements)
+    if absent:
+        detail = f"not installed: {', '.join(absent)} (for {EXTRAS[name]})"
+        return Finding(f"extra {name}", State.OPTIONAL, detail, install_line(name), found)
+    return Finding(f"extra {name}", State.OK, _named(found), facts=found)
+
+
+def _versions(requirements: Iterable[str]) -> tuple[dict[str, str], list[str]]:
+    """Return the versions of the packages that are there, and the names of the others."""
+    found, absent = {}, []
+    for name in sorted(re.split(r"[^\w.-]", line)[0] for line in requirements):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            absent.append(name)
+    return found, absent
+
+
+def _named(versions: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
 def video() -> Finding:

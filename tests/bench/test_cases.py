@@ -14,7 +14,7 @@ from hmdwarp.bench import BenchOptions, cases_of, combinations_of
 from hmdwarp.bench.cases import (
     WITH_COMPLETE_FILLS,
     common_start_s,
-    outside_notes,
+    notes_on_warps,
     pairs_of,
     run_options,
     warps_of,
@@ -64,12 +64,23 @@ def test_a_text_alone_is_one_name():
     )
 
 
-def test_all_registered_warps_by_default():
+DRAWN_ON_THE_CLIENT = ["difference", "irradiance", "model", "photons", "points"]
+
+
+def test_all_warps_of_late_pictures_by_default():
     found = warps_of(BenchOptions())
-    more = {f"{warp.name}:{settings}" for warp in warps for settings in (*warp.variants, *warp.baselines)}
+    taken = [warp for warp in warps if warp.name not in DRAWN_ON_THE_CLIENT]
+    more = {f"{warp.name}:{settings}" for warp in taken for settings in (*warp.variants, *warp.baselines)}
     outside = [name for name in OUTSIDE if not missing(name)]
-    assert [text for text in found if ":" not in text] == [*warps.names(), *outside]
-    assert set(found) - set(warps.names()) - set(outside) == more
+    assert [text for text in found if ":" not in text] == [*(warp.name for warp in taken), *outside]
+    assert set(found) - {warp.name for warp in taken} - set(outside) == more
+
+
+def test_warps_that_draw_on_the_client_are_told_and_taken_by_name():
+    (note,) = (note for note in notes_on_warps(BenchOptions()) if "compare" in note)
+    assert all(name in note for name in DRAWN_ON_THE_CLIENT)
+    assert warps_of(BenchOptions(warps=tuple(DRAWN_ON_THE_CLIENT))) == DRAWN_ON_THE_CLIENT
+    assert notes_on_warps(BenchOptions(warps=("model",))) == notes_on_warps(BenchOptions(strategies=("model",))) == []
 
 
 def test_complete_fills_run_with_few_warps_where_none_was_named():
@@ -86,10 +97,10 @@ def test_another_librarys_warp_has_no_fill_and_is_told_where_it_is_missing(monke
     pytest.importorskip("cv2")
     options = BenchOptions(warps=("forward", "cv2.warpFrame"), fills=("pyramid",))
     assert pairs_of(options) == [("forward", "pyramid"), ("cv2.warpFrame", "none")]
-    assert outside_notes(BenchOptions(lens="radial")) == ["cv2.warpFrame is left out: it has no lens."]
+    assert notes_on_warps(BenchOptions(lens="radial"))[1:] == ["cv2.warpFrame is left out: it has no lens."]
     monkeypatch.setitem(sys.modules, "cv2", None)  # as if it were not installed
     assert "cv2.warpFrame" not in warps_of(BenchOptions())
-    (note,) = outside_notes(BenchOptions())
+    _, note = notes_on_warps(BenchOptions())
     assert "OpenCV is not installed" in note and "pip install 'hmdwarp[bench]'" in note
     with pytest.raises(MachineError, match="cv2.warpFrame: OpenCV is not installed"):
         warps_of(options)

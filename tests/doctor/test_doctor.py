@@ -5,8 +5,11 @@ hang.
 from __future__ import annotations
 
 import json
+import re
 import stat
 import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 import typer
@@ -15,6 +18,7 @@ from typer.testing import CliRunner
 from hmdwarp.cli.doctor import doctor as command
 from hmdwarp.doctor import checks as doctor
 from hmdwarp.doctor.checks import Finding, State
+from hmdwarp.extra import EXTRAS
 
 
 @pytest.fixture
@@ -245,7 +249,16 @@ def test_probes_are_found_by_the_interpreter():
     )
 
 
-def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
+PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+DECLARED = PROJECT["optional-dependencies"]
+
+
+def test_every_extra_says_what_it_is_for():
+    """Those for work on hmdwarp itself are no user's."""
+    assert set(EXTRAS) == set(DECLARED) - {"test", "docs"}
+
+
+def test_what_an_extra_lacks_is_told_with_what_it_is_for(monkeypatch):
     there = {"pyarrow": "26.0.1"}
 
     def version(name: str) -> str:
@@ -254,11 +267,15 @@ def test_what_a_study_lacks_is_told_with_what_it_is_for(monkeypatch):
         return there[name]
 
     monkeypatch.setattr(doctor.importlib.metadata, "version", version)
-    found = doctor.study()
-    assert found.state is State.OPTIONAL and "hmdwarp[study]" in found.remedy
-    assert "statsmodels (study analyse" in found.detail and "textual" in found.detail and "pyarrow" not in found.detail
-    there.update(dict.fromkeys(doctor.STUDY_PACKAGES, "1.0"))
-    assert doctor.study().state is State.OK
+    found = {one.name: one for one in doctor.extras()}
+    assert list(found) == [f"extra {name}" for name in EXTRAS]
+    study = found["extra study"]
+    assert study.state is State.OPTIONAL and "hmdwarp[study]" in study.remedy
+    assert "statsmodels" in study.detail and "textual" in study.detail and "pyarrow" not in study.detail
+    assert EXTRAS["study"] in study.detail
+    there.update({re.split(r"[^\w.-]", line)[0]: "1.0" for line in DECLARED["study"]})
+    states = {one.name: one.state for one in doctor.extras()}
+    assert states["extra study"] is State.OK and states["extra feed"] is State.OPTIONAL
 
 
 def test_a_folder_that_is_not_installed_is_no_lack_of_replay(monkeypatch):
@@ -268,6 +285,7 @@ def test_a_folder_that_is_not_installed_is_no_lack_of_replay(monkeypatch):
     monkeypatch.setattr(doctor.importlib.metadata, "requires", requires)
     found = doctor.packages()
     assert found.state is State.OPTIONAL and "not installed" in found.detail and found.remedy == "make setup"
+    assert doctor.extras() == []
 
 
 def test_an_av_that_does_not_load_costs_the_video_and_the_codecs_alone(monkeypatch):

@@ -28,6 +28,7 @@ from .sums import (
     p_of_behind,
     shares_of_people,
     sign_flips,
+    skill_of_choice,
     skill_of_left_out_conditions,
     skill_of_left_out_people,
 )
@@ -94,6 +95,13 @@ class Prediction:
     conditions: int = 0
     dropped: int = 0  # ratings without all measures, or of people with a single one
     rmse_of_mean: float = 0.0  # error of each person's own mean, which every measure has to beat
+    # What each person's ratings gain from the measure that all others choose, with 95 % percentile
+    # interval: nested cross-validation.
+    choice_skill: float = 0.0
+    choice_low: float = 0.0
+    choice_high: float = 0.0
+    # (title, share of the people for whom the others chose it), the most often chosen first.
+    chosen: tuple[tuple[str, float], ...] = ()
     measures: tuple[MeasureResult, ...] = ()  # by |r|, the best first
     left_out: tuple[tuple[str, str], ...] = ()  # (title, reason)
     refused: str = ""  # why there are no measures; "" where there are
@@ -143,8 +151,7 @@ def predict(rows: Sequence[Row], scale: str = "", resamples: int = RESAMPLES, se
     refused = _refused(**counts, varying=varying) or _all_alike(kept)
     if refused:
         return Prediction(refused=refused, **common)
-    measures, rmse = _results(kept, varying, low_is_good, resamples, seed)
-    return Prediction(measures=measures, rmse_of_mean=rmse, **common)
+    return Prediction(**common, **_results(kept, varying, low_is_good, resamples, seed))
 
 
 def _number(row: Row, name: str) -> float | None:
@@ -233,9 +240,8 @@ def _all_alike(rows: Sequence[Row]) -> str:
     return "every person gave the same rating throughout" if alike else ""
 
 
-def _results(
-    rows: Sequence[Row], names: Sequence[str], low_is_good: bool, resamples: int, seed: int
-) -> tuple[tuple[MeasureResult, ...], float]:
+def _results(rows: Sequence[Row], names: Sequence[str], low_is_good: bool, resamples: int, seed: int) -> dict[str, Any]:
+    """Return the fields of a Prediction that come from the figures."""
     from scipy.stats import t as student
 
     who = _people_of(rows)
@@ -252,6 +258,7 @@ def _results(
     shares, flips = shares_of_people(sums), sign_flips(sums.people, resamples, rng)
     dof = len(rows) - sums.people - 1
     skill, skill_low, skill_high, rmse = skill_of_left_out_people(sums, drawn)
+    choice_skill, choice_low, choice_high, chosen = skill_of_choice(sums, drawn)
     conditions = [(row.get("part"), row["condition"]) for row in rows]
     of_conditions = skill_of_left_out_conditions(x, y, who, conditions)
     best = int(np.argmax(np.abs(r)))
@@ -283,7 +290,14 @@ def _results(
                 alike=alike,
             )
         )
-    return tuple(found), float(np.sqrt(sums.yy.sum() / len(rows)))
+    return {
+        "measures": tuple(found),
+        "rmse_of_mean": float(np.sqrt(sums.yy.sum() / len(rows))),
+        "choice_skill": choice_skill,
+        "choice_low": choice_low,
+        "choice_high": choice_high,
+        "chosen": tuple((MEASURES[names[k]], n / sums.people) for k, n in Counter(chosen.tolist()).most_common()),
+    }
 
 
 def _together(x: Array) -> Array:

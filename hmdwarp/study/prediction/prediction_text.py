@@ -26,6 +26,12 @@ def prediction_data(rows: Sequence[Mapping[str, Any]], scale: str) -> dict[str, 
         "sentences": sentences(found),
         "measures": [{key: _plain(value) for key, value in attrs.asdict(one).items()} for one in found.measures],
         "left_out": [list(pair) for pair in found.left_out],
+        "choice": {
+            "skill": found.choice_skill,
+            "low": found.choice_low,
+            "high": found.choice_high,
+            "chosen": dict(found.chosen),
+        },
         "resamples": found.resamples,
         "seed": found.seed,
         "points": {one.name: _points(rows, scale, one.name) for one in found.measures[:_CHARTS]},
@@ -51,7 +57,7 @@ def sentences(found: Prediction) -> list[str]:
     """Say in sentences which measure predicts best; the first one may say that it is unknown."""
     if found.refused:
         return [f"Skipped: which metric predicts the ratings ({found.refused}).", *_left_out(found)]
-    return [_winner(found), _strength(found), _conditions(found), *_alike(found), *_left_out(found)]
+    return [_winner(found), _strength(found), *_choice(found), _conditions(found), *_alike(found), *_left_out(found)]
 
 
 def _winner(found: Prediction) -> str:
@@ -91,6 +97,23 @@ def _strength(found: Prediction) -> str:
         "and the "
         f"slope of the others it is {first.rmse:.2f}, which {helps}."
     )
+
+
+def _choice(found: Prediction) -> list[str]:
+    """Say what a choice of the measure is worth to those who took no part in it."""
+    if len(found.measures) == 1:
+        return []
+    interval = f"95 % {found.choice_low:.0%} .. {found.choice_high:.0%}"
+    gain = (
+        f"removes {found.choice_skill:.0%} of the squared error ({interval})"
+        if found.choice_skill > 0
+        else "is no better than their own mean"
+    )
+    (title, share), *_ = found.chosen
+    return [
+        "That first place was found on the same people. Chosen anew without each person and tested on them (nested "
+        f"cross-validation), the best metric {gain}; {title} was chosen for {share:.0%} of the people."
+    ]
 
 
 def _conditions(found: Prediction) -> str:

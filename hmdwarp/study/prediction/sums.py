@@ -41,6 +41,10 @@ class Sums:
         """Number of people."""
         return len(self.yy)
 
+    def only(self, people: NDArray[np.bool_]) -> Sums:
+        """Return the sums of some people."""
+        return Sums(self.xx[people], self.xy[people], self.yy[people], self.count[people])
+
 
 def correlations(sums: Sums, weights: Array) -> Array:
     """Return repeated-measures correlations (draws, m), 0 where nothing varies.
@@ -109,14 +113,44 @@ def skill_of_left_out_people(sums: Sums, drawn: Array) -> tuple[Array, Array, Ar
     Return (skill, low, high, rmse), each (m,). skill: 1 less the squared error over that of the
     mean alone. low, high: 95 % percentiles over resampled people.
     """
+    error = _errors_of_left_out(sums)
+    total = error.sum(axis=0)
+    return *_skill(sums, error, drawn), np.sqrt(np.maximum(total, 0) / sums.count.sum())
+
+
+def skill_of_choice(sums: Sums, drawn: Array) -> tuple[float, float, float, NDArray[np.intp]]:
+    """Predict each person by the measure that predicts best among all others: nested.
+
+    For each person the others choose the measure, by leaving out each of them in turn, and give its
+    slope. So nobody's ratings take part in the choice that is tested on them, as they do in the
+    skill of the measure that came first.
+
+    Return (skill, low, high, chosen): as skill_of_left_out_people, and for each person the index of
+    the measure. Source: Varma and Simon 2006, Bias in error estimation when using cross-validation
+    for model selection, BMC Bioinformatics 7, 91.
+    """
+    everybody = np.arange(sums.people)
+    chosen = np.array(
+        [np.argmin(_errors_of_left_out(sums.only(everybody != one)).sum(axis=0)) for one in everybody], dtype=np.intp
+    )
+    error = _errors_of_left_out(sums)[everybody, chosen]
+    skill, low, high = _skill(sums, error[:, None], drawn)
+    return float(skill[0]), float(low[0]), float(high[0]), chosen
+
+
+def _errors_of_left_out(sums: Sums) -> Array:
+    """Return each person's squared error by each measure with the slope of all others."""
     with np.errstate(invalid="ignore", divide="ignore"):
         xx = sums.xx.sum(axis=0) - sums.xx
         slope = np.where(xx > 0, (sums.xy.sum(axis=0) - sums.xy) / xx, 0.0)
-    error = sums.yy[:, None] - 2 * slope * sums.xy + slope**2 * sums.xx
+    return sums.yy[:, None] - 2 * slope * sums.xy + slope**2 * sums.xx
+
+
+def _skill(sums: Sums, error: Array, drawn: Array) -> tuple[Array, Array, Array]:
+    """Return the share of squared error that is removed, and its percentiles over people."""
     alone = np.maximum(drawn @ sums.yy, 1e-300)
     low, high = np.percentile(1 - (drawn @ error) / alone[:, None], (2.5, 97.5), axis=0)
-    total = error.sum(axis=0)
-    return 1 - total / sums.yy.sum(), low, high, np.sqrt(np.maximum(total, 0) / sums.count.sum())
+    return 1 - error.sum(axis=0) / sums.yy.sum(), low, high
 
 
 def skill_of_left_out_conditions(x: Array, y: Array, who: NDArray[np.intp], conditions: Sequence[Hashable]) -> Array:
