@@ -3,6 +3,7 @@ from .identity import program_hash as program_hash
 from .kept_cases import Failure as Failure
 from .kept_cases import KeptCases as KeptCases
 from .kept_cases import Result as Result
+from .kept_rows import KeptRows as KeptRows
 from .options import ClusterOptions as ClusterOptions
 from .options import KeptOptions as KeptOptions
 from .options import SweepOptions as SweepOptions

@@ -10,6 +10,7 @@ import attrs
 
 from ..errors import HmdwarpError, InputError, MachineError
 from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
+from .kept_rows import KeptRows, RowsOf
 from .options import ClusterOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
 
@@ -26,11 +27,18 @@ class Swept:
     # Those that an earlier run had done.
     known: int
 
+    @property
+    def done(self) -> Iterator[SweepCase]:
+        """The cases that are done, in the order of the cases."""
+        return (case for case in self.cases if self.kept.state(case.identity) == DONE)
+
     def results(self) -> Iterator[tuple[SweepCase, Any]]:
         """Read the results of the cases that are done from the disk, in the order of the cases."""
-        for case in self.cases:
-            if self.kept.state(case.identity) == DONE:
-                yield case, self.kept.result(case.identity)
+        return ((case, self.kept.result(case.identity)) for case in self.done)
+
+    def rows(self, rows_of: RowsOf) -> KeptRows:
+        """Return the rows of all cases that are done, which stay on the disk."""
+        return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
 
 
 def run_cases(

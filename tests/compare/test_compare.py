@@ -86,7 +86,7 @@ def test_the_table_and_the_page_hold_all_of_it(folder, data):
 def test_the_page_follows_from_the_data_and_escapes_it(data):
     import numpy as np
 
-    pictures = [(np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
+    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
     odd = {**data, "command": "<script>alert(1)</script>"}
     page = render_compare_page(odd, pictures)
     assert page == render_compare_page(odd, pictures)
