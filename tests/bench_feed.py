@@ -1,58 +1,77 @@
 """What one frame costs from a process to the next: TCP on the loopback, ipc://, shared memory.
 
-All in one run, in turn, with the median of many; prints the table of docs/feed.md.
+Through both ends of the feed, all in one run, in turn, with the median of many; prints the table of
+docs/feed.md.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import multiprocessing
 import statistics
 import tempfile
+import threading
 import time
-from multiprocessing.shared_memory import SharedMemory
+from contextlib import closing
 
+import attrs
 import numpy as np
-import zmq
 
-# Colour (8 bytes) and depth (4) of both eyes.
+from hmdwarp.feed.caller import Caller
+from hmdwarp.feed.listener import Listener
+from hmdwarp.feed.message import Ask, FrameMessage
+from hmdwarp.geometry import Fov, Pose, View
+
 SIZES = ((640, 400), (1344, 1600))
 WAYS = ("tcp", "ipc", "shared memory")
-END = b"end"
+VIEWS = (View(Pose(), Fov.symmetric(1.5, 1.5)),) * 2
+# The one that ends the other process.
+END = (1, 1)
+PORT = 5599
 
 
-def frame_bytes(size: tuple[int, int]) -> int:
-    """Bytes of a frame."""
-    return 2 * size[0] * size[1] * 12
+def frame_of(size: tuple[int, int]) -> FrameMessage:
+    """Both eyes with colour (8 bytes a pixel) and depth (4), as downloaded: turned over."""
+    rng = np.random.default_rng(1)
+    colours = tuple(rng.random((size[1], size[0], 4), np.float32).astype(np.float16)[::-1] for _ in VIEWS)
+    depths = tuple(rng.random((size[1], size[0]), np.float32)[::-1] for _ in VIEWS)
+    return FrameMessage(1, 0, 0, 0, 0, 0, VIEWS, colours, depths)
 
 
-def give(addresses: dict[str, str], block: str, most: int) -> None:
-    """The other process: answer each request by a frame, the way it asks for."""
-    context = zmq.Context()
-    poller, sockets = zmq.Poller(), {}
-    for way, address in addresses.items():
-        sockets[way] = context.socket(zmq.ROUTER)
-        sockets[way].setsockopt(zmq.LINGER, 0)
-        sockets[way].bind(address)
-        poller.register(sockets[way], zmq.POLLIN)
-    shared = SharedMemory(block)
-    frame = np.random.default_rng(1).integers(0, 255, most, np.uint8)
-    while True:
-        for socket, _ in poller.poll():
-            who, ask = socket.recv_multipart()
-            if ask == END:
-                shared.close()
-                for one in sockets.values():
-                    one.close(0)
-                context.term()
-                return
-            count = int(ask)
-            if socket is sockets["shared memory"]:
-                np.frombuffer(shared.buf, np.uint8, count)[:] = frame[:count]
-                socket.send_multipart([who, b"there"])
-            else:
-                # As the server does: one message of bytes, which the library sends without a copy.
-                socket.send_multipart([who, frame[:count].tobytes()], copy=False)
+def give(addresses: list[str]) -> None:
+    """The other process: answer each request by a frame of its size, until one says to end."""
+    frames, ended = {size: frame_of(size) for size in SIZES}, threading.Event()
+
+    def answer(listener: Listener) -> None:
+        while not ended.is_set():
+            asked = listener.next(100)
+            if asked is not None and asked.ask.size == END:
+                ended.set()
+            elif asked is not None:
+                listener.answer(asked, attrs.evolve(frames[asked.ask.size], number=asked.ask.number))
+        listener.close()
+
+    threads = [threading.Thread(target=answer, args=(Listener(address),)) for address in addresses]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+def fetched(caller: Caller, ask: Ask) -> float:
+    """Return the seconds from a request until every byte of its frame was read once."""
+    begun = time.perf_counter()
+    caller.ask(ask)
+    while not (arrived := caller.take()):
+        # Asked again where the connection was not there yet.
+        if not caller.wait_until(time.monotonic_ns() + 2_000_000_000):
+            caller.ask(ask)
+    (arrival,) = arrived[-1:]
+    # As an upload does.
+    for picture in (*arrival.frame.colours, *arrival.frame.inverse_depths):
+        np.add.reduce(np.frombuffer(picture, np.uint32))
+    return time.perf_counter() - begun
 
 
 def main() -> None:
@@ -60,47 +79,32 @@ def main() -> None:
     wanted = argparse.ArgumentParser(description=__doc__)
     wanted.add_argument("--times", type=int, default=60)
     times = wanted.parse_args().times
-    most = max(map(frame_bytes, SIZES))
-    folder = tempfile.TemporaryDirectory()
-    addresses = {"tcp": "tcp://127.0.0.1:5599", "ipc": f"ipc://{folder.name}/frames"}
-    addresses["shared memory"] = f"ipc://{folder.name}/told"
-    shared = SharedMemory(create=True, size=most)
-    other = multiprocessing.get_context("spawn").Process(target=give, args=(addresses, shared.name, most))
-    other.start()
-    context = zmq.Context()
-    sockets = {}
-    for way, address in addresses.items():
-        sockets[way] = context.socket(zmq.DEALER)
-        sockets[way].setsockopt(zmq.LINGER, 0)
-        sockets[way].connect(address)
     took: dict[tuple[str, tuple[int, int]], list[float]] = {}
-    for number in range(times + 5):
-        for size in SIZES:
-            for way in WAYS:
-                count = frame_bytes(size)
-                begun = time.perf_counter()
-                sockets[way].send(str(count).encode())
-                answer = sockets[way].recv()
-                # The client reads every byte once, as an upload does.
-                data = np.frombuffer(shared.buf if way == "shared memory" else answer, np.uint8, count)
-                np.add.reduce(data[: count - count % 8].view(np.uint64))
-                if number >= 5:
-                    took.setdefault((way, size), []).append(time.perf_counter() - begun)
-                del data
-    sockets["tcp"].send(END)
-    other.join()
-    for one in sockets.values():
-        one.close(0)
-    context.term()
-    shared.close()
-    shared.unlink()
-    folder.cleanup()
+    numbers = itertools.count(1)
+    with tempfile.TemporaryDirectory() as folder:
+        tcp, ipc = f"127.0.0.1:{PORT}", f"ipc://{folder}/frames"
+        other = multiprocessing.get_context("spawn").Process(target=give, args=([tcp, ipc],))
+        other.start()
+        with (
+            closing(Caller(tcp)) as by_tcp,
+            closing(Caller(ipc, shares=False)) as by_ipc,
+            closing(Caller(ipc)) as by_memory,
+        ):
+            callers = dict(zip(WAYS, (by_tcp, by_ipc, by_memory), strict=True))
+            for turn in range(times + 5):
+                for size in SIZES:
+                    for way, caller in callers.items():
+                        seconds = fetched(caller, Ask(next(numbers), 0, 0, 0, 0, size, Pose(), VIEWS))
+                        if turn >= 5:
+                            took.setdefault((way, size), []).append(seconds)
+            by_tcp.ask(Ask(next(numbers), 0, 0, 0, 0, END, Pose(), VIEWS))
+            other.join()
     print(f"| pixels of one eye | {' | '.join(WAYS)} | ipc / tcp | shared memory / ipc |")
     print("| --- |" + " --- |" * (len(WAYS) + 2))
     for size in SIZES:
-        tcp, ipc, memory = (statistics.median(took[way, size]) for way in WAYS)
-        cells = " | ".join(f"{one * 1e3:.2f} ms" for one in (tcp, ipc, memory))
-        print(f"| {size[0]}x{size[1]} | {cells} | {ipc / tcp:.2f} | {memory / ipc:.2f} |")
+        medians = [statistics.median(took[way, size]) for way in WAYS]
+        cells = " | ".join(f"{one * 1e3:.2f} ms" for one in medians)
+        print(f"| {size[0]}x{size[1]} | {cells} | {medians[1] / medians[0]:.2f} | {medians[2] / medians[1]:.2f} |")
 
 
 if __name__ == "__main__":

@@ -11,11 +11,13 @@ from typing import Any
 import attrs
 
 from .alignment import Alignment, Exchange
-from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, decode, encode, token_of
-from .sockets import SEAL_BYTES, address_of, zmq_module
+from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Message, Refusal, Stub, decode, encode, token_of
+from .shared_frames import IS_ABLE, read
+from .sockets import SEAL_BYTES, address_of, is_file, zmq_module
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
+_MOST_UNREAD = 3
 
 
 @attrs.frozen(eq=False)
@@ -32,12 +34,17 @@ class Caller:
     A server that goes away is called again until it is back; requests without a connection are
     dropped. server_key: its public key, to encrypt; b"" for none. Errors: InputError for an address
     that is none; MachineError without the library.
+    shares: whether frames may come by shared memory, at an address of this machine (ipc://) and
+    without encryption.
     """
 
-    def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
+    def __init__(self, address: str, secret: str = "", server_key: bytes = b"", *, shares: bool = True) -> None:
         self._zmq: Any = zmq_module()
         self.address, self._token = address_of(address), token_of(secret)
         self._server_key = server_key
+        self._shares = shares and IS_ABLE and is_file(self.address) and not server_key
+        # Frames in shared memory that could not be read, in a row.
+        self._unread = 0
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
@@ -58,7 +65,9 @@ class Caller:
     def ask(self, ask: Ask) -> int:
         """Send a request; return when, on this machine's clock."""
         now_ns = time.monotonic_ns()
-        self._orders.send(encode(attrs.evolve(ask, sent_ns=now_ns, received=self._newest, token=self._token)))
+        newest, token = self._newest, self._token
+        asked = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token, shares=self._shares)
+        self._orders.send(encode(asked))
         return now_ns
 
     def take(self) -> list[Arrival]:
@@ -146,12 +155,17 @@ class Caller:
             if len(parts) != 1:
                 raise Malformed(f"{len(parts)} parts: expected one")
             message = decode(parts[0])
-            if isinstance(message, Ask):
+            if isinstance(message, Stub):
+                message, heard_ns = self._shared(message), time.monotonic_ns()
+            if isinstance(message, Ask | Stub):
                 raise Malformed("a message for servers: expected a frame")
         except Malformed as error:
             self.malformed += 1
             if self.malformed == 1:
                 self._tell(f"left out: {error}; further ones are counted")
+            return
+        except OSError as error:
+            self._not_read(error)
             return
         if isinstance(message, Refusal):
             self._tell(f"{self.address}: refused: {message.text}")
@@ -165,6 +179,23 @@ class Caller:
             while len(self._arrived) > _MOST_FRAMES or (self._held > _MOST_HELD and len(self._arrived) > 1):
                 self._held -= self._arrived.popleft().frame.bytes
             self._changed.notify_all()
+
+    def _shared(self, stub: Stub) -> Message:
+        """Return the frame that a server has shared. Errors: Malformed; OSError."""
+        if not self._shares:
+            raise Malformed("a frame in shared memory, which was not asked for")
+        found = decode(read(stub))
+        self._unread = 0
+        if not isinstance(found, FrameMessage) or found.number != stub.number:
+            raise Malformed(f"shared memory without frame {stub.number}")
+        return found
+
+    def _not_read(self, error: OSError) -> None:
+        """Do without shared memory if that goes on: one frame may be of a server that has ended."""
+        self._unread += 1
+        if self._unread == _MOST_UNREAD:
+            self._shares = False
+            self._tell(f"{self.address}: frames come by the socket: no shared memory ({error.strerror})")
 
     def _tell(self, line: str) -> None:
         with self._changed:

@@ -14,7 +14,8 @@ from ..errors import InputError, counted
 from .connection_limits import KERNEL_BYTES, Connections
 from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, OtherVersion, Refusal, decode, encode, token_of
-from .sockets import SEAL_BYTES, address_of, is_local, zmq_module
+from .shared_frames import IS_ABLE, SharedFrames
+from .sockets import SEAL_BYTES, address_of, is_file, is_local, zmq_module
 
 # Frames and bytes that a client has been sent and has not said to have: as much as it may lag.
 _MOST_FRAMES, _MOST_BYTES = 64, 256 << 20
@@ -88,6 +89,7 @@ class Listener:
         self._turns: deque[bytes] = deque()
         self._bad, self._told_ns = 0, -_EACH_NS
         self._count = 0
+        self._shared: SharedFrames | None = None
         self._context = self._zmq.Context()
         self._socket = self._context.socket(self._zmq.ROUTER)
         for name, value in (
@@ -112,6 +114,17 @@ class Listener:
             raise InputError(f"--listen {address}: {error}: take another port or stop what listens there") from error
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
         self._told_cut = 0
+        self._shared = self._sharing(pair)
+
+    def _sharing(self, pair: KeyPair | None) -> SharedFrames | None:
+        """Return what frames are shared by, None where they are not."""
+        if not (IS_ABLE and is_file(self.address)) or pair is not None:
+            return None
+        try:
+            return SharedFrames()
+        except OSError as error:
+            self._say(f"frames go by the socket: no shared memory ({error.strerror})")
+            return None
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time."""
@@ -170,6 +183,8 @@ class Listener:
         if ask.number <= client.newest:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
         client.note(ask, now_ns)
+        if self._shared is not None:
+            self._shared.received(who, ask.received)
 
     def _tell_bad(self, error: Malformed) -> None:
         self._bad += 1
@@ -195,6 +210,8 @@ class Listener:
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
         self._turns.remove(who)
+        if self._shared is not None:
+            self._shared.forget(who)
         self._say(f"{client.name}: gone ({why}), {client.passed_over} requests passed over")
 
     @property
@@ -204,7 +221,11 @@ class Listener:
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
         """Send a frame; return whether it could be sent at once."""
-        sent = self._send(asked.client, encode(frame))
+        shared = self._shared if asked.ask.shares and asked.client in self._clients else None
+        stub = shared.put(asked.client, frame) if shared is not None else None
+        sent = self._send(asked.client, encode(stub or frame))
+        if not sent and shared is not None:
+            shared.take_back(asked.client, frame.number)
         if sent and asked.client in self._clients:
             self._clients[asked.client].sent.append((frame.number, frame.bytes))
         return sent
@@ -232,6 +253,8 @@ class Listener:
         self._close()
 
     def _close(self) -> None:
+        if self._shared is not None:
+            self._shared.close()
         self._socket.disable_monitor()
         self._connections.close()
         self._socket.close(0)

@@ -22,8 +22,8 @@ class FeedOptions(Declared):
     # "" for frames that are drawn here.
     connect: str = option(
         "",
-        "HOST:PORT of the server that draws the frames: their latency is measured, --latency counts nothing; replay "
-        "--scene server: whatever it draws.",
+        "HOST:PORT or ipc://PATH of the server that draws the frames: their latency is measured, --latency counts "
+        "nothing; replay --scene server: whatever it draws.",
         study=_STUDY,
     )
     server_key: Path | None = option(

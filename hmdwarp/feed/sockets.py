@@ -12,6 +12,7 @@ from . import EXTRA
 
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1
+_FILE = "ipc://"
 _MOST_PATH = 107  # of a local socket, less its last zero
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
 
@@ -26,7 +27,7 @@ def address_of(text: str) -> str:
 
     Errors: InputError.
     """
-    path = text.removeprefix("ipc://")
+    path = text.removeprefix(_FILE)
     if path and path != text:
         if len(path.encode()) > _MOST_PATH:
             raise InputError(f"address '{text}': a path of more than {_MOST_PATH} bytes; take a shorter one")
@@ -35,6 +36,11 @@ def address_of(text: str) -> str:
     if found is None or (found[2] != "*" and int(found[2]) > 65535):
         raise InputError(f"address '{text}': expected HOST:PORT, such as 127.0.0.1:5570, or ipc://PATH")
     return f"tcp://{found[1]}:{found[2]}"
+
+
+def is_file(address: str) -> bool:
+    """Return whether it is a file of this machine, not a network's."""
+    return address.startswith(_FILE)
 
 
 def is_local(address: str) -> bool:

@@ -39,6 +39,7 @@ from ..link.codec import (
     codecs,
     depth_step,
 )
+from .feed_layers import unpacked
 from .frame_coder import pixels_per_tangent
 
 _CODECS = {H264: "h264", HEVC: "hevc"}
@@ -140,7 +141,7 @@ class FeedDecoder:
         """Return the frame with pictures. Errors: Undecodable, until one begins the stream anew."""
         if not any(isinstance(one, bytes) for one in (*frame.colours, *frame.inverse_depths)):
             self.wants_anew = False
-            return frame
+            return unpacked(frame)
         coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
         if frame.begins and self._coded_as != coded_as:
             self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
@@ -151,7 +152,7 @@ class FeedDecoder:
         found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
         self.wants_anew = False
         colours, depths = (tuple(one) for one in zip(*found, strict=True))
-        return attrs.evolve(frame, colours=colours, inverse_depths=depths)
+        return unpacked(attrs.evolve(frame, colours=colours, inverse_depths=depths))
 
 
 class _EyeDecoder:

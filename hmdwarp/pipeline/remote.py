@@ -19,13 +19,17 @@ from ..feed.caller import Arrival, Caller
 from ..feed.key_pairs import public_key
 from ..feed.message import ANY, Ask, FrameMessage, Wish, length_of
 from ..feed.options import FeedOptions, secret_in
+from ..feed.parts import Wanted
+from ..feed.parts import length_of as part_bytes
 from ..frames import EyeImage, Frame, Needs
+from ..frames.layers import layers
 from ..geometry import guarded_eyes
 from ..link import LinkOptions
 from ..link.codec import Undecodable, check_codec
 from ..link.options import ALL, DROP
 from .channel import Channel
 from .feed_coding import FeedDecoder, codec_of, depth_error
+from .feed_layers import made, misfit, wanted_of
 from .layers_read import Reads
 from .remote_server import upload_eye
 
@@ -55,6 +59,7 @@ class _Pending:
     drawn_ns: int
     sent_ns: int
     size: tuple[int, int]
+    wanted: Wanted | None
 
 
 @attrs.frozen(eq=False)
@@ -92,6 +97,8 @@ class Remote:
         self._losses, self._away_ns = 0, 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = FeedDecoder(), 0
+        # What was wrong with the layers of the last frame that was left out.
+        self._misfit = ""
         # How frames are to be coded; raw until it is said.
         self.wish, self._format = Wish(), ANY
         self._paced: tuple[int, int] | None = None
@@ -101,8 +108,16 @@ class Remote:
         # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
 
-    def ask(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], now_ns: int) -> None:
-        """Ask for a frame of these eyes at that instant of the loop's clock."""
+    def ask(
+        self,
+        head: PoseSample,
+        views: Sequence[View],
+        guard: Guard,
+        size: tuple[int, int],
+        now_ns: int,
+        needs: Needs | None = None,
+    ) -> None:
+        """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size)
         wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
         self._number += 1
@@ -110,21 +125,26 @@ class Remote:
         anew = self._decoder.wants_anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        ask = Ask(self._number, 0, now_ns, head.time_ns, 0, grown, head.pose, wide, wish=self.wish, anew=anew)
+        wanted = wanted_of(needs, views, size) if needs is not None else None
+        times = (self._number, 0, now_ns, head.time_ns, 0)
+        ask = Ask(*times, grown, head.pose, wide, wish=self.wish, anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(ask)
-        self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown)
+        self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown, wanted)
         while len(self._pending) > _MOST_PENDING:
             del self._pending[next(iter(self._pending))]
             self.unanswered += 1
 
-    def measure(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
+    def measure(
+        self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
+    ) -> int:
         """Return the longest time in ns from a request to its frame, of a few.
 
-        Errors: MachineError where nothing answers.
+        Errors: InputError where the server refuses, or sends no needed layer; MachineError where
+        nothing answers.
         """
         took = []
         for _ in range(_TRIALS):
-            took.append(self._trial(head, views, guard, size))
+            took.append(self._trial(head, views, guard, size, needs))
         self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
@@ -135,10 +155,10 @@ class Remote:
         """Leave out the answers to all requests so far: they are for another loop."""
         self._pending.clear()
 
-    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int]) -> int:
+    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
         while (now_ns := time.monotonic_ns()) < until_ns:
-            self.ask(head, views, guard, size, head.time_ns)
+            self.ask(head, views, guard, size, head.time_ns, needs)
             # Asked again after a while: the connection may not have been there.
             again_ns = min(until_ns, now_ns + 1_000_000_000)
             while time.monotonic_ns() < again_ns:
@@ -148,6 +168,10 @@ class Remote:
                     raise InputError(f"--connect {lines[-1]}")
                 for answer in self._known():
                     return answer.took_ns
+                if self._misfit:
+                    raise InputError(
+                        f"--connect {self._caller.address}: {self._misfit}: use --effects none, or another warp or fill"
+                    )
         raise MachineError(
             f"--connect {self._caller.address}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and "
             "check the address"
@@ -204,6 +228,9 @@ class Remote:
             except Undecodable:
                 self.undecodable += 1
                 continue
+            if wrong := misfit(decoded, pending.wanted):
+                self._leave_out(wrong)
+                continue
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
@@ -212,6 +239,12 @@ class Remote:
             if self._keeps:
                 self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
+
+    def _leave_out(self, wrong: str) -> None:
+        self.refused += 1
+        if wrong != self._misfit:
+            self._misfit = wrong
+            self._say(f"{self._caller.address}: frames are left out: {wrong}")
 
     def _tell(self) -> None:
         for line in self._caller.lines():
@@ -254,8 +287,11 @@ class Remote:
 
 
 def _bytes_of(frame: FrameMessage) -> Counter[str]:
-    layers = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-    return Counter({name: sum(map(length_of, both)) for name, both in layers.items()})
+    pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
+    found = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
+    for of_eye in frame.layers:
+        found.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
+    return found
 
 
 @attrs.frozen(eq=False)
@@ -273,7 +309,7 @@ class RemoteFrames:
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
         """Ask for a frame for that head."""
         asked = self.requested
-        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns)
+        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
 
     def made(self, pending: _Pending, arrival: Arrival) -> Frame:
         """Return the frame that arrived."""
@@ -282,8 +318,9 @@ class RemoteFrames:
             target = self.server.acquire(found.size)
             upload_eye(target, found, eye)
             error = depth_error(found, self.remote.wish)
-            made = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=pending.drawn_ns, depth_error=error)
-            eyes.append(made)
+            further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
+            textures = (target.colour, target.inverse_depth)
+            eyes.append(EyeImage(view, *textures, further, drawn_ns=pending.drawn_ns, depth_error=error))
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
 
@@ -375,7 +412,7 @@ def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
 
 
 def check_shown_elsewhere(plans: Sequence[Plan]) -> None:
-    """Check that plans get by without the scene, with what the feed carries. Errors: InputError."""
+    """Check that plans get by without the scene, with what frames carry. Errors: InputError."""
     check_carried(needs_of(plans))
     steps = [step for plan in plans for step in plan.steps]
     if any(name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)):
@@ -386,10 +423,10 @@ def check_shown_elsewhere(plans: Sequence[Plan]) -> None:
 
 
 def check_carried(needs: Needs) -> None:
-    """Check that plans read what the feed carries. Errors: InputError."""
-    names = ", ".join(name for name in needs if name != "others")
+    """Check that plans read what frames of another process may have. Errors: InputError."""
+    names = ", ".join(name for name in needs if name != "others" and not layers.get(name).fed)
     if names:
         raise InputError(
-            f"--connect: the feed carries colour and depth, and the passes need {names} too: use --effects none, or "
+            f"--connect: frames of another process have no {names}, which the passes need: use --effects none, or "
             "another warp or fill"
         )

@@ -75,12 +75,12 @@ class PipelineHost:
         self._recent = RecentPoses(display.source)
         self._remote = None
         with ExitStack() as unfinished:
+            self.scene = scene or scene_of(options)
             if options.feed.is_used:
                 # A display whose clock stands still between pictures waits for the server's.
                 self._remote = Remote(options.feed, holds=options.source == OFFSCREEN, say=say)
                 unfinished.callback(self._remote.close)
                 options = self._with_latency_to(self._remote, options)
-            self.scene = scene or scene_of(options)
             self.options = fitted(options, self.scene)
             self.pipeline = self._build(self.options, self.scene)
             unfinished.pop_all()
@@ -90,7 +90,8 @@ class PipelineHost:
         head, shown = PoseSample(0, Pose((0, 1.6, 0)), Origin.MEASURED), self._display
         views, size = shown.eyes.views(head.pose), options.size or shown.size
         remote.wish = wish_of(options.coding, shown.rate_hz, views, size, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(head, views, options.guard_band, size)
+        needs = needs_of(self._plans(options, self.scene, self._levels_for(options)))
+        longest_ns = remote.measure(head, views, options.guard_band, size, needs)
         return attrs.evolve(options, scene=options.feed.connect, latency_ms=longest_ns / 1e6)
 
     @property

@@ -155,7 +155,7 @@ def set_up_replay(
             check_carried(needs)
             remote = Remote(options.feed, holds=True, keeps=True, say=_both(say, notes.append))
             stack.callback(remote.close)
-            options = _with_latency_to(remote, options, headset, size, track, rate_hz)
+            options = _with_latency_to(remote, options, headset, size, track, rate_hz, needs)
         if schedule is None:
             schedule = schedule_of(trace.track, options, rate_hz)
         say(f"making ready: {_seen(scene, sequence)}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
@@ -191,13 +191,19 @@ def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
 
 
 def _with_latency_to(
-    remote: Remote, options: RunOptions, headset: Headset, size: tuple[int, int], track: PoseTrack, rate_hz: float
+    remote: Remote,
+    options: RunOptions,
+    headset: Headset,
+    size: tuple[int, int],
+    track: PoseTrack,
+    rate_hz: float,
+    needs: Needs,
 ) -> RunOptions:
     """Return the options with the latency that is measured, in place of the one that is set."""
     head = track.at(track.start_ns)
     views = headset.views(head.pose)
     remote.wish = wish_of(options.coding, rate_hz, views, size, options.latency_ms * 1e-3)
-    longest_ns = remote.measure(head, views, options.guard_band, size)
+    longest_ns = remote.measure(head, views, options.guard_band, size, needs)
     remote.wish = wish_of(options.coding, rate_hz, views, size, longest_ns * 1e-9 + 1 / rate_hz)
     return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 

@@ -22,7 +22,8 @@ class ServeOptions(Declared):
     mirrors: str = same_as(_PIPELINE.mirrors)
     listen: str = option(
         "127.0.0.1:5570",
-        "HOST:PORT to listen at, * for a free port; beyond this machine it wants a key pair or a token.",
+        "HOST:PORT to listen at, * for a free port, or ipc://PATH for clients on this machine, which get frames by "
+        "shared memory; beyond this machine it wants a key pair or a token.",
     )
     key_pair: Path | None = option(
         None,

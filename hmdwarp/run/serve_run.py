@@ -12,11 +12,14 @@ import attrs
 from ..errors import InputError, MachineError
 from ..feed.key_pairs import key_pair
 from ..feed.listener import Asked, Listener
-from ..feed.message import MOST_BYTES, FrameMessage
+from ..feed.message import ANY, MOST_BYTES, Ask, FrameMessage
 from ..feed.options import secret_in
+from ..frames import Needs
+from ..frames.layers import layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder
+from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..scenes import load_scene
 from ..server import Server
 from .serve_options import ServeOptions
@@ -72,20 +75,22 @@ class _Coders:
 
 def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
     ask, most = asked.ask, server.gpu.max_texture_size
-    pixels = len(ask.views) * ask.size[0] * ask.size[1]
-    if max(ask.size) > most or 13 * pixels > MOST_BYTES:
-        listener.refuse(asked, f"{ask.size[0]}x{ask.size[1]} pixels are too many")
-        return
     begun_ns = time.monotonic_ns()
     try:
-        frame = server.draw_frame(ask.views, ask.time_ns, ask.size)
+        needs = needs_of_client(ask.wanted)
+        if max(ask.size) > most or _bytes_of(ask, needs) > MOST_BYTES:
+            raise InputError(f"{ask.size[0]}x{ask.size[1]} pixels are too many")
+        frame = _drawn(server, ask, needs)
     except InputError as error:
         listener.refuse(asked, str(error))
         return
     pictures = list(_pictures(frame))
+    packs = (ask.wish.colour, ask.wish.depth) != (ANY, ANY)
+    further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(one) for one in zip(*pictures, strict=True))
-    drawn = FrameMessage(ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns, ask.views, colours, depths)
+    times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
+    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further)
     try:
         coded = coders.coded(asked, drawn)
     except MachineError as error:
@@ -93,6 +98,21 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
         return
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
+
+
+def _bytes_of(ask: Ask, needs: Needs) -> int:
+    """Return the bytes of a frame, or a little more."""
+    of_eye = 13 * ask.size[0] * ask.size[1]
+    if ask.wanted is not None:
+        sizes = sizes_of(ask.wanted, ask.size)
+        of_eye += sum(layers.get(name).bytes(amount, sizes) for name, amount in needs.items())
+    return len(ask.views) * of_eye
+
+
+def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
+    if ask.wanted is None:
+        return server.draw_frame(ask.views, ask.time_ns, ask.size)
+    return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
 def _pictures(frame: Frame) -> Iterator[tuple]:

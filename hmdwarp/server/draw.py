@@ -10,7 +10,7 @@ import moderngl
 from ..errors import InputError
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import layers
-from ..geometry import Guard, View, guarded_eyes
+from ..geometry import Fov, Guard, View, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..registry import unknown_name
@@ -122,13 +122,35 @@ class Server:
         fovs, grown = guarded_eyes(views, guard, size)
         guarded = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True)]
         drawings = [Drawing(view, size, drawn_ns, needs, shown_size, self._marched, age_ns) for view in views]
+        return self._draw_all(guarded, grown, drawings, pictures=pictures)
+
+    def draw_guarded(
+        self,
+        views: Sequence[View],
+        drawn_ns: int,
+        size: Size,
+        needs: Needs,
+        shown: Sequence[Fov],
+        shown_size: Size,
+    ) -> Frame:
+        """Draw all eyes where somebody else has added the guard band; otherwise as draw_frame.
+
+        views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
+        shown picture, which some layers follow.
+        """
+        seen = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, shown, strict=True)]
+        drawings = [Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched) for view in seen]
+        return self._draw_all(views, size, drawings, pictures=True)
+
+    def _draw_all(self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool) -> Frame:
+        needs, drawn_ns = drawings[0].needs, drawings[0].time_ns
         shared: dict[str, Any] = {}
         for part in self._parts_for(needs):
-            shared |= part.of_frame(guarded, drawings[0])
+            shared |= part.of_frame(views, drawings[0])
         if pictures:
-            eyes = [self._draw(view, grown, drawing) for view, drawing in zip(guarded, drawings, strict=True)]
+            eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
         else:
-            eyes = [self._empty(view, grown, drawn_ns) for view in guarded]
+            eyes = [self._empty(view, size, drawn_ns) for view in views]
         return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
 
     def _empty(self, view: View, size: Size, time_ns: int) -> EyeImage:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from contextlib import contextmanager
 from pathlib import Path
 
 import attrs
@@ -39,17 +40,29 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    """The renderer, built as its first lines say, in a process of its own."""
+def renderer(tmp_path_factory):
+    """The renderer, built as its first lines say."""
     built = tmp_path_factory.mktemp("renderer") / "renderer"
     command = ["g++", "-O2", "-std=c++17", "-Wall", "-Wextra", "-Werror", SOURCE, "-lzmq", "-o", built]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    with subprocess.Popen([built, "tcp://127.0.0.1:*"], stderr=subprocess.PIPE, text=True) as process:
+    return built
+
+
+@contextmanager
+def listening(renderer, *words: str):
+    """It, in a process of its own: its address."""
+    with subprocess.Popen([renderer, "tcp://127.0.0.1:*", *words], stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         yield process.stderr.readline().split()[-1].rstrip("\0")
         assert process.poll() is None, "it ended by itself"
         process.terminate()
+
+
+@pytest.fixture(scope="module")
+def address(renderer):
+    with listening(renderer) as found:
+        yield found
 
 
 def analytic(view: View, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -150,6 +163,17 @@ def test_a_replay_is_measured_against_what_the_server_draws(address, tmp_path):
     assert "The truth is what the server drew for the shown views." in summary["notes"]
     assert not any("delay-trace" in note for note in summary["notes"])
     assert summary["link"]["feed"]["malformed"] == 0
+
+
+def test_a_sphere_that_swings_is_shown_where_its_velocity_takes_it(renderer, tmp_path):
+    """At ten frames a second it goes several pixels from one to the next."""
+    with listening(renderer, "swing") as address:
+        asked = {"scene": "server", "feed": FeedOptions(connect=address), "warp": "forward", "fill": "pyramid"}
+        asked |= {"guard": 1.25, "rate_hz": 10.0, "seconds": 0.8, "metrics_every": 1}
+        stays = run(tmp_path / "stays", **asked).summary
+        moves = run(tmp_path / "moves", effects="soft_motion", **asked).summary
+    assert moves["link"]["feed"]["malformed"] == 0 and moves["link"]["layers_mbit_s"]["velocity"] > 0
+    assert moves["quality"]["psnr_db"]["mean"] > stays["quality"]["psnr_db"]["mean"] + 1
 
 
 def test_the_server_s_scene_needs_a_server():

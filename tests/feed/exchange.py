@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import threading
 import time
+from contextlib import contextmanager
 
 import attrs
+import numpy as np
 
 from hmdwarp.feed.caller import Arrival, Caller
 from hmdwarp.feed.listener import Listener
@@ -44,3 +47,39 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
         if arrived := caller.take():
             return arrived[-1], count
     raise AssertionError("no frame came")
+
+
+@contextmanager
+def feeder(layers_of=lambda ask: ()):
+    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.
+
+    A red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
+    comes beside it.
+    """
+    listener, done = Listener("127.0.0.1:*"), threading.Event()
+
+    def work() -> None:
+        while not done.is_set():
+            asked = listener.next(20)
+            if asked is None:
+                continue
+            (wide, high), ask = asked.ask.size, asked.ask
+            if len(ask.views) == 1:
+                listener.refuse(asked, "there is one camera")
+                continue
+            colour, flat = np.full((high, wide, 4), 0.5, np.float16), np.full((high, wide), 0.1, np.float32)
+            stripe = slice(2 * wide // 5, 3 * wide // 5)
+            colour[:, stripe], flat[:, stripe] = (1, 0, 0, 1), 0.5
+            frame = attrs.evolve(
+                FRAME, number=ask.number, views=ask.views, colours=(colour,) * 2, inverse_depths=(flat,) * 2
+            )
+            listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0, layers=layers_of(ask)))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        yield listener.address
+    finally:
+        done.set()
+        thread.join()
+        listener.close()

@@ -6,12 +6,14 @@ import struct
 import time
 from pathlib import Path
 
+import attrs
 import pytest
 
 from hmdwarp.feed.caller import Caller
 from hmdwarp.feed.connection_limits import MOST_CONNECTIONS, MOST_UNREAD
 from hmdwarp.feed.listener import Listener
 from hmdwarp.feed.message import LARGEST_ASK, encode
+from hmdwarp.feed.parts import Wanted
 
 from .exchange import exchanged, port_of
 from .test_message import ASK
@@ -82,9 +84,12 @@ def test_a_message_that_is_too_long_ends_the_connection(listener):
 
 
 def test_the_longest_request_is_taken_and_one_byte_more_is_not(listener):
-    assert len(encode(ASK)) == LARGEST_ASK
+    # Sixteen layers are the most.
+    wanted = Wanted(tuple(("a" * count, 1) for count in range(1, 17)), (4, 3), tuple(view.fov for view in ASK.views))
+    longest = encode(attrs.evolve(ASK, wanted=wanted))
+    assert len(longest) == LARGEST_ASK
     with raw(listener) as one:
-        one.sendall(b"\x02" + struct.pack(">Q", LARGEST_ASK) + encode(ASK))
+        one.sendall(b"\x02" + struct.pack(">Q", LARGEST_ASK) + longest)
         while not listener.told:  # the token is wrong, so it was read
             listener.next(10)
         assert "token" in listener.told[0]
@@ -104,7 +109,7 @@ def test_more_connections_than_there_may_be_are_cut(listener):
 
 def test_a_thousand_connections_of_noise_leave_it_serving(listener):
     rng = random.Random(19)
-    whole = GREETING + READY + b"\x02" + struct.pack(">Q", LARGEST_ASK) + encode(ASK)
+    whole = GREETING + READY + b"\x02" + struct.pack(">Q", len(encode(ASK))) + encode(ASK)
     for _ in range(1000):
         data = bytearray(whole)
         for _ in range(rng.randint(0, 8)):
@@ -117,7 +122,7 @@ def test_a_thousand_connections_of_noise_leave_it_serving(listener):
 
 def test_a_client_that_asks_on_and_on_is_not_taken_for_one(listener):
     """Many whole messages are no endless one, even if nobody takes them for a while."""
-    request = b"\x02" + struct.pack(">Q", LARGEST_ASK) + encode(ASK)
+    request = b"\x02" + struct.pack(">Q", len(encode(ASK))) + encode(ASK)
     flood = request * 20
     with raw(listener) as one:
         one.settimeout(0.2)

@@ -10,6 +10,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.feed.options import FeedOptions
 from hmdwarp.run import LiveOptions, live
 
+from .exchange import feeder
 from .serving import Serving
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
@@ -48,6 +49,24 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
     assert any("its scene is not loaded here" in line for line in display.said)
 
 
+def test_frames_are_coded_as_asked_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
+    """A video has pictures that need others: another size begins one, and nothing is lost."""
+    asked = options(
+        serving.address, pictures=14, codec="h264", crf=20, depth_code="exact", effects="none", out=tmp_path / "out"
+    )
+    display = OffscreenDisplay(asked={6: [Command("guard", 1.25)]}, keeps=True)
+    coded = run_on(monkeypatch, display, asked).summary
+    plain = run_on(monkeypatch, OffscreenDisplay(), options(serving.address, pictures=14)).summary
+    link, live = coded["link"], coded["live"]
+    assert link["codec"] == "h264" and plain["link"]["codec"] == "none"
+    assert link["feed"]["undecodable"] == link["feed"]["malformed"] == 0
+    assert [name for one in live["changes"] for name in one["what"]] == ["guard"]
+    # A drawn scene packs at least four times; both were asked for at the same rate.
+    assert 0 < link["mbit_s"] < plain["link"]["mbit_s"] / 4
+    for shown in (display.pictures[4:6], display.pictures[-3:]):
+        assert min(picture.std() for picture in shown) > 10
+
+
 def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkeypatch):
     changes = {
         3: [Command("latency")],
@@ -61,6 +80,15 @@ def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkey
     changed = [name for one in summary["live"]["changes"] for name in one["what"]]
     assert changed == ["guard", "warp"]
     assert max(picture.std() for picture in display.pictures[-3:]) > 10
+
+
+def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(monkeypatch):
+    changes = {4: [Command("warp", "layered")], 8: [Command("warp", "forward")]}
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    with feeder() as address:
+        summary = run_on(monkeypatch, display, options(address, pictures=16, effects="none")).summary
+    assert sum("sends no layer 'peeled'" in line for line in display.said) == 1
+    assert summary["link"]["feed"]["malformed"] > 0 and display.pictures[-1].std() > 10
 
 
 def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):
@@ -95,7 +123,7 @@ def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(mon
     ("more", "told"),
     [
         ({"scene": "planes"}, "the server has the scene"),
-        ({"warp": "layered"}, "carries colour and depth"),
+        ({"warp": "multi:views=2"}, "have no views"),
         ({"fill": "model"}, "the scene is at the server"),
         ({"loss": "0.1"}, "the link is the real one"),
         ({"send": "changes"}, "leave it out"),

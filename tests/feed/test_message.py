@@ -3,6 +3,7 @@
 import random
 import struct
 import tracemalloc
+import zlib
 
 import attrs
 import numpy as np
@@ -26,6 +27,7 @@ from hmdwarp.feed.message import (
     encode,
     token_of,
 )
+from hmdwarp.feed.parts import BadPart, Packed, Wanted, packed
 from hmdwarp.geometry import Fov, Pose, View
 
 HEAD = Pose((0.1, 1.6, -1e-9), (0.1, 0.2, 0.3, 0.9))
@@ -56,6 +58,14 @@ CODED = attrs.evolve(
     begins=False,
     place=9,
 )
+
+WANTED = Wanted((("velocity", 1), ("peeled", 2)), (4, 2), tuple(view.fov for view in VIEWS))
+OF_EYE = {
+    "velocity": [RNG.random((3, 4, 4)).astype(np.float16)],
+    "ids": [RNG.integers(0, 9, (3, 4), np.uint16), RNG.random((9, 16))],
+    "peeled": [packed(RNG.random((3, 4, 4)).astype(np.float16)), packed(RNG.random((3, 4)).astype(np.float32))],
+}
+LAYERED = attrs.evolve(FRAME, layers=(OF_EYE, {name: OF_EYE[name] for name in ("ids",)}))
 
 
 def same_view(a: View, b: View) -> bool:
@@ -109,14 +119,45 @@ def test_coded_pictures_and_the_wish_for_them_come_back_bit_for_bit():
     np.testing.assert_array_equal(mixed.inverse_depths[1], FRAME.inverse_depths[1])
 
 
+def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():
+    asked = decode(encode(attrs.evolve(ASK, wanted=WANTED)))
+    assert asked.wanted == WANTED
+    back = decode(encode(LAYERED))
+    assert [list(of_eye) for of_eye in back.layers] == [list(OF_EYE), ["ids"]]
+    for name, parts in OF_EYE.items():
+        for ours, theirs in zip(parts, back.layers[0][name], strict=True):
+            assert type(ours) is type(theirs)
+            sent, came = (one.numbers() if isinstance(one, Packed) else one for one in (ours, theirs))
+            np.testing.assert_array_equal(sent, came)
+            assert sent.dtype == came.dtype
+    assert back.bytes == LAYERED.bytes > FRAME.bytes
+    np.testing.assert_array_equal(back.inverse_depths[1], FRAME.inverse_depths[1])
+
+
+def test_a_packed_part_that_is_another_length_or_damaged_is_told():
+    whole = packed(np.zeros((3, 4), np.uint16))
+    for data in (whole.data[:-1], whole.data + b"0", b"", zlib.compress(bytes(1 << 20)), zlib.compress(bytes(8))):
+        tracemalloc.start()
+        with pytest.raises(BadPart):
+            attrs.evolve(whole, data=data).numbers()
+        assert tracemalloc.get_traced_memory()[1] < 1 << 16
+        tracemalloc.stop()
+
+
+def test_parts_that_would_be_too_much_as_numbers_are_refused():
+    parts = [Packed(1, (8192, 8192), b"")] * 2
+    with pytest.raises(Malformed, match="as numbers"):
+        decode(encode(attrs.evolve(FRAME, layers=({"peeled": parts}, {}))))
+
+
 def test_a_request_in_another_version_is_told_with_its_id_and_a_refusal_is_read_in_any():
     data = bytearray(encode(ASK))
-    data[4:6] = struct.pack("<H", 3)
-    with pytest.raises(OtherVersion, match="version 3") as told:
+    data[4:6] = struct.pack("<H", 4)
+    with pytest.raises(OtherVersion, match="version 4") as told:
         decode(bytes(data))
     assert told.value.number == ASK.number
     data = bytearray(encode(Refusal(7, "no")))
-    data[4:6] = struct.pack("<H", 3)
+    data[4:6] = struct.pack("<H", 4)
     assert decode(bytes(data)) == Refusal(7, "no")
 
 
@@ -129,7 +170,7 @@ def test_a_refusal_is_one_printable_line():
     ("at", "value", "told"),
     [
         (0, b"NOPE", "begins with"),
-        (4, struct.pack("<H", 1), "version 1"),
+        (4, struct.pack("<H", 2), "version 2"),
         (6, struct.pack("<H", 9), "kind 9"),
         (8, struct.pack("<I", 12), "it says 12"),
         (8, struct.pack("<I", MOST_BYTES + 1), "it says"),
@@ -155,7 +196,8 @@ def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
 
 def test_a_hundred_thousand_broken_messages_are_read_or_refused():
     rng = random.Random(19)
-    whole = [encode(ASK), encode(FRAME), encode(BYTES), encode(CODED), encode(Refusal(1, "why"))]
+    asks = [encode(ASK), encode(attrs.evolve(ASK, wanted=WANTED))]
+    whole = [*asks, *map(encode, (FRAME, BYTES, CODED, LAYERED)), encode(Refusal(1, "why"))]
     refused = 0
     for _ in range(100_000):
         data = bytearray(rng.choice(whole))

@@ -1,6 +1,5 @@
 """A server and its client in two processes: what crosses the feed is what would be drawn here."""
 
-import threading
 from contextlib import closing
 
 import attrs
@@ -26,7 +25,7 @@ from hmdwarp.run.log import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.server import Server
 
-from .exchange import answered, exchanged
+from .exchange import answered, exchanged, feeder
 from .serving import Serving
 from .test_message import ASK, FRAME
 
@@ -36,6 +35,13 @@ zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hm
 @pytest.fixture(scope="module")
 def serving():
     with Serving() as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def parade(tmp_path_factory):
+    """A scene with things that deform, by shared memory where there is any."""
+    with Serving("--scene", "parade", "--listen", f"ipc://{tmp_path_factory.mktemp('parade')}/frames") as one:
         yield one
 
 
@@ -67,16 +73,43 @@ def pictures(monkeypatch, options) -> dict[int, tuple[int, list]]:
 def test_what_is_shown_equals_an_offline_replay_of_the_same_ages_bit_for_bit(
     serving, tmp_path, monkeypatch, fill, coding
 ):
-    asked = {"start_s": 0.4, "warp": "iterative", "fill": fill, "guard": 1.25, "rate_hz": 10.0, "coding": coding}
-    # A machine that was held up passes requests over, or begins to draw at another refresh than the
-    # offline run, which a video depends on; the fact is about runs in which it was not.
+    same_as_offline(
+        serving,
+        tmp_path,
+        monkeypatch,
+        {"start_s": 0.4, "warp": "iterative", "fill": fill, "guard": 1.25, "rate_hz": 10.0, "coding": coding},
+    )
+
+
+@pytest.mark.parametrize("coding", [Coding(), Coding("h264", depth="exact")], ids=["raw", "h264"])
+def test_what_deforms_goes_on_as_offline_bit_for_bit(parade, tmp_path, monkeypatch, coding):
+    """The plan reads velocity, which comes beside the picture, packed where that is coded."""
+    asked = {"scene": "parade", "guard": 1.25, "rate_hz": 10.0, "coding": coding, "effects": "soft_motion"}
+    if coding == Coding():
+        summary = same_as_offline(parade, tmp_path, monkeypatch, asked)
+    else:
+        _, summary = pictures(monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=parade.address), **asked))
+    assert summary["effects"] == ["soft_motion"]
+    layers = summary["link"]["layers_mbit_s"]
+    if coding == Coding():
+        assert layers["velocity"] == layers["colour"]  # 8 bytes a pixel, either of them
+    else:
+        # Of both eyes ten times a second; most of it is still, and packs well.
+        assert 0 < layers["velocity"] < 8 * 10 * 2 * 8 * 120 * 100 / 1e6 / 4
+
+
+def same_as_offline(serving, tmp_path, monkeypatch, asked) -> dict:
+    coding = asked["coding"]
+    # A machine that was held up passes requests over, shows hardly a frame, or begins to draw at
+    # another refresh than offline, which a video depends on; the fact is about other runs.
     for _ in range(20):
         here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), force=True, **asked)
         online, summary = pictures(monkeypatch, here)
         if not summary["link"]["feed"]["unanswered"]:
             network = LinkOptions.of({"delay_trace": tmp_path / "online" / "delays.csv"})
             offline, there = pictures(monkeypatch, small(tmp_path / "offline", network=network, force=True, **asked))
-            if coding == Coding() or arrived(summary) == arrived(there):
+            as_many = coding == Coding() or arrived(summary) == arrived(there)
+            if as_many and summary["link"]["frames"]["shown"] > 1 and online.keys() <= offline.keys():
                 break
     assert not summary["link"]["feed"]["unanswered"], summary["link"]
     assert summary["link"]["frames"]["shown"] > 1, summary["link"]
@@ -86,6 +119,7 @@ def test_what_is_shown_equals_an_offline_replay_of_the_same_ages_bit_for_bit(
         assert offline[shown][0] == age
         for ours, theirs in zip(eyes, offline[shown][1], strict=True):
             np.testing.assert_array_equal(ours, theirs)
+    return summary
 
 
 def arrived(summary) -> int:
@@ -115,35 +149,56 @@ def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
         assert there.about(0) == "The truth is what the server drew for the shown views."
 
 
-def test_a_server_that_draws_no_truth_is_replayed_without_figures(tmp_path, monkeypatch):
-    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest."""
-    listener, done = Listener("127.0.0.1:*"), threading.Event()
+def test_motion_vectors_of_a_renderer_move_what_it_drew(tmp_path, monkeypatch):
+    """The stripe goes to the right at 2 m/s, so each frame is older than where it is shown."""
 
-    def work() -> None:
-        while not done.is_set():
-            asked = listener.next(20)
-            if asked is None:
-                continue
-            (wide, high), ask = asked.ask.size, asked.ask
-            if len(ask.views) == 1:
-                listener.refuse(asked, "there is one camera")
-                continue
-            grey, flat = np.full((high, wide, 4), 0.5, np.float16), np.full((high, wide), 0.5, np.float32)
-            frame = attrs.evolve(
-                FRAME, number=ask.number, views=ask.views, colours=(grey,) * 2, inverse_depths=(flat,) * 2
-            )
-            listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0))
+    def vectors_of(ask):
+        left, right, *_ = ask.views[0].fov.tangents
+        found = np.zeros((ask.size[1], ask.size[0], 4), np.float16)
+        # In a hundredth of a second 0.02 m at 2 m: a tangent of 0.01, of a picture from -1 to 1.
+        found[:, 2 * ask.size[0] // 5 : 3 * ask.size[0] // 5, 0] = 2 * 0.01 / (right - left)
+        of_eyes = []
+        for view in ask.views:
+            poses = [
+                one for pose in (view.pose, view.head_from_eye) for one in (*pose.position_m, *pose.orientation_xyzw)
+            ]
+            angles = (view.fov.left, view.fov.right, view.fov.down, view.fov.up)
+            of_eyes.append({"velocity": [found, np.array([[1, 1, 1, 0, 0, 0, 0.1, np.inf, 0.01, *poses, *angles]])]})
+        return of_eyes
 
-    thread = threading.Thread(target=work)
-    thread.start()
-    try:
-        _, summary = pictures(
-            monkeypatch, small(tmp_path / "out", scene="server", feed=FeedOptions(connect=listener.address))
+    def red(found) -> float:
+        """Where the stripe's middle is in the last picture, in pixels."""
+        _, (picture, _) = found[max(found)]
+        return float(np.flatnonzero((picture[40, :, 0] > 0.9) & (picture[40, :, 1] < 0.1)).mean())
+
+    trace = tmp_path / "still.csv"
+    rows = "".join(f"{n * 100_000_000},0,1.6,0,0,0,0,1\n" for n in range(20))
+    trace.write_text("# origin: at rest\ntime_ns,x_m,y_m,z_m,qx,qy,qz,qw\n" + rows)
+    asked = {"trace": str(trace), "scene": "server", "warp": "forward", "fill": "pyramid", "rate_hz": 10.0}
+    with feeder(vectors_of) as address:
+        feed = FeedOptions(connect=address)
+        moved, summary = pictures(
+            monkeypatch, small(tmp_path / "moved", feed=feed, effects="soft_motion", seconds=1.0, **asked)
         )
-    finally:
-        done.set()
-        thread.join()
-        listener.close()
+        stayed, _ = pictures(monkeypatch, small(tmp_path / "stayed", feed=feed, seconds=1.0, **asked))
+    assert summary["link"]["layers_mbit_s"]["velocity"] > 0 and summary["effects"] == ["soft_motion"]
+    age_s = moved[max(moved)][0] * 1e-9
+    # A swing is extrapolated a little less far than its speed would take it, see SWING_S.
+    tangent = 1.0 * age_s * (1 - age_s)
+    pixels = tangent * 96 / 2
+    assert pixels > 2 and abs(red(moved) - red(stayed) - pixels) <= 1
+
+
+def test_a_server_that_sends_no_layer_that_is_read_is_told_in_a_line(tmp_path):
+    with feeder() as address:
+        asked = {"scene": "server", "feed": FeedOptions(connect=address), "effects": "soft_motion"}
+        with pytest.raises(InputError, match="sends no layer 'velocity': use --effects none"):
+            replay(small(tmp_path / "out", **asked))
+
+
+def test_a_server_that_draws_no_truth_is_replayed_without_figures(tmp_path, monkeypatch):
+    with feeder() as address:
+        _, summary = pictures(monkeypatch, small(tmp_path / "out", scene="server", feed=FeedOptions(connect=address)))
     assert summary["measured"]["psnr_db"] == 0 and summary["quality"]["psnr_db"]["mean"] is None
     assert "It drew none for 12 pictures, which were not measured." in summary["notes"][-1]
 

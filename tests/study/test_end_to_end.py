@@ -159,6 +159,22 @@ def test_the_export_reads_back(study):
     assert values[0] == values[1]
 
 
+def test_what_predicts_is_told_of_one_study_and_of_several(study, tmp_path):
+    """Two stores of the same sessions, of a copy of the study under another name."""
+    copy = tmp_path / "copy.toml"
+    copy.write_text(study.file.read_text(encoding="utf-8"), encoding="utf-8")
+    shutil.copytree(study.data, tmp_path / "copy-simulated-data")
+    alone = json.loads(tiny.ran("study", "predict", study.file, "--simulated", "--json"))
+    both = json.loads(tiny.ran("study", "predict", study.file, copy, "--simulated", "--json"))
+    people = [re.search(r"(\d+) people", found["sentences"][0]) for found in (alone, both)]
+    assert [int(one[1]) for one in people if one] == [len(CODES), 2 * len(CODES)]
+    assert both["studies"] == [str(study.file), str(copy)] and alone["scale"] == both["scale"] == "grade"
+    said = tiny.ran("study", "predict", study.file, "--simulated")
+    assert "What goes with the ratings" in said and alone["measures"][0]["title"] in said
+    twice = tiny.program("study", "predict", study.file, study.file, "--simulated")
+    assert twice.returncode == 2 and "given twice" in twice.stderr
+
+
 def test_a_pilot_stays_apart(study):
     with Store(study.data) as store:
         (pilot,) = store.contents(pilot=True).sessions

@@ -13,7 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.study.prediction import LEAST_PEOPLE, MEASURES, predict, sentences
+from hmdwarp.errors import InputError
+from hmdwarp.study.prediction import LEAST_PEOPLE, MEASURES, pooled, predict, sentences
 
 FLIP, PSNR, FLICKER, HOLES, AGE = (
     "measured_flip", "measured_psnr_db", "measured_flicker", "measured_hole_share", "actual_latency_ms_median"
@@ -312,3 +313,23 @@ def test_missing_ratings_and_other_scales_are_left_alone():
 def test_one_measure_alone_is_not_called_the_best():
     found = few(made_up(1, {FLIP: 0.5}))
     assert sentences(found)[0].startswith("Only one metric can be tested") and attrs.asdict(found)["scale"] == "grade"
+
+
+def test_people_and_conditions_of_two_studies_are_never_one():
+    """Each with its own level of the measure and of the grade, which count for nothing."""
+    first = made_up(1, {FLIP: 0.6, HOLES: 0.1}, people=6)
+    second = [one | {FLIP: one[FLIP] + 50, "value": one["value"] - 9} for one in made_up(2, {FLIP: 0.6, HOLES: 0.1})]
+    scale, rows = pooled({"a": first, "b.toml": second})
+    found = few(rows)
+    assert (scale, found.people, found.conditions, found.ratings) == ("grade", 18, 16, len(first) + len(second))
+    assert found.measures[0].name == FLIP and found.measures[0].r > 0.4
+
+
+def test_studies_without_a_common_scale_are_refused_with_what_they_have():
+    first = made_up(1, {FLIP: 0.6})
+    second = [one | {"scale": "acr"} for one in made_up(2, {FLIP: 0.6})]
+    with pytest.raises(InputError, match=r"on one scale in every study.*'a' \(grade\).*'b' \(acr\)"):
+        pooled({"a": first, "b": second})
+    with pytest.raises(InputError, match=r"on scale 'acr' in every study.*'a' \(grade\)") as refused:
+        pooled({"a": first, "b": second}, "acr")
+    assert "'b'" not in str(refused.value)

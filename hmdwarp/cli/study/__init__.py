@@ -5,7 +5,7 @@ from __future__ import annotations
 import typer
 
 from .._help import Group
-from . import analyse, export, init, measure, plan, power, run, withdraw
+from . import analyse, export, init, measure, merge, plan, power, predict, run, withdraw
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 
@@ -13,7 +13,9 @@ app.command("init")(init.init)
 app.command("plan")(plan.plan)
 app.command("run")(run.run)
 app.command("measure")(measure.measure)
+app.command("merge")(merge.merge)
 app.command("export")(export.export)
 app.command("analyse")(analyse.analyse)
+app.command("predict")(predict.predict)
 app.command("power")(power.power)
 app.command("withdraw")(withdraw.withdraw)

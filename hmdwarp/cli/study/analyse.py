@@ -145,7 +145,7 @@ def _scores(part: dict[str, Any]) -> Table:
     from ...report import counted
     from ...report.study import score_lines
 
-    return _table(
+    return lines_as_table(
         f"{part['part'] or 'Scores'}: JOD, {counted(part['people'], 'person')}", *score_lines(part["conditions"])
     )
 
@@ -155,7 +155,7 @@ def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
     from ...report.study import condition_lines
 
     heads, lines = condition_lines(part["conditions"])
-    return _table(
+    return lines_as_table(
         f"{part['part'] or 'Conditions'}: {measure['title']}, {counted(part['participants'], 'participant')}",
         heads,
         lines,
@@ -179,14 +179,15 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
         ]
         for row in rows
     ]
-    return _table(
+    return lines_as_table(
         f"{part}: {_SIGN}" if part else _SIGN.capitalize(),
         heads,
         lines,
     )
 
 
-def _table(title: str, heads: Any, lines: list[list[str]]) -> Table:
+def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:
+    """Return a table for the terminal; heads: (label, unit) of each column."""
     from rich import box
     from rich.table import Table
     from rich.text import Text

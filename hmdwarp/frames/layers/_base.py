@@ -7,6 +7,8 @@ from itertools import cycle
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import moderngl
     from numpy.typing import NDArray
 
@@ -37,7 +39,9 @@ class Layer:
     A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by`
     are enough, and `codings` where a texture holds neither light (rgba16f) nor inverse depth
     (r32f). A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
-    overrides `bytes`, `textures`, `sent` and, where its data must be freed, `release`.
+    overrides `bytes`, `textures`, `sent` and, where its data must be freed, `release`. One that
+    other processes may send says so by `fed`; where it is more than one texture it overrides `made`
+    too, and where it is more than textures, `numbers` and `misfit`.
     """
 
     # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
@@ -59,6 +63,8 @@ class Layer:
     always: ClassVar[bool] = False
     # Whether the picture lacks what the layer shows.
     apart: ClassVar[bool] = False
+    # Whether frames of other processes may have it, see docs/feed.md: its amount is a number then.
+    fed: ClassVar[bool] = False
     # Whether it only says how the picture is lit: no pass reads it.
     lights: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
@@ -79,7 +85,28 @@ class Layer:
     def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
         """Return the uncompressed bytes of `amount` of it, for one eye or (per_frame) all."""
         width, height = cls.size(sizes)
-        return int(amount) * sum(PIXEL_BYTES[one] for one in cls.formats) * width * height
+        return sum(PIXEL_BYTES[one] for one in cls.pictures(amount)) * width * height
+
+    @classmethod
+    def pictures(cls, amount: Any) -> tuple[str, ...]:
+        """Return the format of each texture of `amount` of it, in the order of `sent`."""
+        return int(amount) * cls.formats
+
+    @classmethod
+    def numbers(cls, data: Any) -> NDArray[Any] | None:
+        """Return what its data hold beside textures, as rows of float64; None for nothing."""
+        return None
+
+    @classmethod
+    def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
+        """Return why pictures of the right formats and numbers are not its data, "" if they are."""
+        return "" if numbers is None else "there are numbers beside its pictures: expected none"
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Any:
+        """Return the data of textures, in the order of `sent`, and numbers that fit."""
+        (texture,) = textures
+        return texture
 
     @classmethod
     def merged(cls, amount: Any, other: Any) -> Any:

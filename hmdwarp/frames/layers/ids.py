@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
 
+from ...geometry import Pose, RigidState
 from . import Layer, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     import moderngl
+    from numpy.typing import NDArray
 
-    from ...geometry import RigidState
+_BODY_NUMBERS = 16
 
 
 @attrs.frozen(eq=False)
@@ -34,7 +37,42 @@ class Ids(Layer):
     summary = "the rigid body each pixel belongs to, and how the bodies move"
     formats = ("r16ui",)
     drawn_by = "motion"
+    fed = True
 
     @classmethod
     def textures(cls, data: BodyIds) -> Iterable[moderngl.Texture]:
         return (data.numbers,)
+
+    @classmethod
+    def numbers(cls, data: BodyIds) -> NDArray[np.float64]:
+        """Return a row for each body: pose, velocity, angular velocity, acceleration."""
+        rows = [
+            np.concatenate(
+                [
+                    one.pose.position_m,
+                    one.pose.orientation_xyzw,
+                    one.velocity_m_s,
+                    one.angular_velocity_rad_s,
+                    one.acceleration_m_s2,
+                ]
+            )
+            for one in data.bodies
+        ]
+        return np.array(rows, np.float64).reshape(-1, _BODY_NUMBERS)
+
+    @classmethod
+    def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
+        if numbers is None or numbers.shape[1] != _BODY_NUMBERS:
+            return f"its bodies are missing: expected rows of {_BODY_NUMBERS} numbers"
+        highest = int(pictures[0].max())
+        if highest > len(numbers):
+            return f"a pixel of body {highest}, and there are {len(numbers)} bodies"
+        if (np.abs(np.linalg.norm(numbers[:, 3:7], axis=1) - 1) > 1e-3).any():
+            return "a body's quaternion is not of length 1"
+        return ""
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> BodyIds:
+        assert numbers is not None, "misfit() says so"
+        bodies = [RigidState(Pose(row[:3], row[3:7]), row[7:10], row[10:13], row[13:]) for row in numbers]
+        return BodyIds(textures[0], tuple(bodies))

@@ -14,4 +14,5 @@ class Overlay(Layer):
     formats = ("rgba16f",)
     size_class = SHOWN
     drawn_by = "overlay"
+    fed = True
     apart = True

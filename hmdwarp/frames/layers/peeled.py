@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import Layer, Surface, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     import moderngl
+    from numpy.typing import NDArray
 
 
 @layers.register
@@ -20,6 +21,7 @@ class Peeled(Layer):
     summary = "the surfaces behind the visible one, nearest first"
     formats = ("rgba16f", "r32f")
     drawn_by = "peeled"
+    fed = True
     something = 2
 
     @classmethod
@@ -30,3 +32,7 @@ class Peeled(Layer):
     @classmethod
     def textures(cls, data: tuple[Surface, ...]) -> Iterable[moderngl.Texture]:
         return (texture for surface in data for texture in surface.textures())
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> tuple[Surface, ...]:
+        return tuple(Surface(*pair) for pair in zip(textures[::2], textures[1::2], strict=True))

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
 
-from . import BRIGHT_VIDEO, DEPTH, PIXEL_BYTES, VECTORS, EyeSizes, Layer, Surface, layers
+from ...geometry import Mirror
+from . import BRIGHT_VIDEO, DEPTH, PIXEL_BYTES, VECTORS, Layer, Surface, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     import moderngl
+    from numpy.typing import NDArray
 
-    from ...geometry import Mirror
+
+_MIRROR_NUMBERS = 11
 
 
 class Mirrored(enum.Flag):
@@ -53,13 +57,14 @@ class Reflections(Layer):
     # What is seen is shown by a share of its light, so light beyond 1 matters.
     codings = (BRIGHT_VIDEO, DEPTH, VECTORS)
     drawn_by = "reflections"
+    fed = True
     apart = True
     something = Mirrored.PLANE | Mirrored.CURVED
 
     @classmethod
-    def bytes(cls, amount: Mirrored, sizes: EyeSizes) -> int:
+    def pictures(cls, amount: Mirrored) -> tuple[str, ...]:
         """Return the same for all kinds of mirrors: they share the textures."""
-        return super().bytes(1, sizes)
+        return cls.formats
 
     @classmethod
     def merged(cls, amount: Mirrored, other: Mirrored) -> Mirrored:
@@ -76,3 +81,27 @@ class Reflections(Layer):
     @classmethod
     def textures(cls, data: Reflection) -> Iterable[moderngl.Texture]:
         return (*data.seen.textures(), data.surface)
+
+    @classmethod
+    def numbers(cls, data: Reflection) -> NDArray[np.float64]:
+        """Return a row for each mirror: centre, right, up, radius, reflectivity."""
+        rows = [(*one.centre_m, *one.right_m, *one.up_m, one.radius_m, one.reflectivity) for one in data.mirrors]
+        return np.array(rows, np.float64).reshape(-1, _MIRROR_NUMBERS)
+
+    @classmethod
+    def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
+        if numbers is None or numbers.shape[1] != _MIRROR_NUMBERS:
+            return f"its mirrors are missing: expected rows of {_MIRROR_NUMBERS} numbers"
+        radius, reflectivity = numbers[:, 9], numbers[:, 10]
+        areas = np.linalg.norm(np.cross(numbers[:, 3:6], numbers[:, 6:9]), axis=1)
+        is_there = (radius > 0) | ((radius == 0) & (areas > 0))
+        if not (is_there & (reflectivity >= 0) & (reflectivity <= 1)).all():
+            return "a mirror without an area, or that reflects less than nothing or more than all"
+        return ""
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Reflection:
+        assert numbers is not None, "misfit() says so"
+        colour, inverse_depth, surface = textures
+        mirrors = tuple(Mirror(row[:3], row[3:6], row[6:9], *map(float, row[9:])) for row in numbers)
+        return Reflection(Surface(colour, inverse_depth), surface, mirrors)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
 from . import Layer, Surface, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     import moderngl
+    from numpy.typing import NDArray
 
 
 @attrs.frozen(eq=False)
@@ -34,8 +35,14 @@ class Transparency(Layer):
     summary = "glass and the like as a veil with a depth of its own"
     formats = ("rgba16f", "r32f", "rgba16f")
     drawn_by = "transparency"
+    fed = True
     apart = True
 
     @classmethod
     def textures(cls, data: Transparent) -> Iterable[moderngl.Texture]:
         return (*data.veil.textures(), data.passing)
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Transparent:
+        colour, inverse_depth, passing = textures
+        return Transparent(Surface(colour, inverse_depth), passing)

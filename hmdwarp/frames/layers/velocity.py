@@ -14,3 +14,4 @@ class Velocity(Layer):
     formats = ("rgba16f",)
     codings = (VECTORS,)
     drawn_by = "motion"
+    fed = True

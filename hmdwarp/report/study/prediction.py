@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..parts import PageChart, PageTable
@@ -13,6 +13,7 @@ _HEADS = (
     ("metric", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""),
     ("error removed", "%"), ("95 %", ""), ("best in", "%"),
 )  # fmt: skip
+_CAPTION = "Metrics of the pictures against the ratings"
 
 
 def prediction_of(data: Mapping[str, Any] | None, measure: Mapping[str, Any]) -> Mapping[str, Any] | None:
@@ -31,13 +32,14 @@ def prediction_of(data: Mapping[str, Any] | None, measure: Mapping[str, Any]) ->
     ]
     return {
         "sentences": data["sentences"],
-        "table": _table(data["measures"]) if data["measures"] else None,
+        "table": PageTable.of(_CAPTION, *prediction_lines(data["measures"])) if data["measures"] else None,
         "charts": charts,
     }
 
 
-def _table(measures: list[Mapping[str, Any]]) -> PageTable:
-    lines = [
+def prediction_lines(measures: Sequence[Mapping[str, Any]]) -> tuple[tuple[tuple[str, str], ...], list[list[str]]]:
+    """Return heads (label, unit) and lines of the table of measures, the best first."""
+    return _HEADS, [
         [
             one["title"],
             signed(one["r"]),
@@ -49,7 +51,6 @@ def _table(measures: list[Mapping[str, Any]]) -> PageTable:
         ]
         for one in measures
     ]
-    return PageTable.of("Metrics of the pictures against the ratings", _HEADS, lines)
 
 
 def _percent(share: float | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -165,7 +166,9 @@ LONG_COLUMNS = tuple(column.name for column in COLUMNS)
 
 # Settings beside SETTINGS: columns of studies that use them.
 OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
-_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *_PHASE)}
+# Only in tables of a store that was merged.
+_SITE = Column("site", TEXT, "Site that the session comes from")
+_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *_PHASE, _SITE)}
 
 
 def column_of(name: str) -> Column:
@@ -179,12 +182,13 @@ def column_of(name: str) -> Column:
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
     """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale.
 
-    RATED_COLUMNS are the last where a row has them.
+    The rows of a merged store have their site first; RATED_COLUMNS are the last where a row has
+    them.
     """
-    others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
-    before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
+    site, *others = ([name] if any(name in row for row in rows) else [] for name in (_SITE.name, *OTHER_SETTINGS))
     rated = [one.name for one in RATED_COLUMNS if any(row.get(one.name) is not None for row in rows)]
-    names = (*after[:before], *others, *more, *after[before:], *rated)
+    before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
+    names = (*site, *after[:before], *itertools.chain(*others), *more, *after[before:], *rated)
     return tuple(column_of(name) for name in names)
 
 

@@ -5,3 +5,4 @@ from .measure_results import Prediction as Prediction
 from .measure_results import predict as predict
 from .prediction_text import prediction_data as prediction_data
 from .prediction_text import sentences as sentences
+from .several_studies import pooled as pooled

@@ -3,6 +3,8 @@ from .clock import seconds_since as seconds_since
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
+from .joined_stores import SiteRows as SiteRows
+from .joined_stores import merge as merge
 from .records import COMPLETE as COMPLETE
 from .records import DECLINED as DECLINED
 from .records import INTERRUPTED as INTERRUPTED

@@ -1,0 +1,220 @@
+"""Frames in shared memory, for two ends on one machine: what crosses the socket only names them.
+
+A segment is a file in /dev/shm, as shm_open makes it, with the bytes of one frame message. Its
+server makes, reuses and removes it; clients read it and copy what they read, so that a segment that
+shrinks or vanishes is a short read and no fault.
+
+What a killed server left behind is removed by the next one to start: each holds a lock on a file of
+its own as long as it lives. On Linux; elsewhere nothing is shared.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import os
+import re
+import secrets
+import stat
+import sys
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from .message import FrameMessage, Malformed, Piece, Stub, pieces_of, size_of
+
+if sys.platform == "linux":
+    import fcntl
+
+SHARED = Path("/dev/shm")
+PREFIX = "hmdwarp"
+_SEGMENT = re.compile(rf"{PREFIX}-([0-9a-f]{{16}})-\d{{1,10}}")
+_OWNER = re.compile(rf"{PREFIX}-([0-9a-f]{{16}})")
+# Segments of a client that hold no frame: more are removed.
+_MOST_FREE = 3
+IS_ABLE = sys.platform == "linux" and SHARED.is_dir() and os.access(SHARED, os.W_OK)
+
+
+@attrs.define(eq=False)
+class _Segment:
+    name: str
+    memory: mmap.mmap
+    # The frame in it; 0 while it may be written.
+    number: int = 0
+
+    @property
+    def size(self) -> int:
+        return len(self.memory)
+
+    def write(self, pieces: Sequence[Piece]) -> None:
+        """Write pieces one after the other."""
+        whole, at = np.frombuffer(self.memory, np.uint8), 0
+        for piece in pieces:
+            to = whole[at : at + size_of(piece)]
+            if isinstance(piece, np.ndarray):
+                # In one go, whatever the order of its rows is in memory.
+                to.view(piece.dtype).reshape(piece.shape)[...] = piece
+            else:
+                to[...] = np.frombuffer(piece, np.uint8)
+            at += size_of(piece)
+
+    def remove(self) -> None:
+        """Take the name away, and free what nobody reads any more."""
+        with contextlib.suppress(FileNotFoundError):
+            (SHARED / self.name).unlink()
+        self.memory.close()
+
+
+class SharedFrames:
+    """The segments of one server. Errors: OSError where there is no room for its lock."""
+
+    def __init__(self) -> None:
+        remove_abandoned()
+        self._owner, self._lock = _locked()
+        self._made = 0
+        self._of: defaultdict[bytes, list[_Segment]] = defaultdict(list)
+
+    def put(self, client: bytes, frame: FrameMessage) -> Stub | None:
+        """Write a frame for a client; return what to tell it, None where there is no room."""
+        pieces = pieces_of(frame)
+        length = sum(map(size_of, pieces))
+        segment = self._free(client, length)
+        if segment is None:
+            return None
+        segment.write(pieces)
+        segment.number = frame.number
+        return Stub(frame.number, length, segment.name)
+
+    def _free(self, client: bytes, length: int) -> _Segment | None:
+        mine = self._of[client]
+        for one in mine:
+            # One that is far too large came before the client took a smaller size.
+            if one.number == 0 and length <= one.size <= 2 * length + mmap.PAGESIZE:
+                return one
+        self._made += 1
+        name = f"{self._owner}-{self._made}"
+        try:
+            memory = _made(name, length)
+        except OSError:
+            return None
+        mine.append(_Segment(name, memory))
+        return mine[-1]
+
+    def received(self, client: bytes, number: int) -> None:
+        """Note that a client has read all frames up to that one."""
+        free = 0
+        for one in list(self._of.get(client, ())):
+            if one.number <= number:
+                one.number, free = 0, free + 1
+                if free > _MOST_FREE:
+                    self._of[client].remove(one)
+                    one.remove()
+
+    def take_back(self, client: bytes, number: int) -> None:
+        """Note that a frame was never told of."""
+        for one in self._of.get(client, ()):
+            if one.number == number:
+                one.number = 0
+
+    def forget(self, client: bytes) -> None:
+        """Remove all segments of a client."""
+        for one in self._of.pop(client, ()):
+            one.remove()
+
+    def close(self) -> None:
+        """Remove everything."""
+        for client in list(self._of):
+            self.forget(client)
+        with contextlib.suppress(FileNotFoundError):
+            (SHARED / self._owner).unlink()
+        os.close(self._lock)
+
+
+def _made(name: str, length: int) -> mmap.mmap:
+    """Return the memory of a new segment. Errors: OSError, and nothing is left then."""
+    descriptor = os.open(SHARED / name, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    try:
+        # Without the room a write into it would end the process.
+        os.posix_fallocate(descriptor, 0, length)
+        return mmap.mmap(descriptor, length)
+    except OSError:
+        (SHARED / name).unlink()
+        raise
+    finally:
+        os.close(descriptor)
+
+
+def _locked() -> tuple[str, int]:
+    """Return a new owner's name and its lock, which ends with the process."""
+    while True:
+        name = f"{PREFIX}-{secrets.token_hex(8)}"
+        path = SHARED / name
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+        if _locks(lock) and path.exists():
+            return name, lock
+        # Another server has just taken it for one that was left behind.
+        os.close(lock)
+
+
+def _locks(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def remove_abandoned() -> None:
+    """Remove what servers of this user have left that live no more."""
+    for path in SHARED.glob(f"{PREFIX}-*"):
+        found = _SEGMENT.fullmatch(path.name)
+        owner = f"{PREFIX}-{found[1]}" if found else path.name
+        if _OWNER.fullmatch(owner) and _abandoned(owner) and found:
+            # Another user's, or gone by now.
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _abandoned(owner: str) -> bool:
+    """Return whether nobody holds the lock; its file is removed then."""
+    try:
+        descriptor = os.open(SHARED / owner, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
+    try:
+        if not _locks(descriptor):
+            return False
+        with contextlib.suppress(OSError):
+            (SHARED / owner).unlink()
+        return True
+    finally:
+        os.close(descriptor)
+
+
+def read(stub: Stub) -> memoryview:
+    """Return the bytes that a server has shared.
+
+    Errors: Malformed where the name is no segment's, or it is shorter; OSError where it cannot be
+    read.
+    """
+    if _SEGMENT.fullmatch(stub.name) is None:
+        raise Malformed(f"shared memory '{stub.name[:40]}': expected {PREFIX}-, an owner and a number")
+    flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
+    descriptor = os.open(SHARED / stub.name, flags)
+    try:
+        found = os.fstat(descriptor)
+        if not stat.S_ISREG(found.st_mode) or found.st_size < stub.length:
+            raise Malformed(f"shared memory of {found.st_size} bytes: expected {stub.length}")
+        # An array's memory is twice as quick to get as that of bytes: it comes in large pages.
+        data = np.empty(stub.length, np.uint8).data
+        count = os.preadv(descriptor, [data], 0)
+        if count < stub.length:
+            raise Malformed(f"shared memory that ends at {count} bytes: expected {stub.length}")
+        return data.toreadonly()
+    finally:
+        os.close(descriptor)
