@@ -14,11 +14,12 @@ from ..colour import linear_from_srgb
 from ..errors import InputError
 from ..frames import Needs, Surface
 from ..frames.layers.ids import BodyIds
+from ..frames.layers.reflection import Reflection, Reflections
 from ..frames.layers.transparent import Transparent
-from ..geometry import RigidState
+from ..geometry import Mirror, RigidState
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, upload
-from .given_arrays import NO_DEPTH, checked
+from .given_arrays import NO_DEPTH, GivenPicture, checked
 from .usable import LAYERS
 
 Size = tuple[int, int]
@@ -59,6 +60,14 @@ class HeldLayer(ABC):
             raise InputError(f"{name} is {found.dtype} {found.shape}: expected numbers of shape {shape}")
         if not np.isfinite(found).all():
             raise InputError(f"{name} has NaN or infinite values: expected finite numbers")
+        return found
+
+    def picture(self, name: str, colour: ArrayLike, depth_m: ArrayLike) -> GivenPicture:
+        """Return colour and depth of the layer's size, as a picture. Errors: InputError."""
+        found = checked(colour, depth_m)
+        if found.hidden.shape[::-1] != self._size:
+            size = "x".join(map(str, found.hidden.shape[::-1]))
+            raise InputError(f"{name} is {size} pixels: expected those of the picture")
         return found
 
     def parts(self, name: str, value: Any, count: int) -> tuple[Any, ...]:
@@ -135,11 +144,7 @@ class _Peeled(HeldLayer):
     def hold(self, value: Any) -> tuple[Surface, ...]:
         given = self.parts("peeled", value, self._amount)
         for number, (surface, one) in enumerate(zip(self._surfaces, given, strict=True)):
-            colour, depth_m = self.parts("peeled", one, 2)
-            picture = checked(colour, depth_m)
-            if picture.hidden.shape[::-1] != self._size:
-                found = "x".join(map(str, picture.hidden.shape[::-1]))
-                raise InputError(f"surface {number} of layer 'peeled' is {found} pixels: expected those of the picture")
+            picture = self.picture(f"surface {number} of layer 'peeled'", *self.parts("peeled", one, 2))
             for texture, array in zip(surface.textures(), picture.arrays(), strict=True):
                 upload(texture, array)
         return tuple(self._surfaces)
@@ -170,7 +175,37 @@ class _Transparent(HeldLayer):
         return Transparent(self._veil, self._passing)
 
 
-_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent)
+class _Reflection(HeldLayer):
+    expected = (
+        "(colour, depth_m, surface, mirrors): the mirrored world as colour and depth_m, along the whole path of the "
+        "light, (h, w, 3) reflectivity straight on with 0 where nothing mirrors and the normal's share along right and "
+        "up of the mirror, and a hmdwarp.geometry.Mirror each"
+    )
+
+    def prepare(self) -> None:
+        self._seen = Surface(self.texture(COLOUR), self.texture(SCALAR))
+        self._surface = self.texture(COLOUR)
+
+    def hold(self, value: Any) -> Reflection:
+        colour, depth_m, surface, mirrors = self.parts("reflection", value, 4)
+        picture = self.picture("what layer 'reflection' mirrors", colour, depth_m)
+        surface = self.array("surface of layer 'reflection'", surface, 3)
+        if surface[..., 0].min() < 0 or surface[..., 0].max() > 1:
+            raise InputError("reflectivity in the surface of layer 'reflection': expected 0 to 1")
+        mirrors = tuple(mirrors)
+        if not mirrors or not all(isinstance(one, Mirror) for one in mirrors):
+            raise InputError("mirrors of layer 'reflection': expected one hmdwarp.geometry.Mirror or more")
+        surface = np.concatenate([surface, np.ones_like(surface[..., :1])], axis=2)  # it covers all of the picture
+        pictures = (*picture.arrays(), surface.astype(np.float32))
+        found = Reflection(self._seen, self._surface, mirrors)
+        if wrong := Reflections.misfit(pictures, Reflections.numbers(found)):
+            raise InputError(f"layer 'reflection': {wrong}")
+        for texture, array in zip(Reflections.textures(found), pictures, strict=True):
+            upload(texture, array)
+        return found
+
+
+_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent, _Reflection)
 KNOWN = dict(zip(LAYERS, _KINDS, strict=True))
 
 

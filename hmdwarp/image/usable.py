@@ -10,7 +10,7 @@ from ..errors import InputError, PlanError
 from ..frames.layers import readable
 
 # What a caller can give: pictures with depth, the depth of what is to be shown, and some layers.
-LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent")
+LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent", "reflection")
 GIVEN = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, LAYERS))
 
 

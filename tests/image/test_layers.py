@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
+from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.errors import PlanError
-from hmdwarp.geometry import RigidState
-from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate
+from hmdwarp.frames.layers.reflection import Reflection
+from hmdwarp.geometry import Mirror, RigidState
+from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download
+from hmdwarp.scenes import load_scene
+from hmdwarp.server import Server
 
 SIZE = WIDE, HIGH = 40, 30
 FAR_M, NEAR_M = 8.0, 2.0
@@ -16,6 +20,13 @@ FAR_M, NEAR_M = 8.0, 2.0
 HERE = View(Pose(), Fov.from_tangents((-1.0, 1.0, -0.75, 0.75)))
 PATCH = slice(10, 20)
 RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+MIRRORS = "planar_reflections,curved_reflections"
+MIRRORED = (
+    np.zeros((HIGH, WIDE, 3)),
+    np.full((HIGH, WIDE), FAR_M),
+    np.zeros((HIGH, WIDE, 3)),
+    (Mirror((0, 0, -FAR_M), (1, 0, 0), (0, 1, 0)),),
+)
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +106,40 @@ def test_glass_adds_its_light_and_lets_some_through(picture, gpu):
     assert np.allclose(out[:, 31:], picture[0][:, 31:], atol=2e-3)
 
 
+def metres(texture) -> np.ndarray:
+    """Depth as callers have it: infinity for the sky, 0 for none."""
+    inverse = download(texture).astype(np.float64)
+    with np.errstate(divide="ignore"):
+        return np.where(inverse < 0, 0, 1 / np.abs(inverse))
+
+
+def test_mirrors_show_what_the_offline_pipeline_shows_bit_for_bit(gpu):
+    """One frame of a scene with mirrors, as the server drew it and through arrays of its layers."""
+    size, fov = (120, 100), Fov.symmetric(1.4, 1.2)
+    late, now = (View(Pose((x, 1.6, 0.0)), fov) for x in (0.0, 0.06))
+    with Warper(size, effects=MIRRORS, fill="none", gpu=gpu) as warper:
+        server = Server(gpu, load_scene("gallery"))
+        (eye,) = server.draw_frame([late], 0, size, needs=warper.plan.needs).eyes
+        compensator = Compensator(gpu, warper.plan, None, size, size)
+        expected = download(compensator.run(PassInputs(eye, now, 0, shown_ns=10**8)).shown.texture)
+        seen: Reflection = eye["reflection"]
+        surface = download(seen.surface).astype(np.float32)
+        colours = [download(one).astype(np.float32) for one in (eye.colour, seen.seen.colour)]
+        mirrored = (colours[1], metres(seen.seen.inverse_depth), surface[..., :3], seen.mirrors)
+        bare = warper.warp(colours[0], metres(eye.inverse_depth), late, now, layers={"reflection": nothing(mirrored)})
+        out = warper.warp(colours[0], metres(eye.inverse_depth), late, now, layers={"reflection": mirrored})
+        compensator.close()
+        server.close()
+    assert (surface[..., 0] > 0).mean() > 0.01 and np.abs(out.colour - bare.colour).max() > 0.01
+    assert np.array_equal(out.colour, expected[..., :3] * (expected[..., 3:] > 0))
+
+
+def nothing(mirrored):
+    """The same frame if nothing mirrored."""
+    colour, depth, surface, mirrors = mirrored
+    return colour, depth, np.zeros_like(surface), mirrors
+
+
 @pytest.mark.parametrize(
     ("effects", "layers", "told"),
     [
@@ -113,6 +158,11 @@ def test_glass_adds_its_light_and_lets_some_through(picture, gpu):
         ("rigid_motion", {"ids": (np.ones((HIGH, WIDE), int), [])}, "numbers of 0 to 0, as there are 0 bodies"),
         ("rigid_motion", {"ids": (np.zeros((HIGH, WIDE), int), [1])}, "expected a hmdwarp.geometry.RigidState"),
         ("transparency", {"transparent": (0, 0)}, "layer 'transparent' is a tuple: expected .light, depth_m, passing."),
+        (MIRRORS, {}, "reads layer 'reflection': give layers={'reflection': ..}, .colour, depth_m, surface, mirrors."),
+        (MIRRORS, {"reflection": (*MIRRORED[:3], ())}, "mirrors of layer 'reflection': expected one .*Mirror or more"),
+        (MIRRORS, {"reflection": (*MIRRORED[:3], (Mirror((0, 0, 0)),))}, "a mirror without an area"),
+        (MIRRORS, {"reflection": (*MIRRORED[:2], MIRRORED[2] + 2, MIRRORED[3])}, "reflectivity .* expected 0 to 1"),
+        (MIRRORS, {"reflection": (*(a[1:] for a in MIRRORED[:2]), *MIRRORED[2:])}, "mirrors is 40x29 pixels"),
     ],
 )
 def test_a_layer_that_is_missing_or_wrong_is_named(picture, gpu, effects, layers, told):
@@ -124,7 +174,7 @@ def test_layers_come_as_arrays_and_effects_of_a_scene_stay_refused(picture, gpu)
     with Warper(SIZE, effects="overlay", gpu=gpu) as warper, pytest.raises(InputError, match="runs on arrays"):
         pair = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
         warper.warp_textures(*pair, HERE, HERE)
-    with pytest.raises(PlanError, match="layer 'reflection'"):
-        warp_image(*picture, HERE, HERE, effects="planar_reflections", gpu=gpu)
+    with pytest.raises(PlanError, match="layer .light. from the server .* the scene.s geometry on the client"):
+        warp_image(*picture, HERE, HERE, effects="light_only", gpu=gpu)
     with pytest.raises(InputError, match="age_s is inf"):
         warp_image(*picture, HERE, HERE, age_s=np.inf, gpu=gpu)
