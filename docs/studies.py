@@ -17,7 +17,7 @@ from hmdwarp.display import Command
 from hmdwarp.report import p_text, pair_text
 from hmdwarp.study.design import Ask, design_from_text
 from hmdwarp.study.dialogs import CONTROLS, QuestionDialog
-from hmdwarp.study.power import pairs_model, power_of
+from hmdwarp.study.power import Simulation, pairs_model, power_from, tally_of
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.statistics import JOD_SPREAD
 
@@ -122,7 +122,8 @@ def pairs_power_table() -> str:
             design = design_from_text(PAIRS.format(scale=name), "pairs.toml", checked=False)
             scale = design.scales[0]
             model = pairs_model(design, scale, jod)
-            found = power_of(model, design, scale, PAIRS_PEOPLE, PAIRS_STUDIES, seed=1)
+            simulation = Simulation(model, design, scale, PAIRS_PEOPLE, seed=1)
+            found = power_from(simulation, [tally_of(simulation, range(PAIRS_STUDIES))])
             shares = (next(iter(at_n.found.values())).value for at_n in found.at)
             figures = " | ".join(f"{share:.0%}" for share in shares)
             lines.append(f"| {jod:g} JOD | {ndtr(jod / JOD_SPREAD):.0%} | {words} | {figures} |")

@@ -20,6 +20,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import attrs
 import psutil
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -97,17 +98,41 @@ def whole(folder: Path, count: int) -> dict:
     }
 
 
-def efficiency(folder: Path) -> tuple[float, int]:
-    """Return processor seconds of cases on one worker by those on two, and how many they were."""
-    latencies = [40 + 20 * k for k in range(12)]
+@attrs.frozen
+class Efficiency:
+    """What two workers cost beside one, in processor time."""
+
+    # Of a further case on one worker, over the same on two.
+    per_case: float
+    # Of the whole run of `cases` cases, the start of the workers included.
+    whole: float
+    cases: int
+    # Of one more worker: its start and its look at the machine.
+    worker_s: float
+
+
+def efficiency(folder: Path, few: int = 6, many: int = 24, turns: int = 2) -> Efficiency:
+    """Return what cases take on one worker and on two; a run of few cases tells the start."""
     dear = (*CHEAP, "--size", "240x300", "--instants", "2", "--fill", "pyramid")
-    words = ("walk", *dear, "--latency", ",".join(map(str, latencies)))
-    took: dict[int, list[float]] = {1: [], 2: []}
-    for turn in range(2):
-        for workers, seconds in took.items():
-            cluster = ("--cluster", f"local:{workers}", "--out", folder / f"{workers}-{turn}")
-            seconds.append(finished(*words, *cluster)[1])
-    return min(took[1]) / min(took[2]), len(latencies)
+    took: dict[tuple[int, int], list[float]] = {(workers, n): [] for n in (few, many) for workers in (1, 2)}
+    for turn in range(turns):
+        for (workers, count), seconds in took.items():
+            latencies = ",".join(str(40 + 20 * k) for k in range(count))
+            out = folder / f"{workers}-{count}-{turn}"
+            words = ("walk", *dear, "--latency", latencies, "--cluster", f"local:{workers}", "--out", out)
+            seconds.append(finished(*words)[1])
+    least = {key: min(seconds) for key, seconds in took.items()}
+    one, two = (least[workers, many] - least[workers, few] for workers in (1, 2))
+    started = [least[workers, few] - part / (many - few) * few for workers, part in ((1, one), (2, two))]
+    return Efficiency(one / two, least[1, many] / least[2, many], many, started[1] - started[0])
+
+
+def efficiency_text(found: Efficiency) -> str:
+    return (
+        f"- A case of 240x300 on one worker took {found.per_case:.2f} of the processor time that it took on two, and "
+        f"{found.cases} cases with\n  the start of the workers {found.whole:.2f}: one more worker costs "
+        f"{found.worker_s:.1f} s once, for its start and its look at the machine.\n"
+    )
 
 
 def light(folder: Path, count: int, content: Path) -> tuple[float, float]:
@@ -125,10 +150,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         found = whole(folder, count)
-        part, dear = efficiency(folder)
+        together = efficiency(folder)
         content = folder / "row.json"
         content.write_bytes(b"x" * round(found["case_bytes"]))
-        few, many = 200, 1200
+        few, many = 500, 1500  # the logs of Dask, which have an end, are full by then
         (few_s, few_mb), (many_s, many_mb) = (light(folder, number, content) for number in (few, many))
     each_ms, each_kb = (many_s - few_s) / (many - few) * 1e3, (many_mb - few_mb) / (many - few) * 1e3
     case_s, rows_mb = found["plain_s"] / count, found["case_bytes"] * 1e-6
@@ -136,8 +161,7 @@ def main() -> None:
     print(
         f"- {count} cases in one process, and as two parts on two local workers. One part lost a worker when\n"
         f"  {found['killed']} of its {count // 2} cases were done, was interrupted at {found['stopped']} and resumed."
-        " Merged, all rows equal\n  those of the plain run but for times.\n"
-        f"- {dear} cases of 240x300 on one worker took {part:.2f} of the processor time that they took on two.\n"
+        " Merged, all rows equal\n  those of the plain run but for times.\n" + efficiency_text(together)
     )
     ten = 10_000
     lines = [

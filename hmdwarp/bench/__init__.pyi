@@ -1,3 +1,4 @@
+from .bench_run import MOST_SHOWN as MOST_SHOWN
 from .bench_run import BenchResult as BenchResult
 from .bench_run import bench as bench
 from .cases import cases_of as cases_of

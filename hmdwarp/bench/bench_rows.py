@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from operator import add
 from typing import Any
@@ -58,6 +58,8 @@ TEXTS = (
     *("trace", "scene", "strategy", "warp", "fill", "lens", "headset", "guard", "predict"),
     *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
 )
+# Keys of a row that grow with its pictures and passes.
+LONG = ("at_instants", "blocks", "passes")
 WHOLE = ("frames", "width", "height", "cpu_count")
 
 
@@ -96,7 +98,7 @@ def row_of(
     }
 
 
-def flat(rows: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     """Yield the rows under COLUMNS: medians and means without a suffix, the bad tail with _p95.
 
     The ends of a mean's interval have _low and _high.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from ..sequences import Sequence as RecordedFrames
 from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
 from ..version import __version__
 from .bench_case import BenchCase, options_of_case, prepared, sequence_of
-from .bench_rows import COLUMNS, flat
+from .bench_rows import COLUMNS, LONG, flat
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fused_steps, grid_steps
 from .cases import cases_of, combinations_of, common_start_s, notes_on_warps, run_options
 from .client_notes import left_out_notes
@@ -42,7 +42,7 @@ class BenchResult:
     """The results of a bench."""
 
     folder: Path
-    # As in bench.json.
+    # As in bench.json; the rows are read from the disk, until the next bench there.
     data: dict[str, Any]
     # The cases that were run, and which failed: raise_failures tells of them. None if merged.
     swept: Swept | None = None
@@ -85,26 +85,27 @@ def bench(
             check_room(works)
         work = BenchWork(options.sweep.measuring(options.workers))
         swept = run_cases(work, _cases(options, works), options.out, options.sweep, progress, say)
-        found = [data for _, data in swept.results()]
-        rows = [row for data in found for row in data.get(ROWS, ())]
+        rows = swept.rows(lambda result: result.get(ROWS, ()))
         if not rows:
             raise_failures(swept)
+        from ..report.bench import first_cases
+
+        first = next(result for _, result in swept.results())
+        sections = [swept.kept.result(case.identity)[case.what.part] for case in swept.done if case.what.part != ROWS]
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
             "program": program_hash(),
             "command": options.command,
-            **{key: found[0][key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
+            **{key: first[key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
             "client": client.name,
-            "notes": [*notes, *left_out_notes(rows, client), *_failed(swept)],
+            "notes": [*notes, *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client), *_failed(swept)],
             "rows": rows,
-            **{name: _section(found, name, []) for name in (GRID, FUSED)},
-            **{name: _section(found, name, None) for name in ("grid_at", "fused_at")},
+            **{name: _section(sections, name, []) for name in (GRID, FUSED)},
+            **{name: _section(sections, name, None) for name in ("grid_at", "fused_at")},
             "choice": None,
         }
-        data["choice"], refused = _choice(
-            [row for row in rows if not row["lacks"] and not row.get("strategy")], options.budget_ms
-        )
+        data["choice"], refused = _choice(rows, options.budget_ms)
         data["seconds"] = time.perf_counter() - started
         write_bench(out, data, parquet=options.parquet)
     return BenchResult(options.out, data, swept, refused)
@@ -129,9 +130,9 @@ def _case(part: str, work: BenchCase, steps: int) -> SweepCase:
     return SweepCase.of("bench", name, BenchPart(part, work.options), steps=steps)
 
 
-def _section(found: Sequence[Mapping[str, Any]], name: str, missing: Any) -> Any:
+def _section(sections: Sequence[Mapping[str, Any]], name: str, missing: Any) -> Any:
     """Return what the case of a section gave; where there was none, or it failed: missing."""
-    return next((data[part][name] for data in found for part in (GRID, FUSED) if name in data.get(part, ())), missing)
+    return next((data[name] for data in sections if name in data), missing)
 
 
 def _failed(swept: Swept) -> list[str]:
@@ -187,12 +188,13 @@ def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
             )
 
 
-def _choice(rows: list[dict[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
+def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
     """Return the choice for the budget, or why there is none: too small a one discards no run."""
     if budget_ms is None:
         return None, ""
+    can = (row for row in rows if not row["lacks"] and not row.get("strategy"))
     try:
-        return choose(rows, budget_ms), ""
+        return choose(({name: value for name, value in row.items() if name not in LONG} for row in can), budget_ms), ""
     except InputError as error:
         return None, str(error)
 
@@ -202,15 +204,13 @@ def write_bench(out: OutputFolder, data: dict[str, Any], *, parquet: bool = Fals
 
     Errors: MachineError where that lacks its package.
     """
-    from ..report.bench import cases, render_bench_page
+    from ..report.bench import first_cases, render_bench_page
 
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
     if parquet:
         write_parquet(out.path("bench.parquet"), flat(data["rows"]))
-    shown, groups = data, cases(data["rows"])
-    if len(groups) > MOST_SHOWN:
-        note = f"This page shows the first {MOST_SHOWN} of {len(groups)} cases; bench.csv and bench.json have all."
-        rows = [row for group in groups[:MOST_SHOWN] for row in group.rows]
-        shown = {**data, "rows": rows, "notes": [note, *data["notes"]]}
-    out.write_text("bench.html", render_bench_page(shown))
+    rows, count = first_cases(data["rows"], MOST_SHOWN)
+    notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
+    notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
+    out.write_text("bench.html", render_bench_page({**data, "rows": rows, "notes": notes}))
     out.write_json("bench.json", data)

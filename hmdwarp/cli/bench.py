@@ -47,17 +47,21 @@ def _run(options: BenchOptions, quiet: bool) -> None:
 
 
 def _tell(result) -> None:
+    from ..bench import MOST_SHOWN
     from ..bench.answer import answer
     from ..report import axes_of_traces
-    from ..report.bench import bench_table
+    from ..report.bench import bench_table, first_cases
     from ._show import console, paragraph
 
-    screen = console()
-    screen.print(bench_table(result.data["rows"], width=screen.width))
+    screen, rows = console(), result.data["rows"]
+    shown, count = first_cases(rows, MOST_SHOWN)
+    screen.print(bench_table(shown, width=screen.width))
+    if count > MOST_SHOWN:
+        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all.")
     paragraph(f"Timed by {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
-    for trace, axes in axes_of_traces(result.data["rows"]).items():
+    for trace, axes in axes_of_traces(rows).items():
         paragraph(f"Axes of {trace}: {axes}.")
-    of_rows = (note for row in result.data["rows"] for note in row["notes"])
+    of_rows = (note for row in rows for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")
     for sentence in answer(result.data["choice"]) if result.data["choice"] else ():

@@ -30,10 +30,15 @@ def _run(options: CompareOptions, quiet: bool) -> None:
 
 
 def _tell(result) -> None:
-    from ..report.compare_page import compare_table
+    from ..compare import MOST_SHOWN
+    from ..report.compare_page import compare_table, first_cases
     from ._show import console, paragraph
 
-    console().print(compare_table(result.data["rows"]))
+    rows = result.data["rows"]
+    numbers, count = first_cases(rows, MOST_SHOWN)
+    console().print(compare_table([rows[number] for number in numbers]))
+    if count > MOST_SHOWN:
+        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; compare.csv and compare.json have all.")
     for one in result.data["left_out"]:
         paragraph(f"note: {one['strategy']} is left out: {one['why']}")
     typer.echo(f"report: {result.report}")

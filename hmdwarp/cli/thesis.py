@@ -12,19 +12,20 @@ from ._options import QUIET, Said, command_line, takes
 def thesis(said: Said) -> None:
     """Run the thesis's figures, times and claims again, each with its number and a verdict.
 
-    What is finished is kept in the folder: a command that was stopped goes on there.
+    Each run is kept in the folder as soon as it is done: --resume goes on there.
     """
     _run(ThesisOptions.of(said, command=command_line()), said["quiet"])
 
 
 def _run(options: ThesisOptions, quiet: bool) -> None:
+    from ..sweep import raise_failures
     from ..thesis import run_thesis
     from ._show import in_columns, sayer, steps
 
     with steps("runs", quiet=quiet) as (progress, _):
         result = run_thesis(options, progress, sayer(quiet))
-    if quiet:
-        return
-    in_columns((one["verdict"], one["claim"]) for one in result.data["experiments"])
-    typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))
-    typer.echo(f"report: {result.report}")
+    if not quiet:
+        in_columns((one["verdict"], one["claim"]) for one in result.data["experiments"])
+        typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))
+        typer.echo(f"report: {result.report}")
+    raise_failures(result.swept)

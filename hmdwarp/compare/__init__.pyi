@@ -1,3 +1,4 @@
+from .compare_run import MOST_SHOWN as MOST_SHOWN
 from .compare_run import CompareResult as CompareResult
 from .compare_run import compare as compare
 from .fitness import start_bytes as start_bytes

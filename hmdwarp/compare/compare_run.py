@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,8 @@ _DUPLICATE = (
     "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
 )
 PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
+# Recordings at a latency on the page, which draws charts of each.
+MOST_SHOWN = 40
 Progress = Callable[[int, int], None]
 
 COLUMNS = (
@@ -60,7 +63,7 @@ COLUMNS = (
 
 @attrs.frozen(eq=False)
 class CompareResult:
-    """What was found, as in compare.json, and where it lies."""
+    """What was found, as in compare.json, and where it lies; its rows are read from the disk."""
 
     folder: Path
     data: dict[str, Any]
@@ -94,24 +97,21 @@ def compare(
     with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
         cases = [_case(run, options.clients) for run in runs]
         swept = run_cases(Separate(run_part), cases, options.out, options.sweep, progress, say)
-        found = [*swept.results()]
-        if not found:
+        rows = swept.rows(lambda row: (row,))
+        if not rows:
             raise_failures(swept)
-        rows = [row for _, row in found]
-        pictures = [pictures_of(swept.kept, case) for case, _ in found]
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
             "command": options.command,
-            "machine": rows[0]["machine"],
-            "clock": rows[0]["clock"],
+            **{key: rows[0][key] for key in ("machine", "clock")},
             "clients": [{"name": client.name, "summary": client.summary} for client in clients],
             "strategies": [_told(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
             "left_out": [*left_out, *({"strategy": one.name, "why": f"failed: {one.why}"} for one in swept.failed)],
             "rows": rows,
             "seconds": time.perf_counter() - started,
         }
-        _write(out, data, pictures)
+        _write(out, data, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
     return CompareResult(options.out, data, swept)
 
 
@@ -222,15 +222,17 @@ def _told(text: str) -> dict[str, Any]:
     }
 
 
-def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[tuple[NDArray, NDArray]]) -> None:
-    from ..report.compare_page import render_compare_page
+def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[NDArray, NDArray]]]) -> None:
+    from ..report.compare_page import first_cases, render_compare_page
 
     out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
-    out.write_text(PAGE, render_compare_page(data, pictures))
+    numbers, count = first_cases(data["rows"], MOST_SHOWN)
+    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
+    out.write_text(PAGE, render_compare_page(shown, [pictures[number] for number in numbers]))
     out.write_json(DATA, data)
 
 
-def _flat(rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for row in rows:
         plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"}
         rated = row.get("jod")

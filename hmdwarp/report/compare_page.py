@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 Row = Mapping[str, Any]
-Pictures = tuple[NDArray, NDArray]
+# Loads what was shown, and the truth.
+Pictures = Callable[[], tuple[NDArray, NDArray]]
 
 _PICTURE_WIDTH = 420
 _WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
@@ -79,7 +80,8 @@ COSTS = ("client_ms", "mbit_s")
 def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> str:
     """Return the text of the page from the content of compare.json.
 
-    pictures: what was shown and the truth, of each row. All text from the data is escaped.
+    data: also `cases`, how many there are where `rows` are the first of more. pictures: of each
+    row. All text from the data is escaped.
     """
     rows: list[Row] = list(data["rows"])
     return environment().get_template("compare.html").render(
@@ -209,6 +211,14 @@ def _cases(rows: Sequence[Row], pictures: Sequence[Pictures]) -> list[tuple[str,
     ]
 
 
+def first_cases(rows: Iterable[Row], most: int) -> tuple[list[int], int]:
+    """Return which rows are of the first cases, at most so many, and how many cases there are."""
+    known: dict[tuple[str, Any], bool] = {}
+    each = ((_label(row), row["machine"].get("host")) for row in rows)
+    numbers = [number for number, case in enumerate(each) if known.setdefault(case, len(known) < most)]
+    return numbers, len(known)
+
+
 def _error(row: Row) -> float:
     error = row["quality"][PRIMARY]["mean"]
     return float("inf") if error is None else float(error)
@@ -234,6 +244,9 @@ def _facts(rows: Sequence[Row]) -> list[tuple[str, str]]:
 
 def _notes(data: Mapping[str, Any]) -> list[str]:
     notes = [f"{one['strategy']} is left out: {one['why']}." for one in data["left_out"]]
+    shown = len(_cases(data["rows"], []))
+    if data.get("cases", shown) > shown:
+        notes.append(f"This page shows the first {shown} of {data['cases']} cases; compare.csv and .json have all.")
     if data["clock"] != "gpu":
         notes.append(
             "No GPU: client times compare strategies with each other, and no class is measured by its budget of time."
@@ -251,8 +264,8 @@ def _table(label: str, group: Sequence[Row]) -> PageTable:
 def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[tuple[str, str]]:
     """Return (caption, data URI) of the truth and of what each strategy shows."""
     by_row = sorted(zip(group, pictures, strict=True), key=lambda pair: _error(pair[0]))
-    truth = [("what should be seen", _uri(by_row[0][1][1]))]
-    return truth + [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", _uri(pair[0])) for row, pair in by_row]
+    truth = [("what should be seen", _uri(by_row[0][1]()[1]))]
+    return truth + [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", _uri(load()[0])) for row, load in by_row]
 
 
 def _uri(picture: NDArray) -> str:

@@ -183,9 +183,37 @@ def refuse_source(path: Path, source: Path) -> None:
 def write_json(path: str | os.PathLike, value: Any) -> None:
     """Write indented JSON, keys in their order.
 
+    A sequence in a mapping that is no list, such as rows on the disk, is written piece by piece.
     Errors: ValueError for NaN and infinity, which are no JSON.
     """
-    write_text(path, json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False, default=_plain) + "\n")
+    with _opened(path) as file:
+        for text in _json_parts(value):
+            file.write(text.encode(errors="replace"))  # as write_text
+        file.write(b"\n")
+
+
+def _json_parts(value: Any) -> Iterator[str]:
+    if not isinstance(value, Mapping) or not any(map(_is_long, value.values())):
+        yield _json(value)
+        return
+    for number, (name, one) in enumerate(value.items()):
+        yield f"{',' if number else '{'}\n  {_json(name)}: "
+        if not _is_long(one):
+            yield _json(one, "  ")
+            continue
+        for at, part in enumerate(one):
+            yield f"{',' if at else '['}\n    {_json(part, '    ')}"
+        yield "\n  ]" if len(one) else "[]"
+    yield "\n}"
+
+
+def _is_long(value: Any) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, list | tuple | str | bytes)
+
+
+def _json(value: Any, indent: str = "") -> str:
+    text = json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False, default=_plain)
+    return text.replace("\n", f"\n{indent}")
 
 
 def _plain(value: Any) -> Any:

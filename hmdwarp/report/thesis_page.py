@@ -40,6 +40,7 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
         seconds=data["seconds"],
         clock=CLOCK_NAMES.get(data["clock"], data["clock"]),
         machine=data["machine"],
+        failed=data["failed"],
         version=data["hmdwarp"],
     )  # fmt: skip
 

@@ -132,6 +132,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         "as_recorded": True,
         "against": "",
         "metrics_every": options.every,
+        "jod_s": options.jod_s,
         "workers": options.where.measuring(options.workers),
         "images": 0,
     }
@@ -147,13 +148,18 @@ def _size(actual: Mapping[str, Any]) -> tuple[int, int] | None:
 
 
 def is_known(showing: Showing, run: RunOptions) -> bool:
-    """Return whether it was measured as `run` would: other sizes or steps are not comparable."""
-    return {key: showing.measured.get(key) for key in ("every", "size")} == _how(run)
+    """Return whether it was measured as `run` would: other sizes or steps are not comparable.
+
+    What was rated as well is known where no rating is asked for.
+    """
+    how = _how(run)
+    return {key: showing.measured.get(key) for key in how} == how
 
 
 def _how(run: RunOptions) -> dict[str, Any]:
     assert run.size is not None
-    return {"every": run.metrics_every, "size": "x".join(map(str, run.size))}
+    rated = {"jod_s": run.jod_s} if run.jod_s else {}
+    return {"every": run.metrics_every, "size": "x".join(map(str, run.size)), **rated}
 
 
 def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
@@ -161,8 +167,10 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
     means = {name: found["quality"][name]["mean"] for name in QUALITY}
     pictures = found["measured"]["psnr_db"]
     eyes_with_truth = 1 if run.is_recorded else 2
+    rated = {"jod": found["jod"]["mean"]} if run.jod_s else {}
     return {
         **means,
+        **rated,
         "refreshes": pictures // eyes_with_truth,
         **_how(run),
         "latency_ms": run.latency_ms,
@@ -177,4 +185,5 @@ def _name(showing: Showing, session: Session) -> str:
 
 def _figures_text(data: Mapping[str, Any]) -> str:
     named = ", ".join(f"{name} {data[name]:.4g}" for name in ("psnr_db", "flip", "flicker") if data[name] is not None)
-    return f"{counted(data['refreshes'], 'refresh')}, {named}"
+    rated = f", {data['jod']:.2f} JOD" if "jod" in data else ""
+    return f"{counted(data['refreshes'], 'refresh')}, {named}{rated}"

@@ -17,6 +17,7 @@ class MeasureOptions(Declared):
 
     every: int = same_as(_RUN.metrics_every)
     size: tuple[int, int] | None = same_as(_RUN.size, help="Pixels of one eye; by default as shown. Fewer are faster.")
+    jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
     again: bool = option(False, "Re-measure trials already measured with these options.")
     pilot: bool = option(False, "Pilot sessions instead of those of participants.")

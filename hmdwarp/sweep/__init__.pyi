@@ -3,7 +3,9 @@ from .identity import program_hash as program_hash
 from .kept_cases import Failure as Failure
 from .kept_cases import KeptCases as KeptCases
 from .kept_cases import Result as Result
+from .kept_rows import KeptRows as KeptRows
 from .options import ClusterOptions as ClusterOptions
+from .options import KeptOptions as KeptOptions
 from .options import SweepOptions as SweepOptions
 from .run_cases import Swept as Swept
 from .run_cases import outcomes as outcomes

@@ -18,7 +18,7 @@ import attrs
 
 from ..errors import HmdwarpError, MachineError
 from ..extra import import_extra
-from .identity import program_hash
+from .identity import whole_program_hash
 from .kept_cases import Failure, Result
 from .options import LOCAL
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
@@ -95,7 +95,7 @@ class _Sender:
                 # As a task, not as data placed on a worker: it outlives any worker.
                 self._files[found] = self._client.submit(bytes, bytes_of(place), key=f"hmdwarp-file-{found}")
         files, key = {found: self._files[found] for found in places}, f"hmdwarp-{group[0].identity}-{self._token}"
-        task = (run_here, self._work, ready, program_hash(), files, before)
+        task = (run_here, self._work, ready, whole_program_hash(), files, before)
         future = self._client.submit(*task, key=key, pure=False)
         self.sent[future] = group
         return future
@@ -112,7 +112,7 @@ def run_here(
     """
     from distributed import get_worker
 
-    if program_hash() != program:
+    if whole_program_hash() != program:
         raise MachineError(_other_program(get_worker().name))
     folder = Path(get_worker().local_directory) / "hmdwarp-files"
     folder.mkdir(exist_ok=True)
@@ -188,12 +188,12 @@ def _silence() -> None:
 def _check_programs(client: Any) -> None:
     """Check that the workers that are there have this program. Errors: MachineError."""
     for name, found in client.run(_program, on_error="return").items():
-        if found != program_hash():
+        if found != whole_program_hash():
             raise MachineError(_other_program(name))
 
 
 def _program() -> str:
-    return program_hash()
+    return whole_program_hash()
 
 
 def _other_program(worker: str) -> str:

@@ -6,7 +6,7 @@ import enum
 import functools
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ import attrs
 from ..resources import folder as resource_folder
 from ..version import __version__
 
-# What neither draws nor measures a picture: a change there leaves the results as they are.
+# What neither draws nor measures a picture: a change there leaves most results as they are.
 _NOT_OF_RESULTS = ("cli", "display", "doctor", "report", "study", "sweep", "thesis")
 # Fields of options that say where results go and how they are made, but not what they are.
 HOW = ("out", "force", "command", "workers", "parquet", "sweep")
@@ -23,28 +23,40 @@ _MANY_FILES = (".gltf", ".obj")  # of a scene: buffers and textures lie beside i
 _CHUNK = 1 << 20
 
 
-def identity_of(kind: str, what: Any) -> str:
+def identity_of(kind: str, what: Any, also: Sequence[str] = ()) -> str:
     """Return the hash of the program, of a kind of case, and of what it runs.
 
-    what: options and plain values. A file counts by its name and content, not by its place.
+    what: options and plain values. A file counts by its name and content, not by its place. also:
+    as program_hash.
     Errors: OSError for a file that cannot be read.
     """
-    made_with = {"hmdwarp": __version__, "program": program_hash(), "kind": kind, "what": _content(what)}
+    made_with = {"hmdwarp": __version__, "program": program_hash(*also), "kind": kind, "what": _content(what)}
     text = json.dumps(made_with, sort_keys=True, allow_nan=True)
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:32]
 
 
 @functools.cache
-def program_hash() -> str:
-    """Return a hash of the program's files that results depend on, wherever it is installed."""
+def program_hash(*also: str) -> str:
+    """Return a hash of the program's files that results depend on, wherever it is installed.
+
+    also: beginnings of paths in the package that this kind of results depends on besides what draws
+    and measures pictures, such as `study/`.
+    """
     package, shaders = Path(__file__).resolve().parents[1], resource_folder("shaders")
     found = hashlib.sha256()
     for base, pattern in ((package, "**/*.py"), (package, "**/*.toml"), (shaders, "**/*.*")):
         for path in sorted(base.glob(pattern)):
             parts = path.relative_to(base).parts
-            if path.is_file() and parts[0] not in (*_NOT_OF_RESULTS, "_data"):
-                found.update("/".join(parts).encode() + b"\0" + path.read_bytes())
+            name = "/".join(parts)
+            counts = parts[0] not in (*_NOT_OF_RESULTS, "_data") or name.startswith(also)
+            if path.is_file() and counts:
+                found.update(name.encode() + b"\0" + path.read_bytes())
     return found.hexdigest()[:16]
+
+
+def whole_program_hash() -> str:
+    """Return a hash of all files of the program: the same wheel has the same one."""
+    return program_hash(*(f"{one}/" for one in _NOT_OF_RESULTS))
 
 
 def files_at(place: str | Path) -> list[Path]:

@@ -37,8 +37,20 @@ class ClusterOptions(Declared):
 
 
 @attrs.frozen(kw_only=True)
-class SweepOptions(ClusterOptions):
-    """How a set of cases is run."""
+class KeptOptions(ClusterOptions):
+    """How a set of cases is run and kept."""
+
+    resume: bool = option(False, "Go on with the run in this folder: only cases that are missing or failed are run.")
+
+    @property
+    def in_turn(self) -> bool:
+        """Whether one case runs after the other, all on one machine."""
+        return False
+
+
+@attrs.frozen(kw_only=True)
+class SweepOptions(KeptOptions):
+    """How a set of cases is run that are timed and compared with each other."""
 
     timing_on: str = option(
         EACH,
@@ -47,4 +59,7 @@ class SweepOptions(ClusterOptions):
         valid=one_of(EACH, ONE),
         limits="each or one",
     )
-    resume: bool = option(False, "Go on with the run in this folder: only cases that are missing or failed are run.")
+
+    @property
+    def in_turn(self) -> bool:
+        return self.timing_on == ONE

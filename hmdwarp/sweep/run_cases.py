@@ -10,7 +10,8 @@ import attrs
 
 from ..errors import HmdwarpError, InputError, MachineError
 from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
-from .options import ONE, ClusterOptions, SweepOptions
+from .kept_rows import KeptRows, RowsOf
+from .options import ClusterOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
 
 Progress = Callable[[int, int], None]
@@ -26,18 +27,25 @@ class Swept:
     # Those that an earlier run had done.
     known: int
 
+    @property
+    def done(self) -> Iterator[SweepCase]:
+        """The cases that are done, in the order of the cases."""
+        return (case for case in self.cases if self.kept.state(case.identity) == DONE)
+
     def results(self) -> Iterator[tuple[SweepCase, Any]]:
         """Read the results of the cases that are done from the disk, in the order of the cases."""
-        for case in self.cases:
-            if self.kept.state(case.identity) == DONE:
-                yield case, self.kept.result(case.identity)
+        return ((case, self.kept.result(case.identity)) for case in self.done)
+
+    def rows(self, rows_of: RowsOf) -> KeptRows:
+        """Return the rows of all cases that are done, which stay on the disk."""
+        return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
 
 
 def run_cases(
     work: Work,
     cases: Sequence[SweepCase],
     out: Path,
-    options: SweepOptions,
+    options: KeptOptions,
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
 ) -> Swept:
@@ -55,7 +63,7 @@ def run_cases(
     if known:
         say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
     bar = _Bar(cases, missing, progress)
-    for case, outcome in _run(work, missing, options, bar, say, in_turn=options.timing_on == ONE):
+    for case, outcome in _run(work, missing, options, bar, say, in_turn=options.in_turn):
         if isinstance(outcome, Failure):
             kept.keep_failure(case.identity, outcome)
             say(f"failed: {case.name}: {outcome.why}")

@@ -35,10 +35,14 @@ class SweepCase:
     steps: int = 1
 
     @classmethod
-    def of(cls, kind: str, name: str, what: Any, **about: Any) -> SweepCase:
-        """Return a case with its identity. Errors: InputError for a file that cannot be read."""
+    def of(cls, kind: str, name: str, what: Any, also: Sequence[str] = (), **about: Any) -> SweepCase:
+        """Return a case with its identity.
+
+        also: parts of the program that it depends on, as program_hash. Errors: InputError for a
+        file that cannot be read.
+        """
         try:
-            return cls(name, what, identity_of(kind, what), **about)
+            return cls(name, what, identity_of(kind, what, also), **about)
         except OSError as error:
             raise InputError(f"{error.filename}: cannot read ({error.strerror}): {name} is made with it") from error
 

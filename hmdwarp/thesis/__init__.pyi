@@ -3,11 +3,14 @@ from .experiment import Experiment as Experiment
 from .library import EXPERIMENTS as EXPERIMENTS
 from .library import experiments_named as experiments_named
 from .options import ThesisOptions as ThesisOptions
+from .picture_runs import Thoroughness as Thoroughness
 from .run_kinds import Motion as Motion
 from .run_kinds import PictureRun as PictureRun
 from .run_kinds import StreamRun as StreamRun
 from .thesis_run import ThesisResult as ThesisResult
 from .thesis_run import run_thesis as run_thesis
+from .thesis_work import ThesisWork as ThesisWork
+from .thesis_work import cases_of as cases_of
 from .verdicts import AtLeast as AtLeast
 from .verdicts import AtMost as AtMost
 from .verdicts import Between as Between

@@ -7,8 +7,9 @@ from pathlib import Path
 import attrs
 
 from ..errors import InputError
-from ..options import Declared, force_field, option, out_field, same_as
+from ..options import Declared, force_field, group, option, out_field, same_as
 from ..run import RunOptions
+from ..sweep.options import KeptOptions
 from .library import experiments_named
 from .run_kinds import FULL_SIZE
 
@@ -29,7 +30,7 @@ class ThesisOptions(Declared):
     `quick`.
     """
 
-    out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and what is kept to go on.")
+    out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and the folder cases.")
     force: bool = force_field()
     only: tuple[str, ...] = option(
         (),
@@ -44,6 +45,7 @@ class ThesisOptions(Declared):
         _RUN.size,
         help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; those of streams are given by the thesis.",
     )
+    sweep: KeptOptions = group(KeptOptions)
     command: str = ""
 
     def __attrs_post_init__(self) -> None:

@@ -47,6 +47,9 @@ class Thoroughness:
     instants: int
     # Timed runs of each pass at each instant.
     rounds: int
+    # Of each side of a stream's pictures, and how long a stream lasts.
+    stream_scale: float = 1.0
+    stream_s: float = 1.0
 
 
 @attrs.frozen(eq=False)

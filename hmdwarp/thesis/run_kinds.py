@@ -55,6 +55,11 @@ class PictureRun:
     timed: bool = False
     flickers: bool = False
 
+    def __str__(self) -> str:
+        more = [word for word, is_so in (("timed", self.timed), ("flicker", self.flickers)) if is_so]
+        side = [] if self.scale == 1 else [f"sides times {self.scale:.3g}"]
+        return ", ".join([self.caption, self.scene, *side, *more])
+
     @property
     def shared(self) -> tuple[Any, ...]:
         """What runs have in common that are measured on the same frames."""
@@ -83,6 +88,10 @@ class StreamRun:
     # Mbit/s of the link; then rendering, encoding and decoding delay a frame as well.
     bandwidth_mbit: float | None = None
 
+    def __str__(self) -> str:
+        link = "" if self.bandwidth_mbit is None else f" {self.bandwidth_mbit:g} Mbit/s,"
+        return f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}"
+
     @property
     def caption(self) -> str:
         """What its time line shows."""
@@ -97,12 +106,18 @@ class RatingsRun:
     part: str
     latency_ms: float
 
+    def __str__(self) -> str:
+        return f"published ratings, {self.part}, {self.latency_ms:g} ms"
+
 
 @attrs.frozen(kw_only=True)
 class FactRun:
     """A number of this program that the thesis has too: see `facts`."""
 
     fact: str
+
+    def __str__(self) -> str:
+        return f"fact {self.fact}"
 
 
 Run = PictureRun | StreamRun | RatingsRun | FactRun

@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import base64
-import itertools
-import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
 import numpy as np
 
-from ..gpu import Gpu
 from ..report import OutputFolder, jpeg_bytes, plain, render_thesis_page
-from ..run.run_summary import machine_of
+from ..sweep import SweepCase, Swept, raise_failures, run_cases
 from ..version import __version__
 from .experiment import Experiment
-from .facts import fact, ratings
-from .kept_runs import KEPT, PICTURE, TIMELINE, TRUTH, KeptRuns, fingerprint
-from .library import experiments_named
+from .library import EXPERIMENTS, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
-from .picture_runs import Thoroughness, look
-from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
-from .stream_runs import stream
+from .picture_runs import Thoroughness
+from .run_kinds import Figures, PictureRun, Run, StreamRun, is_quick
+from .thesis_work import PICTURE, TIMELINE, TRUTH, ThesisWork, cases_of
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 
 SCHEMA = 1
@@ -42,6 +37,8 @@ class ThesisResult:
 
     folder: Path
     data: dict[str, Any]
+    # The runs, and which failed: raise_failures tells of them.
+    swept: Swept
 
     @property
     def report(self) -> Path:
@@ -54,44 +51,41 @@ def run_thesis(
 ) -> ThesisResult:
     """Run the experiments and write the page, results.json and results.csv into options.out.
 
-    Finished runs stay in the folder `kept`, also of a command that was killed; the next one uses
-    those that were made with the same things. progress(done, total): in runs. say: gets a sentence.
+    Each run is a case, kept in the folder `cases` there as soon as it is done. One that fails
+    leaves the others, see ThesisResult.swept. progress(done, total): in runs. say: gets a sentence.
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
-    machine lacks.
+    machine lacks; that of the run where none of several was done.
     """
     started = time.perf_counter()
     chosen = [_quick(one) if options.quick else one for one in experiments_named(options.only)]
     with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
-        how = Thoroughness(options.eye_size, *((1, 2) if options.quick else (3, 5)))
-        with Gpu() as gpu:
-            machine, clock = machine_of(gpu), gpu.timer.clock
-        made_with = {
-            "hmdwarp": __version__,
-            "program": fingerprint(),
-            "gl_renderer": machine["gl_renderer"],
-            "stream_s": 0.25 if options.quick else 1.0,
-            "stream_scale": QUICK_SCALE if options.quick else 1.0,
-            **attrs.asdict(how),
-        }
-        kept = KeptRuns(options.out / KEPT, made_with)
-        figures = _figures(chosen, how, kept, progress, say)
+        how = Thoroughness(options.eye_size, *((1, 2, QUICK_SCALE, 0.25) if options.quick else (3, 5)))
+        runs = tuple(dict.fromkeys(run for one in chosen for run in one.runs()))
+        # Of any experiment, not only of those chosen: what is kept serves another choice too.
+        pictured: set[Run] = {run for one in EXPERIMENTS for run in one.pictures}
+        cases = cases_of(runs, pictured, how)
+        swept = run_cases(ThesisWork(runs), cases, options.out, options.sweep, progress, say)
+        if not (figures := _figures(swept.results())):
+            raise_failures(swept)
+        made_on = next(data for _, data in swept.results())
         judged = [_judged(one, figures) for one in chosen]
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
             "command": options.command,
-            "machine": machine,
-            "clock": clock,
+            "machine": made_on["machine"],
+            "clock": made_on["clock"],
             "size": list(options.eye_size),
             "quick": options.quick,
             "verdicts": _counts(judged),
             "experiments": judged,
+            "failed": [f"{one.name}: {one.why}" for one in swept.failed],
             "seconds": time.perf_counter() - started,
         }
-        out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, kept)))
+        out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
         out.write_csv(TABLE, _rows(judged), COLUMNS)
         out.write_json(DATA, data)
-    return ThesisResult(options.out, data)
+    return ThesisResult(options.out, data, swept)
 
 
 def _quick(one: Experiment) -> Experiment:
@@ -100,63 +94,30 @@ def _quick(one: Experiment) -> Experiment:
     return attrs.evolve(one, cells=cells or one.cells)
 
 
-def _figures(
-    chosen: Sequence[Experiment], how: Thoroughness, kept: KeptRuns, progress: Progress, say: Say
-) -> dict[Run, Figures]:
-    """Return the figures of every run, those that are not kept by running them."""
-    kept.folder.mkdir(exist_ok=True)
-    pictured = {run for one in chosen for run in one.pictures}
-    runs = list(dict.fromkeys(run for one in chosen for run in one.runs()))
+def _figures(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:
+    """Return the figures of every run; times of another machine than the first's are left out."""
     found: dict[Run, Figures] = {}
-    for run in runs:
-        known = kept.load(run, with_picture=run in pictured)
-        if known is not None:
-            found[run] = known
-    if found:
-        say(f"{len(found)} of {len(runs)} runs are kept from before in {kept.folder}")
-    progress(len(found), len(runs))
-    with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
-        for run, figures in _run_all([run for run in runs if run not in found], how, kept, pictured, Path(name)):
-            found[run] = figures
-            progress(len(found), len(runs))
+    timed_on: Any = None
+    for case, data in results:
+        run, figures = case.what.run, data["figures"]
+        if isinstance(run, PictureRun) and run.timed:
+            timed_on = timed_on or data["machine"]
+            if data["machine"] != timed_on:
+                figures = {name: value for name, value in figures.items() if not name.endswith("_ms")}
+        found[run] = figures
     return found
 
 
-def _run_all(
-    runs: Sequence[Run], how: Thoroughness, kept: KeptRuns, pictured: set[PictureRun | StreamRun], folder: Path
-) -> Iterator[tuple[Run, Figures]]:
-    """Yield the figures of each run as soon as it is kept."""
-    pictures = [run for run in runs if isinstance(run, PictureRun)]
-    order = {shared: number for number, shared in enumerate(dict.fromkeys(run.shared for run in pictures))}
-    for _, group in itertools.groupby(sorted(pictures, key=lambda run: order[run.shared]), lambda run: run.shared):
-        for looked in look(tuple(group), how, folder):
-            images = {PICTURE: looked.picture, TRUTH: looked.truth} if looked.run in pictured else {}
-            kept.keep(looked.run, looked.figures, images)
-            yield looked.run, looked.figures
-    for run in runs:
-        if isinstance(run, PictureRun):
-            continue
-        timeline: dict[str, str] = {}
-        if isinstance(run, StreamRun):
-            figures, drawn = stream(run, kept.made_with["stream_scale"], kept.made_with["stream_s"])
-            timeline = {TIMELINE: drawn} if run in pictured else {}
-        else:
-            figures = ratings(run) if isinstance(run, RatingsRun) else fact(run)
-        kept.keep(run, figures, timeline)
-        yield run, figures
-
-
 def _judged(one: Experiment, figures: Mapping[Run, Figures]) -> dict[str, Any]:
-    """Return an experiment as plain data, with the number of each cell and the verdict."""
-    findings = [
-        Finding.of(
-            cell.row,
-            cell.column,
-            (cell.value or one.value)([figures[run] for run in cell.runs]),
-            cell.rule or one.rule,
-        )
-        for cell in one.cells
-    ]
+    """Return an experiment as plain data, with the number of each cell and the verdict.
+
+    A cell one of whose runs failed has no number.
+    """
+    findings = []
+    for cell in one.cells:
+        known = [figures[run] for run in cell.runs if run in figures]
+        value = (cell.value or one.value)(known) if len(known) == len(cell.runs) else None
+        findings.append(Finding.of(cell.row, cell.column, value, cell.rule or one.rule))
     verdict = verdict_of(findings)
     return {
         "name": one.name,
@@ -204,20 +165,27 @@ def _rows(experiments: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
             yield {**same, "row": cell["row"], "column": cell["column"], "value": value, "holds": holds}
 
 
-def _pictures(chosen: Sequence[Experiment], kept: KeptRuns) -> dict[str, list[tuple[str, str]]]:
+def _pictures(chosen: Sequence[Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
     """Return (caption, data URI or <svg> element) of each experiment's pictures, by its name."""
-    return {one.name: [*_pictures_of(one, kept)] for one in chosen}
+    done = {case.what.run: case.identity for case, _ in swept.results()}
+
+    def file(run: Run, name: str) -> Path:
+        return swept.kept.file(done[run], name)
+
+    return {one.name: [*_pictures_of([run for run in one.pictures if run in done], file)] for one in chosen}
 
 
-def _pictures_of(one: Experiment, kept: KeptRuns) -> Iterator[tuple[str, str]]:
-    pictures = [run for run in one.pictures if isinstance(run, PictureRun)]
+def _pictures_of(
+    pictured: Sequence[PictureRun | StreamRun], file: Callable[[Run, str], Path]
+) -> Iterator[tuple[str, str]]:
+    pictures = [run for run in pictured if isinstance(run, PictureRun)]
     for run in pictures:
-        yield run.caption, _uri(kept.picture(run, PICTURE))
+        yield run.caption, _uri(file(run, PICTURE))
     for run in {(run.scene, run.motion): run for run in pictures}.values():
-        yield f"what should be seen: {run.motion}", _uri(kept.picture(run, TRUTH))
-    for stream_run in one.pictures:
+        yield f"what should be seen: {run.motion}", _uri(file(run, TRUTH))
+    for stream_run in pictured:
         if isinstance(stream_run, StreamRun):
-            yield stream_run.caption, kept.picture(stream_run, TIMELINE).read_text(encoding="utf-8")
+            yield stream_run.caption, file(stream_run, TIMELINE).read_text(encoding="utf-8")
 
 
 def _uri(path: Path) -> str:

@@ -19,7 +19,7 @@ from hmdwarp.client import build_plan
 from hmdwarp.clients import client_names, load_client
 from hmdwarp.compare import start_bytes, unfit
 from hmdwarp.frames import EyeSizes
-from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, render_compare_page
+from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, first_cases, render_compare_page
 from hmdwarp.strategies import strategies
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
@@ -128,11 +128,23 @@ def test_the_table_and_the_page_hold_all_of_it(folder, data):
 def test_the_page_follows_from_the_data_and_escapes_it(data):
     import numpy as np
 
-    pictures = [(np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
+    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
     odd = {**data, "command": "<script>alert(1)</script>"}
     page = render_compare_page(odd, pictures)
     assert page == render_compare_page(odd, pictures)
     assert "<script>" not in page
+
+
+def test_a_page_of_many_cases_shows_the_first_and_says_so(data):
+    import numpy as np
+
+    numbers, count = first_cases(data["rows"], 1)
+    assert count == 2 and numbers == [
+        number for number, row in enumerate(data["rows"]) if row["latency_ms"] == data["rows"][0]["latency_ms"]
+    ]
+    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
+    page = render_compare_page(shown, [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(numbers))
+    assert "This page shows the first 1 of 2 cases" in page
 
 
 def test_markdown_has_each_case_with_the_least_error_first(data):

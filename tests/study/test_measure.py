@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 from contextlib import contextmanager
 
 import attrs
+import needs
 import numpy as np
 import pytest
 from replays import scene_for
@@ -17,6 +19,7 @@ from hmdwarp.run import RunOptions, figures, replay, set_up_replay
 from hmdwarp.strategies import strategies
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
+from hmdwarp.study.export import columns_for
 from hmdwarp.study.measure import Measurements, run_options
 from hmdwarp.study.store import PERSON, Store
 from hmdwarp.sweep import ClusterOptions
@@ -231,3 +234,37 @@ def test_one_of_each_is_said_in_the_singular():
     assert Measurements(1, 1, (), 1).describe() == [
         "1 showing measured at 1 refresh, both eyes of each, 1 was measured before"
     ]
+
+
+RATED = attrs.evolve(OPTIONS, jod_s=0.1)
+WITH_CVVDP = all(importlib.util.find_spec(name) is not None for name in ("pycvvdp", "torch"))
+
+
+@pytest.mark.skipif(WITH_CVVDP, reason="ColorVideoVDP is installed")
+def test_without_the_package_rating_says_how_to_get_it(store):
+    found = measure_study(store, RATED)
+    assert found.measured == 0 and len(found.failed) == 3
+    assert all("pip install 'hmdwarp[jod]'" in one.why for one in found.failed)
+
+
+@pytest.mark.skipif(not WITH_CVVDP, reason=needs.missing("ColorVideoVDP", "pip install 'hmdwarp[jod]'"))
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning", "ignore::UserWarning")
+def test_what_is_rated_too_is_a_column_and_is_known(store):
+    measure_study(store, OPTIONS)
+    plain = {one.id: one.measured for one in store.contents().showings if one.complete}
+    said: list[str] = []
+    assert measure_study(store, RATED, say=said.append).measured == 3
+    of = {one.condition: one.measured for one in store.contents().showings if one.complete}
+    assert of["late"]["jod"] < of["warped"]["jod"] < of["reference"]["jod"] == 10.0
+    assert all(text.endswith("JOD") for text in said)
+    for one in store.contents().showings:
+        if one.complete:
+            assert {**plain[one.id]} == {name: one.measured[name] for name in plain[one.id]}
+    for options in (RATED, OPTIONS):
+        assert measure_study(store, options).known == 3
+
+
+def test_a_table_has_ratings_only_where_there_are_any():
+    plain = [column.name for column in columns_for([{"measured_flip": 0.1}])]
+    rated = [column.name for column in columns_for([{"measured_jod": 9.5, "measured_jod_s": 0.5}])]
+    assert rated == [*plain, "measured_jod", "measured_jod_s"]

@@ -24,17 +24,21 @@ from hmdwarp.report.study import comparison_lines
 from hmdwarp.study.analysis import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
 from hmdwarp.study.power import (
+    Simulation,
     differences,
     expected_difference,
     people_for,
     planned_model,
-    power_of,
+    power_from,
     proportion_of,
     sentences,
     significant,
+    simulate,
+    tally_of,
     with_effect,
 )
 from hmdwarp.study.respondents import Population, load_model
+from hmdwarp.sweep import KeptOptions
 
 from . import tiny
 from .made_up import simulate_study
@@ -42,6 +46,11 @@ from .made_up import simulate_study
 PLAN_COMPARES = 'compare = [{ better = "warped", baseline = "late" }]\n#'
 DESIGN, THESIS = load_design("quick"), load_design("thesis")
 GRADE = DESIGN.scales[0]
+
+
+def power_of(model, design, scale, ns, studies, seed=0):
+    simulation = Simulation(model, design, scale, tuple(ns), seed=seed)
+    return power_from(simulation, [tally_of(simulation, range(studies))])
 
 
 @given(st.integers(1, 5000), st.data())
@@ -237,6 +246,29 @@ def test_the_command_writes_a_table_a_plot_and_sentences(tmp_path):
     again = tmp_path / "again"
     assert tiny.ran(*asked, "--quiet", "--out", again) == ""
     assert all((again / name).read_bytes() == (tmp_path / name).read_bytes() for name in ("power.json", "power.csv"))
+
+
+def test_power_is_a_set_of_cases_that_can_be_resumed(tmp_path):
+    """80 studies are two cases; of 120 studies, the first 50 were done before."""
+    asked = ("study", "power", "quick", "--n", "8,12", "--out", tmp_path)
+    assert hmdwarp(*asked, "--studies", 80).returncode == 0
+    done = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "cases").iterdir()}
+    assert len(done) == 2
+    again = hmdwarp(*asked, "--studies", 120, "--resume")
+    assert again.returncode == 0 and "1 of 3 cases are kept from before" in again.stderr
+    rows = json.loads((tmp_path / "power.json").read_text())["scales"][0]["rows"]
+    whole = power_of(load_model("quick"), DESIGN, GRADE, [8, 12], studies=120, seed=1)
+    assert [row["power"] for row in rows] == [at.found[one].value for one in whole.true_effect for at in whole.at]
+    assert len([*(tmp_path / "cases").iterdir()]) == 4  # what another number of studies needs stays
+    assert all((tmp_path / "cases" / name).stat().st_mtime_ns == time for name, time in done.items())
+
+
+@pytest.mark.slow(10)
+def test_on_a_cluster_the_power_is_the_same(tmp_path):
+    pytest.importorskip("distributed")
+    simulation = Simulation(load_model("quick"), DESIGN, GRADE, (8,))
+    (found,), _ = simulate([simulation], 20, tmp_path, KeptOptions(cluster="local:1"))
+    assert found == power_of(load_model("quick"), DESIGN, GRADE, [8], studies=20)
 
 
 @pytest.fixture

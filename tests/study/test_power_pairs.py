@@ -16,13 +16,15 @@ from scipy.stats import binom, binomtest, multinomial, norm
 from hmdwarp.errors import InputError
 from hmdwarp.study.analysis import Resampling, preference_results
 from hmdwarp.study.power import (
+    Simulation,
     choice_differences,
     differences,
     expected_jod,
     pairs_model,
-    power_of,
+    power_from,
     sentences,
     significant,
+    tally_of,
 )
 from hmdwarp.study.respondents import Population, model_from_text
 from hmdwarp.study.statistics import JOD_SPREAD
@@ -74,7 +76,9 @@ def test_power_is_that_of_the_sign_test_and_without_an_effect_its_level(scale, j
     """
     design = one_comparison(scale)
     people = [8, 16, 32]
-    found = power_of(pairs_model(design, design.scales[0], jod), design, design.scales[0], people, STUDIES, ALPHA, 3)
+    asked = design.scales[0]
+    simulation = Simulation(pairs_model(design, asked, jod), design, asked, tuple(people), ALPHA, 3)
+    found = power_from(simulation, [tally_of(simulation, range(STUDIES))])
     theory = [expected_power(scale, jod, n) for n in people]
     for at_n, power in zip(found.at, theory, strict=True):
         (share,) = at_n.found.values()
@@ -137,7 +141,9 @@ def test_a_plan_that_cannot_be_simulated_is_refused():
         pairs_model(design, design.scales[0], 1.0, 1.5)
     adaptive = design_of(order="adaptive")
     with pytest.raises(InputError, match="lets answers choose the pairs"):
-        power_of(pairs_model(adaptive, adaptive.scales[0], 1.0), adaptive, adaptive.scales[0], [8], 10)
+        tally_of(
+            Simulation(pairs_model(adaptive, adaptive.scales[0], 1.0), adaptive, adaptive.scales[0], (8,)), range(10)
+        )
 
 
 def test_the_command_plans_pairs(tmp_path):

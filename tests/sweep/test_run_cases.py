@@ -7,7 +7,7 @@ from collections import Counter
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.sweep import SweepOptions, raise_failures
+from hmdwarp.sweep import SweepOptions, identity_of, raise_failures
 
 from .cheap import sweep
 
@@ -83,3 +83,9 @@ def test_what_is_timed_on_one_runs_on_one(tmp_path):
     assert len(found) == 12 and len({*found}) == 1
     order = (tmp_path / "out" / "ran").read_text(encoding="utf-8").split()
     assert order == [str(number) for number in range(12)]
+
+
+def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
+    plain = identity_of("kind", 1)
+    assert len({plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("thesis/facts.py",))}) == 3
+    assert identity_of("kind", 1, ("nowhere/",)) == plain

@@ -14,13 +14,14 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.report import summary_markdown
-from hmdwarp.thesis import EXPERIMENTS, Verdict
+from hmdwarp.sweep import KeptOptions, run_cases
+from hmdwarp.thesis import EXPERIMENTS, Motion, PictureRun, ThesisWork, Thoroughness, Verdict, cases_of
 
 FEW = "scene,fig28-30,ratings-figures"
 
 
 def kept(out: Path) -> dict[str, tuple[int, bytes]]:
-    return {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in (out / "kept").glob("*.json")}
+    return {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in (out / "cases").glob("*.json")}
 
 
 @pytest.mark.slow(60)
@@ -48,35 +49,61 @@ def test_a_killed_command_goes_on_where_it_was(tmp_path):
     out = tmp_path / "out"
     words = [sys.executable, "-m", "hmdwarp", "thesis", "--quick", "--only", FEW, "--quiet", "--out", str(out)]
     with subprocess.Popen(words) as first:
-        while first.poll() is None and len(list((out / "kept").glob("*.json"))) < 2:
+        while first.poll() is None and len(list((out / "cases").glob("*.json"))) < 2:
             time.sleep(0.01)
         first.send_signal(signal.SIGKILL)
     before = kept(out)
     assert before and not (out / "results.json").exists()
 
-    done = hmdwarp("thesis", "--quick", "--only", FEW, "--out", out)
+    done = hmdwarp("thesis", "--quick", "--only", FEW, "--resume", "--out", out)
     assert done.returncode == 0, done.stderr
     after = kept(out)
-    assert f"{len(before)} of {len(after)} runs are kept" in done.stderr
+    assert f"{len(before)} of {len(after)} cases are kept" in done.stderr
     assert before.items() <= after.items()  # not written again
     assert (out / "results.json").exists() and not list(out.glob(".partial-*"))
 
 
-def test_a_run_made_with_other_things_is_run_again(tmp_path):
-    words = ("thesis", "--quick", "--only", FEW, "--out", tmp_path)
-    first = hmdwarp(*words)
-    path = sorted((tmp_path / "kept").glob("PictureRun-*.json"))[0]
+def test_a_run_that_is_damaged_or_of_another_size_is_run_again(tmp_path):
+    words = ("thesis", "--only", FEW, "--resume", "--out", tmp_path)
+    first = hmdwarp(*words, "--quick")
     before = kept(tmp_path)
-    for damage in (lambda data: data["made_with"].update(size=[1, 1]), lambda data: data.clear()):
-        data = json.loads(path.read_text(encoding="utf-8"))
-        damage(data)
-        path.write_text(json.dumps(data), encoding="utf-8")
-        again = hmdwarp(*words)
-        assert f"{len(before) - 1} of {len(before)} runs are kept" in again.stderr
-        assert again.stdout == first.stdout
-        assert {name: text for name, (_, text) in kept(tmp_path).items()} == {
-            name: text for name, (_, text) in before.items()
-        }
+    sorted((tmp_path / "cases").glob("*.json"))[0].write_text("{}", encoding="utf-8")
+    again = hmdwarp(*words, "--quick")
+    assert f"{len(before) - 1} of {len(before)} cases are kept" in again.stderr
+    assert again.stdout == first.stdout
+    assert {name: text for name, (_, text) in kept(tmp_path).items()} == {
+        name: text for name, (_, text) in before.items()
+    }
+    larger = hmdwarp("thesis", "--only", "fig28-30", "--size", "48x30", "--resume", "--out", tmp_path)
+    assert larger.returncode == 0 and "are kept" not in larger.stderr
+
+
+def _runs(*fills: str) -> tuple[PictureRun, ...]:
+    motion = Motion("sideways", 0.5)
+    return tuple(PictureRun(motion=motion, latency_ms=200.0, fill=fill, scene="planes") for fill in fills)
+
+
+def test_a_run_that_fails_leaves_those_on_the_same_frames(tmp_path):
+    how, runs = Thoroughness((48, 30), 1, 1), _runs("none", "nonsense", "interpolate")
+    swept = run_cases(ThesisWork(runs), cases_of(runs, set(runs), how), tmp_path, KeptOptions())
+    assert [case.what.run.fill for case, _ in swept.results()] == ["none", "interpolate"]
+    assert ["nonsense" in one.why for one in swept.failed] == [True]
+    alone = run_cases(ThesisWork(runs[2:]), cases_of(runs[2:], set(runs), how), tmp_path / "alone", KeptOptions())
+    assert [*alone.results()] == [*swept.results()][1:]
+
+
+@pytest.mark.slow(10)
+def test_a_cluster_gives_what_one_process_gives(tmp_path):
+    pytest.importorskip("distributed")
+    runs = _runs("none", "interpolate")
+    cases = cases_of(runs, set(runs[:1]), Thoroughness((48, 30), 1, 1))
+    here, there = (
+        run_cases(ThesisWork(runs), cases, tmp_path / name, KeptOptions(cluster=cluster))
+        for name, cluster in (("here", None), ("there", "local:1"))
+    )
+    assert not there.failed and [*there.results()] == [*here.results()]
+    names = [{path.name for path in (tmp_path / name / "cases").iterdir()} for name in ("here", "there")]
+    assert names[0] == names[1] and len(names[0]) == 4  # one of them with two pictures
 
 
 def test_an_unknown_experiment_is_refused_before_anything_is_written(tmp_path):

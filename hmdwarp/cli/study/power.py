@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import attrs
 import typer
 
-from ...options import Declared, Number, force_field, option, out_field
+from ...options import Declared, Number, force_field, group, option, out_field
+from ...sweep.options import KeptOptions
 from .._options import QUIET, Said, takes
 from ._options import study_field
 
@@ -44,6 +45,7 @@ class PowerOptions(Declared):
     power: float = option(0.8, "Target power.", valid=Number(least=0.01, most=0.999))
     alpha: float = option(0.05, "Significance level, after Holm.", valid=Number(least=1e-6, most=0.5))
     seed: int = option(1, "Random seed of the simulation.", valid=Number())
+    sweep: KeptOptions = group(KeptOptions)
 
 
 @takes(PowerOptions, QUIET)
@@ -51,8 +53,9 @@ def power(said: Said) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
     from ...report import OutputFolder
     from ...study.design import load_design
-    from ...study.power import power_of
-    from .._show import steps
+    from ...study.power import Simulation, simulate
+    from ...sweep import raise_failures
+    from .._show import sayer, steps
 
     options, quiet = PowerOptions.of(said), said["quiet"]
     design = load_design(options.study)
@@ -62,15 +65,16 @@ def power(said: Said) -> None:
     }
     counts = _counts(options.n, design)
     with OutputFolder(options.out, owned=OWNED, last="power.json", force=options.force) as folder:
-        found = []
-        for scale, people in models.items():
-            with steps(f"Simulating {scale.name}", quiet=quiet) as (progress, _):
-                found.append(
-                    power_of(people, design, scale, counts, options.studies, options.alpha, options.seed, progress)
-                )
+        simulations = [
+            Simulation(people, design, scale, tuple(counts), options.alpha, options.seed)
+            for scale, people in models.items()
+        ]
+        with steps("studies", quiet=quiet) as (progress, _):
+            found, swept = simulate(simulations, options.studies, options.out, options.sweep, progress, sayer(quiet))
         _write(folder, found, options.power)
     if not quiet:
         _print(found, models, options)
+    raise_failures(swept)
 
 
 def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:

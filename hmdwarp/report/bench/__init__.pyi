@@ -17,6 +17,7 @@ from .rows import Column as Column
 from .rows import cases as cases
 from .rows import column as column
 from .rows import common as common
+from .rows import first_cases as first_cases
 from .tables import DECISION as DECISION
 from .tables import bench_table as bench_table
 from .tables import choice_terms as choice_terms

@@ -81,6 +81,13 @@ def cases(rows: Iterable[Row]) -> list[Case]:
     return [Case(", ".join(key[i] for i in differing if key[i]), tuple(group)) for key, group in groups.items()]
 
 
+def first_cases(rows: Iterable[Row], most: int) -> tuple[list[Row], int]:
+    """Return the rows of the first cases, at most so many, and how many cases there are."""
+    known: dict[tuple[str, ...], bool] = {}
+    shown = [row for row in rows if known.setdefault(tuple(_conditions(row).values()), len(known) < most)]
+    return shown, len(known)
+
+
 def common(rows: Iterable[Row]) -> list[str]:
     """Return the conditions that all rows share, which the labels of the cases leave out."""
     conditions = [_conditions(row) for row in rows]

@@ -151,6 +151,12 @@ MEASURED_COLUMNS = (
     Column("measured_every", INTEGER, "Every n-th refresh was measured; do not compare figures of different n"),
     Column("measured_size", TEXT, "Pixels of one eye in the measured pictures; do not compare different sizes"),
 )  # fmt: skip
+# Of studies that were rated by `study measure --jod`.
+RATED_COLUMNS = (
+    Column("measured_jod", NUMBER, "Afterwards, by ColorVideoVDP: how people would rate the pictures, 10 for the truth",
+           "JOD"),
+    Column("measured_jod_s", NUMBER, "Length of the clips that ColorVideoVDP rated", "s"),
+)  # fmt: skip
 _SETTING_COLUMNS = tuple(
     Column(name, NUMBER if name == "latency_ms" else TEXT, _SETTING_TEXTS[name], "ms" if name == "latency_ms" else "")
     for name in SETTINGS
@@ -162,7 +168,7 @@ LONG_COLUMNS = tuple(column.name for column in COLUMNS)
 OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
 # Only in tables of a store that was merged.
 _SITE = Column("site", TEXT, "Site that the session comes from")
-_BY_NAME = {column.name: column for column in (*COLUMNS, *_PHASE, _SITE)}
+_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *_PHASE, _SITE)}
 
 
 def column_of(name: str) -> Column:
@@ -176,11 +182,13 @@ def column_of(name: str) -> Column:
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
     """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale.
 
-    The rows of a merged store have their site first.
+    The rows of a merged store have their site first; RATED_COLUMNS are the last where a row has
+    them.
     """
     site, *others = ([name] if any(name in row for row in rows) else [] for name in (_SITE.name, *OTHER_SETTINGS))
+    rated = [one.name for one in RATED_COLUMNS if any(row.get(one.name) is not None for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
-    names = (*site, *after[:before], *itertools.chain(*others), *more, *after[before:])
+    names = (*site, *after[:before], *itertools.chain(*others), *more, *after[before:], *rated)
     return tuple(column_of(name) for name in names)
 
 

@@ -5,6 +5,7 @@ from .pairs import pairs_with_effect as pairs_with_effect
 from .planned_effects import planned_comparisons as planned_comparisons
 from .planned_effects import planned_model as planned_model
 from .planned_effects import with_effect as with_effect
+from .power_run import simulate as simulate
 from .power_text import COLUMNS as COLUMNS
 from .power_text import name_of as name_of
 from .power_text import power_data as power_data
@@ -15,7 +16,9 @@ from .proportions import people_for as people_for
 from .proportions import proportion_of as proportion_of
 from .simulation import Power as Power
 from .simulation import PowerAt as PowerAt
+from .simulation import Simulation as Simulation
 from .simulation import differences as differences
 from .simulation import expected_difference as expected_difference
-from .simulation import power_of as power_of
+from .simulation import power_from as power_from
 from .simulation import significant as significant
+from .simulation import tally_of as tally_of

@@ -5,10 +5,11 @@ Each study is analysed as `study analyse` does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from ..design import Comparison, Design
 from ..respondents import Cohort, Floats, Model, Population
@@ -64,45 +65,82 @@ class Power:
         return reached
 
 
-def power_of(
-    model: Model,
-    design: Design,
-    scale: Scale,
-    ns: Sequence[int],
-    studies: int = 1000,
-    alpha: float = 0.05,
-    seed: int = 0,
-    progress: Progress = lambda done, total: None,
-) -> Power:
-    """Simulate the study and return its power on one of its scales.
+@attrs.frozen
+class Simulation:
+    """What is simulated: studies by a plan, answered by a model on one of its scales."""
 
-    ns: numbers of people who begin, in each part. The first n people of a study are the same for
-    every n.
-    Errors: InputError as planned_comparisons, and for a model that does not name a scale or a
-    condition of the study.
-    """
-    comparisons = planned_comparisons(design)
-    parts = dict.fromkeys(one.part for one in comparisons)
-    model = attrs.evolve(model, others=None)  # means that rehearse any plan alike say nothing about this one
-    populations = {part: Population(model, design, part, [scale.name]) for part in parts}
-    counts = [_Count(n, comparisons) for n in ns]
-    people, complete = 0, 0
-    for study in range(studies):
-        cohorts = {part: population.of(range(max(ns)), seed, study) for part, population in populations.items()}
-        for count in counts:
-            count.add(design, scale, cohorts, alpha)
-        people += sum(len(cohort.trials) for cohort in cohorts.values())
-        complete += sum(cohort.why.count("complete") for cohort in cohorts.values())
-        progress(study + 1, studies)
+    model: Model
+    design: Design
+    scale: Scale
+    # Numbers of people who begin, in each part. The first n people of a study are the same for
+    # every n.
+    ns: tuple[int, ...]
+    alpha: float = 0.05
+    seed: int = 0
+
+    @property
+    def comparisons(self) -> tuple[Comparison, ...]:
+        """All planned comparisons, each once. Errors: InputError as planned_comparisons."""
+        return planned_comparisons(self.design)
+
+    def populations(self) -> dict[str, Population]:
+        """Return the people of each part that is compared.
+
+        Errors: InputError for a model that does not name a scale or a condition of the study.
+        """
+        # Means that rehearse any plan alike say nothing about this one.
+        model = attrs.evolve(self.model, others=None)
+        parts = dict.fromkeys(one.part for one in self.comparisons)
+        return {part: Population(model, self.design, part, [self.scale.name]) for part in parts}
+
+
+# Counts over studies by name: whole numbers, so that their sum does not depend on its order.
+Tally = dict[str, NDArray[np.int64]]
+
+
+def tally_of(simulation: Simulation, studies: range, progress: Progress = lambda done, total: None) -> Tally:
+    """Simulate these studies and return the counts. Errors: InputError."""
+    populations, people = simulation.populations(), range(max(simulation.ns))
+    tally = _zeros(simulation)
+    for done, study in enumerate(studies, 1):
+        cohorts = {part: population.of(people, simulation.seed, study) for part, population in populations.items()}
+        for k in range(len(simulation.ns)):
+            _count(tally, k, simulation, cohorts)
+        tally["studies"] += 1
+        tally["people"] += sum(len(cohort.trials) for cohort in cohorts.values())
+        tally["finished"] += sum(cohort.why.count("complete") for cohort in cohorts.values())
+        progress(done, len(studies))
+    return tally
+
+
+def power_from(simulation: Simulation, tallies: Sequence[Tally]) -> Power:
+    """Return the power from the counts of studies; there is at least one. Errors: InputError."""
+    total: Tally = {name: np.sum([tally[name] for tally in tallies], axis=0) for name in tallies[0]}
+    comparisons, populations, scale = simulation.comparisons, simulation.populations(), simulation.scale
+    studies = int(total["studies"])
+
+    def each(name: str, k: int) -> Iterator[tuple[Comparison, int]]:
+        return zip(comparisons, map(int, total[name][k]), strict=True)
+
     return Power(
-        design=design,
+        design=simulation.design,
         scale=scale,
-        at=tuple(count.result() for count in counts),
-        alpha=alpha,
+        at=tuple(
+            PowerAt(
+                n=n,
+                found={one: proportion_of(hits, studies) for one, hits in each("found", k)},
+                unlimited={one: proportion_of(hits, studies) for one, hits in each("unlimited", k)},
+                all_found=proportion_of(int(total["all_found"][k]), studies),
+                complete=float(total["complete"][k]) / len(populations) / studies,
+                pairs={one: pairs / studies for one, pairs in each("pairs", k)},
+            )
+            for k, n in enumerate(simulation.ns)
+        ),
+        alpha=simulation.alpha,
         studies=studies,
-        seed=seed,
+        seed=simulation.seed,
         balanced=int(np.lcm.reduce([population.balanced for population in populations.values()])),
-        complete_share=complete / people,
+        complete_share=int(total["finished"]) / int(total["people"]),
         true_effect={one: expected_difference(populations[one.part], scale, one) for one in comparisons},
         planned={one: expected_difference(populations[one.part], scale, one, latent=True) for one in comparisons},
     )
@@ -150,34 +188,23 @@ def significant(design: Design, found: dict[Comparison, Floats], alpha: float) -
     return out
 
 
-class _Count:
-    """Counts over the studies, of one n."""
+def _zeros(simulation: Simulation) -> Tally:
+    ns, each = len(simulation.ns), (len(simulation.ns), len(simulation.comparisons))
+    shapes = {"found": each, "unlimited": each, "pairs": each, "all_found": (ns,), "complete": (ns,)}
+    return {name: np.zeros(shapes.get(name, ()), np.int64) for name in (*shapes, "studies", "people", "finished")}
 
-    def __init__(self, n: int, comparisons: Sequence[Comparison]) -> None:
-        self._n, self._studies, self._all, self._complete = n, 0, 0, 0.0
-        self._found, self._unlimited, self._pairs = (dict.fromkeys(comparisons, 0) for _ in range(3))
 
-    def add(self, design: Design, scale: Scale, cohorts: dict[str, Cohort], alpha: float) -> None:
-        people = slice(self._n)
-        for latent, counted in ((False, self._found), (True, self._unlimited)):
-            rated = {one: differences(cohorts[one.part], scale, one, latent=latent, people=people) for one in counted}
-            found = significant(design, rated, alpha)
-            for one, is_found in found.items():
-                counted[one] += is_found
-            if not latent:
-                self._all += all(found.values())
-                for one, values in rated.items():
-                    self._pairs[one] += len(values)
-        self._complete += sum(cohort.why[people].count("complete") for cohort in cohorts.values()) / len(cohorts)
-        self._studies += 1
-
-    def result(self) -> PowerAt:
-        total = self._studies
-        return PowerAt(
-            n=self._n,
-            found={one: proportion_of(hits, total) for one, hits in self._found.items()},
-            unlimited={one: proportion_of(hits, total) for one, hits in self._unlimited.items()},
-            all_found=proportion_of(self._all, total),
-            complete=self._complete / total,
-            pairs={one: pairs / total for one, pairs in self._pairs.items()},
-        )
+def _count(tally: Tally, k: int, simulation: Simulation, cohorts: dict[str, Cohort]) -> None:
+    """Count one study of the first ns[k] people of each cohort."""
+    people, comparisons = slice(simulation.ns[k]), simulation.comparisons
+    for latent, name in ((False, "found"), (True, "unlimited")):
+        rated = {
+            one: differences(cohorts[one.part], simulation.scale, one, latent=latent, people=people)
+            for one in comparisons
+        }
+        found = significant(simulation.design, rated, simulation.alpha)
+        tally[name][k] += [found[one] for one in comparisons]
+        if not latent:
+            tally["all_found"][k] += all(found.values())
+            tally["pairs"][k] += [len(rated[one]) for one in comparisons]
+    tally["complete"][k] += sum(cohort.why[people].count("complete") for cohort in cohorts.values())
