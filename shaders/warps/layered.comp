@@ -8,12 +8,17 @@
 #include "lib/composite.glsl"
 layout(r32f) readonly uniform image2D front_inverse_depth; // of the visible layer
 
+// Pixels from the border of the rendered picture within which its surface may go on outside. Its
+// depth is taken at one texel, so its place is exact to about half a pixel.
+const float BORDER = 1.0;
+
 // Whether the surface that occluded a place has moved off it, to `front` on the ray. If that lies
 // outside the rendered picture, something else as near may be there, outside every picture, and
 // still occlude the place.
 bool is_uncovered(Ray ray, vec2 place) {
     float depth = imageLoad(front_inverse_depth, ivec2(place)).r;
-    return !is_depth(depth) || inside(ray.start + depth * ray.along, rendered_size);
+    vec2 front = ray.start + depth * ray.along;
+    return !is_depth(depth) || inside(front - BORDER, rendered_size - int(2.0 * BORDER));
 }
 
 bool may_belong(Ray ray, float nearest, vec4 before) {

@@ -97,6 +97,20 @@ def test_surfaces_behind_the_picture_close_its_holes(picture, gpu):
     assert (out.coverage[HIGH // 2, beside] == 1).all()
 
 
+@pytest.mark.parametrize("way_m", [(0.3, 0.0), (-0.17, 0.05), (0.0, -0.23), (0.111, 0.2)])
+def test_what_lies_behind_a_wall_does_not_show_where_the_wall_leaves_the_picture(gpu, way_m):
+    """The wall goes on beyond the border, so nothing of the layer behind it is ever seen."""
+    wall, behind = np.full((HIGH, WIDE, 3), RED), np.full((HIGH, WIDE, 3), BLUE)
+    x, y = np.meshgrid(np.arange(WIDE), np.arange(HIGH))
+    depth = 2.0 + 0.013 * x + 0.02 * y  # slanted: half a texel lands elsewhere
+    nothing = (behind, np.zeros((HIGH, WIDE)))
+    with Warper(SIZE, warp="layered", fill="none", gpu=gpu) as warper:
+        peeled = [(behind, np.full((HIGH, WIDE), np.inf)), *[nothing] * (warper.plan.needs["peeled"] - 1)]
+        shown = View(Pose((*way_m, 0.0)), HERE.fov)
+        out = warper.warp(wall, depth, HERE, shown, layers={"peeled": peeled})
+    assert (out.coverage == 0).any() and out.colour[..., 2].max() == 0
+
+
 def test_glass_adds_its_light_and_lets_some_through(picture, gpu):
     light, depth, passing = np.full((HIGH, WIDE, 3), 0.25), np.full((HIGH, WIDE), 1.0), np.full((HIGH, WIDE, 3), 0.5)
     depth[:, 30:] = 0

@@ -10,6 +10,8 @@ import numpy as np
 from reference._meeting import Mask, Meetings, Rays, is_depth, is_nearer, met_by
 from reference.picture import ReferencePicture, RenderedPicture, TwinInputs
 
+BORDER = 1.0  # pixels
+
 
 def layered(inputs: TwinInputs) -> ReferencePicture:
     """The layers one after the other; of equals the earlier stays."""
@@ -40,14 +42,15 @@ def layered(inputs: TwinInputs) -> ReferencePicture:
 
 def _uncovered(front: RenderedPicture, rays: Rays, found: Meetings) -> tuple[Mask, Mask]:
     """Whether what covers the found place in the visible layer lies on the shown ray within the
-    picture; and where that is uncertain.
+    picture, a pixel from its border or more; and where that is uncertain.
     """
     place = np.where(found.met[..., None], np.nan_to_num(found.place), 0)
     x, y = np.clip(np.floor(place).astype(int), 0, np.array(rays.size) - 1).transpose(2, 0, 1)
     depth = front.inverse_depth[y, x]
     at = rays.start + np.where(is_depth(depth), depth, 0)[..., None] * rays.along
-    inside = ((at >= 0) & (at < np.array(rays.size))).all(axis=-1)
+    first, last = np.full(2, BORDER), np.array(rays.size) - BORDER
+    inside = ((at >= first) & (at < last)).all(axis=-1)
     error = 2 * found.place_error + rays.error(depth)
-    close = np.minimum(np.abs(at), np.abs(at - np.array(rays.size))).min(axis=-1) <= error
+    close = np.minimum(np.abs(at - first), np.abs(at - last)).min(axis=-1) <= error
     close |= (np.abs(place - np.round(place)) <= found.place_error[..., None]).any(axis=-1)
     return ~is_depth(depth) | inside, close
