@@ -111,7 +111,7 @@ def test_a_stderr_that_nobody_reads_blocks_nothing(monkeypatch):
 
 
 def test_consoles_that_are_none():
-    with pytest.raises(InputError, match="auto, terminal, lines, none"):
+    with pytest.raises(InputError, match="auto, terminal, browser, lines, none"):
         make_console("screen", "a study")
     with pytest.raises(MachineError, match="is not a terminal.*--console lines"):
         make_console("terminal", "a study")

@@ -167,9 +167,10 @@ RATING_SCALES = [name for name in scale_names() if load_scale(name).kind == RATI
 @pytest.mark.parametrize("name", RATING_SCALES)
 def test_the_model_quick_rehearses_a_new_plan_on_every_rating_scale(tmp_path, name):
     """The reference is rated better than the rest, whichever way the scale goes."""
-    plan = write_new_plan("mine", tmp_path)
-    plan.write_text(plan.read_text(encoding="utf-8").replace('["acr"]', f'["{name}"]'), encoding="utf-8")
-    design, scale = load_design(str(plan)), load_scale(name)
+    plan, scale = write_new_plan("mine", tmp_path), load_scale(name)
+    asked = f'["{name}"]' + ('\nshows = "reference first"' if scale.beside_reference else "")
+    plan.write_text(plan.read_text(encoding="utf-8").replace('["acr"]', asked), encoding="utf-8")
+    design = load_design(str(plan))
     cohort = Population(load_model("quick"), design, design.parts[0].name).of(range(100), seed=1)
     means = np.nanmean(cohort.per_condition(name), axis=0)
     badness = [scale.badness(mean) for mean in means]

@@ -113,7 +113,7 @@ def test_what_nobody_measured_is_nothing_and_no_nan():
         ({"resume": True, "participant": "new"}, "needs the code"),
         ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
         ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
-        ({"console": "chair"}, "expected auto, terminal, lines or none"),
+        ({"console": "chair"}, "expected auto, terminal, browser, lines or none"),
     ],
 )
 def test_options_that_cannot_be_meant(options, told):
