@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import shutil
 import socket
 import sys
@@ -47,6 +48,8 @@ def serve(listener_fd: str, token: str, title: str, command: str, folder: str) -
     killed.
     """
     lower_priority()
+    # A screen may end after this server's loop, of which asyncio would warn on the session's stderr.
+    logging.getLogger("asyncio").setLevel(logging.ERROR)
     listener = socket.socket(fileno=int(listener_fd))
     server = ConsoleServer(token, title, command, *listener.getsockname())
     web.run_app(
