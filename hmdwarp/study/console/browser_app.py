@@ -48,7 +48,7 @@ def serve(listener_fd: str, token: str, title: str, command: str, folder: str) -
     killed.
     """
     lower_priority()
-    # A screen may end after this server's loop, of which asyncio would warn on the session's stderr.
+    # A screen may end after this server's loop; asyncio would tell the session's stderr of it.
     logging.getLogger("asyncio").setLevel(logging.ERROR)
     listener = socket.socket(fileno=int(listener_fd))
     server = ConsoleServer(token, title, command, *listener.getsockname())
