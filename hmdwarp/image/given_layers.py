@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..colour import linear_from_srgb
 from ..errors import InputError
 from ..frames import Needs, Surface
+from ..frames.layers import layers
 from ..frames.layers.ids import BodyIds
 from ..frames.layers.reflection import Reflection, Reflections
 from ..frames.layers.transparent import Transparent
@@ -205,8 +206,15 @@ class _Reflection(HeldLayer):
         return found
 
 
-_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent, _Reflection)
-KNOWN = dict(zip(LAYERS, _KINDS, strict=True))
+_KINDS: dict[str, type[HeldLayer]] = {
+    "velocity": _Velocity,
+    "ids": _Ids,
+    "overlay": _Overlay,
+    "peeled": _Peeled,
+    "transparent": _Transparent,
+    "reflection": _Reflection,
+}
+KNOWN = {name: _KINDS[name] for name in LAYERS}
 
 
 class GivenLayers:
@@ -223,7 +231,10 @@ class GivenLayers:
         """Check that all are given that are read, and no other. Errors: InputError."""
         for name in given:
             if name not in KNOWN:
-                raise InputError(f"layer '{name}' is unknown: expected {', '.join(KNOWN)}")
+                why = "is unknown"
+                if name in layers.names():
+                    why = f"({layers.get(name).summary}) comes from a server of our own alone"
+                raise InputError(f"layer '{name}' {why}: expected {', '.join(KNOWN)}")
             if name not in self._held:
                 raise InputError(f"layer '{name}': {who} does not read it; leave it out, or name an effect that does")
         for name, held in self._held.items():

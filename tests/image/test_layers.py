@@ -161,6 +161,7 @@ def nothing(mirrored):
         ("overlay", {}, "reads layer 'overlay': give layers={'overlay': ..}, .h, w, 4. of the result's size"),
         ("none", {"velocity": 0}, "layer 'velocity': warp 'iterative' does not read it"),
         ("none", {"normals": 0}, "layer 'normals' is unknown: expected velocity, ids, overlay"),
+        ("none", {"cube": 0}, "layer 'cube' .colour of everything.* comes from a server of our own alone: expected"),
         (
             "overlay",
             {"overlay": np.zeros((3, 3, 4))},
