@@ -584,12 +584,13 @@ def test_the_doctor_tells_of_it(monkeypatch):
 
     from hmdwarp.doctor import checks as doctor
 
-    there = doctor.panel()
-    assert there.state is doctor.State.OK and there.facts["version"] in there.detail
+    def found():
+        return next(one for one in doctor.extras() if one.name == "extra panel")
+
+    assert found().state is doctor.State.OK and "imgui-bundle" in found().detail
 
     def absent(name):
         raise importlib.metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(importlib.metadata, "version", absent)
-    missing = doctor.panel()
-    assert missing.state is doctor.State.OPTIONAL and missing.remedy == PANEL_REMEDY
+    assert found().state is doctor.State.OPTIONAL and found().remedy == PANEL_REMEDY
