@@ -300,7 +300,7 @@ def test_reflections_are_found_in_the_pictures_that_are_given(gpu):
 
 def test_effects_that_need_more_than_pictures_are_refused(gpu):
     with pytest.raises(PlanError, match="effects reflections_from_pictures"):
-        Warper(SIZE, effects="planar_reflections", gpu=gpu)
+        Warper(SIZE, effects="light_only", gpu=gpu)
     with pytest.raises(InputError, match="effects is None: expected a name"):
         Warper(SIZE, effects=None, gpu=gpu)
 
