@@ -76,7 +76,7 @@ def main() -> int:
             if time.monotonic() - next_cut > CUT_EVERY_S:
                 next_cut, cuts = time.monotonic(), cuts + 1
                 relay.cut()
-        client.send_signal(signal.SIGINT)
+        client.send_signal(signal.SIGTERM)  # a shell may have started this deaf to SIGINT
         client.wait()
         summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     live, feed = summary["live"], summary["link"]["feed"]
