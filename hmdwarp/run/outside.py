@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..client.compensator import EyeResult
 from ..colour import linear_from_srgb, picture_from_linear
+from ..extra import install_line
 from ..gpu.textures import Canvas, download, upload
 
 if TYPE_CHECKING:
@@ -32,8 +33,8 @@ def missing(name: str) -> str:
     try:
         found = hasattr(importlib.import_module("cv2"), "warpFrame")
     except ImportError as error:
-        return f"OpenCV is not installed ({error}): pip install 'hmdwarp[bench]'"
-    return "" if found else f"this OpenCV has no warpFrame ({name} came with 5.0): pip install 'hmdwarp[bench]'"
+        return f"OpenCV is not installed ({error}): {install_line('bench')}"
+    return "" if found else f"this OpenCV has no warpFrame ({name} came with 5.0): {install_line('bench')}"
 
 
 def opencv_camera(view: View, size: tuple[int, int]) -> NDArray[np.float64]:

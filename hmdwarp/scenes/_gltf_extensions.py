@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
+from ..extra import install_line
 from ._gltf_file import GltfFile
 from ._notes import Notes
 
@@ -72,7 +73,7 @@ def _names(file: GltfFile, kind: str) -> list[str]:
 def _refusal(file: GltfFile, name: str) -> str:
     own = file.path
     if name == DRACO:
-        install = "install its decoder (pip install 'hmdwarp[draco]'), or remove it with "
+        install = f"install its decoder ({install_line('draco')}), or remove it with "
         return f"needs {name}: {install}'{_COPY} {own.name} {own.stem}-plain.glb'"
     if name in _TOOLS:
         return f"needs {name}, which is not read: '{_TOOLS[name]} {own.name} {own.stem}-plain.glb' removes it"
@@ -96,7 +97,7 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
     if packed is None:
         return
     if not _has_draco():  # not required, so there is a plain copy beside it
-        notes.add(f"{DRACO} is not unpacked (pip install 'hmdwarp[draco]'); the plain copy in the file is used")
+        notes.add(f"{DRACO} is not unpacked ({install_line('draco')}); the plain copy in the file is used")
         return
     import DracoPy
 

@@ -187,7 +187,7 @@ def _why_no_terminal() -> str:
     if os.environ.get("TERM", "dumb") in ("", "dumb"):
         return "TERM says that this terminal cannot place text (dumb, or not set)"
     if importlib.util.find_spec("textual") is None:
-        return "textual is not installed: pip install 'hmdwarp[study]'"
+        return f"textual is not installed: {install_line('study')}"
     if sys.stdin.fileno() != 0 or sys.stdout.fileno() != 1:
         return "stdin and stdout are other files than the program was started with"
     if os.tcgetpgrp(0) != os.getpgrp():

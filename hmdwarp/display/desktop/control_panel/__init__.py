@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
+from ....extra import install_line
 from ...controls import CONTROLS, Control
 
 if TYPE_CHECKING:
     from ..window_types import WindowHandle
     from .panel import ControlPanel
 
-PANEL_REMEDY = "pip install 'hmdwarp[panel]'"
+PANEL_REMEDY = install_line("panel")
 
 
 def make_control_panel(
