@@ -256,7 +256,8 @@ def test_another_name_is_told():
 
 def test_a_door_leaves_no_trace_in_cells_that_it_has_left(gpu):
     """What was drawn before changes nothing, and the light is that of a door that stands there: the
-    pieces of a cell are summed in another order, and moved by a matrix in float64 both times."""
+    pieces of a cell are summed in another order, and moved by a matrix in float64 both times, so
+    that each half float may round its own way, by 2^-11; few may do so in several bounces."""
     scene, needs = load_scene("doorway"), Needs(voxels=parse_indirect("voxels:size=32,updates=100"))
     server = Server(gpu, scene)
     for time_ns in (2_500_000_000, 0, 1_000_000_000):
@@ -265,5 +266,5 @@ def test_a_door_leaves_no_trace_in_cells_that_it_has_left(gpu):
         assert np.array_equal(got, read(alone.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour))
         alone.close()
         wanted, _ = lit(gpu, placed(scene, time_ns))
-        assert np.isclose(got[..., :3], wanted, rtol=0.01, atol=2e-3).mean() > 0.99
+        assert np.isclose(got[..., :3], wanted, rtol=2 * 2.0**-11, atol=1e-5).mean() > 0.99
     server.close()
