@@ -161,7 +161,9 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)
 
 
-def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> tuple[ReplayLog, LateClient | None]:
+def _run(
+    setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress
+) -> tuple[ReplayLog, LateClient | None]:
     log, count = ReplayLog(setup.track), 0
     misses = setup.options.miss
     late = LateClient(setup, misses) if misses is not None else None

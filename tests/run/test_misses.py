@@ -1,4 +1,4 @@
-"""A client that misses refreshes: when its pictures are seen, what that costs, and what is refused."""
+"""A client that misses refreshes: when its pictures are seen, and what that costs."""
 
 from __future__ import annotations
 
