@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
+from bench_files import PAIRS, a_bench, a_row
 from hypothesis import given
 from hypothesis import strategies as st
 from replays import run, small
@@ -135,3 +136,20 @@ def test_options_that_exclude_it(other):
 def test_no_misses_unless_asked_for():
     assert RunOptions.of({"trace": "walk"}).miss is None
     assert RunOptions.of({"trace": "walk", "miss": "warp=20"}).miss == Misses((20.0,))
+
+
+def test_a_governor_reacts_to_the_given_times(tmp_path):
+    # The middle one takes three eighths of the best, 0.94 refreshes for both eyes.
+    levels = zip(PAIRS, (1.0, 3.0, 8.0), (0.3, 0.2, 0.1), strict=True)
+    bench = a_bench(tmp_path / "bench.json", [a_row(*pair, took, flip) for pair, took, flip in levels])
+    slow = parse_misses(f"warp={2.5 * PERIOD_MS}")
+    auto = {"warp": "auto", "bench": bench, "budget_ms": PERIOD_MS / 2, "seconds": 1.5}
+    governed = run(tmp_path / "on", miss=slow, **auto)
+    changes = governed.summary["auto"]["changes"]
+    first = governed.rows[0]
+    fixed = run(tmp_path / "off", miss=slow, seconds=1.5, warp=first["warp"], fill=first["fill"])
+    assert changes and changes[0]["from"] != changes[0]["to"]
+    assert governed.summary["miss"]["stale_share"] < fixed.summary["miss"]["stale_share"]
+    # The last picture by the level before is that of the change.
+    before = {row["frame"]: (row["warp"], row["fill"]) for row in governed.rows}
+    assert before[changes[0]["frame"]] == (first["warp"], first["fill"])
