@@ -150,6 +150,13 @@ class Pipeline:
         self._made.append(made)
         return made
 
+    def compensator_of_shown(self, plan: Plan) -> Compensator:
+        """Return a compensator for finished pictures, before the lens; freed with the pipeline."""
+        sizes = attrs.evolve(self.sizes, rendered=self.sizes.shown)
+        made = _compensator(self._options, self.gpu, plan, self.lens_of, sizes, self.geometry)
+        self._made.append(made)
+        return made
+
     def exchange(self, plan: Plan) -> None:
         """Run this plan from now on, and free the one that it replaces.
 

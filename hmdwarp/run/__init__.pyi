@@ -21,6 +21,9 @@ from .markers import Markers as Markers
 from .markers import MarkerStream as MarkerStream
 from .markers import NoMarkers as NoMarkers
 from .markers import load_lsl as load_lsl
+from .misses import Misses as Misses
+from .misses import miss_figures as miss_figures
+from .misses import parse_misses as parse_misses
 from .options import LiveOptions as LiveOptions
 from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions

@@ -8,11 +8,12 @@ from ..link import ResponseTime
 from ..metrics import QUALITY
 from ..pipeline.loop import Refresh
 from ..poses import PoseTrack
-from .frame_rows import Moment, Row, Stages, stage_columns
+from .frame_rows import NOT_KNOWN, STAGE_COLUMNS, Moment, Row, Stages, stage_columns
 from .speeds import speeds_at
 from .timeline import Timeline
 
 _NOT_MEASURED = dict.fromkeys(QUALITY)
+_NO_PASSES = dict(zip(STAGE_COLUMNS, NOT_KNOWN, strict=True))
 
 
 class ReplayLog:
@@ -26,22 +27,23 @@ class ReplayLog:
         self._track = track
         # Two for each refresh; figures are made from them.
         self.rows: list[Row] = []
-        # One for each refresh.
+        # One for each refresh with a new picture.
         self.responses: list[ResponseTime] = []
         self.timeline = Timeline()
         # One for each refresh.
         self.moments: list[Moment] = []
 
-    def add(self, refresh: Refresh) -> None:
-        """Add the next refresh."""
+    def add(self, refresh: Refresh, *, stale: bool = False) -> None:
+        """Add the next refresh. stale: it shows a picture again, and no passes ran."""
         speeds = speeds_at(self._track, refresh.shown_ns)
         moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
         self.moments.append(moment)
-        self.responses.append(refresh.response)
+        if not stale:
+            self.responses.append(refresh.response)
         self.timeline.add(refresh)
         figures = moment.figures()
         for eye, stages in enumerate(refresh.stage_ms):
-            self.rows.append({**figures, "eye": eye, **stage_columns(stages)})
+            self.rows.append({**figures, "eye": eye, **(_NO_PASSES if stale else stage_columns(stages))})
 
     def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
         """Add the figures of the measured refreshes, by (frame, eye)."""

@@ -27,6 +27,7 @@ from ..options import (
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
+from .misses import Misses, parse_misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -82,6 +83,15 @@ class RunOptions(PipelineOptions):
     )
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
+    # A client that takes time; None for one that is always ready.
+    miss: Misses | None = option(
+        None,
+        "A client that misses refreshes: its time for a picture, warp=MS, FILE or measured; ,budget=MS (default: a "
+        "refresh) and ,show=turned or stands.",
+        kind=str,
+        default="",
+        parse=parse_misses,
+    )
     trace_options: TraceOptions = group(TraceOptions)
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
@@ -96,10 +106,23 @@ class RunOptions(PipelineOptions):
         super().__attrs_post_init__()
         if not self.trace and not self.is_recorded:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
+        if self.miss is not None:
+            self._check_miss()
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
                 f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"
             )
+
+    def _check_miss(self) -> None:
+        excluded = {
+            "--fused": self.fused,
+            f"--scanout {self.scanout_ms:g}": self.scanout_ms > 0,
+            "--frames": self.is_recorded,
+            "--connect": self.feed.is_used,
+        }
+        for name, said in excluded.items():
+            if said:
+                raise InputError(f"--miss with {name}: a picture that stands is not shown there; leave one of them out")
 
     @property
     def compared(self) -> tuple[tuple[str, str], ...]:

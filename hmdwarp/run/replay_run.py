@@ -24,8 +24,10 @@ from ..pipeline.remote_server import RemoteServer
 from ..report import OutputFolder, VideoWriter
 from .frame_rows import Row
 from .guard import settled
+from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
+from .misses import about_misses
 from .options import RunOptions
 from .recorded_frames import about_second_eye, second_eye
 from .replay_results import ReplayResult, result_of, write_results
@@ -65,13 +67,17 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
         ) as pool:
             probe = Probe(setup, pool, _keep_every(setup))
-            log = _run(setup, probe, out, progress)
+            log, late = _run(setup, probe, out, progress)
         _note_truth(setup, probe)
         if setup.remote is not None:
             _write_delays(setup, setup.remote, out)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        if late is not None:
+            more["miss"] = late.entry()
+            setup.notes.append(about_misses(more["miss"]))
+            out.write_csv("misses.csv", late.rows(), MISS_COLUMNS)
         if probe.clips is not None:
             more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
@@ -144,25 +150,32 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool,
     ):
         probe = Probe(setup, pool, _keep_every(setup))
-        log = _run(setup, probe, None, progress)
+        log, late = _run(setup, probe, None, progress)
         pool.wait()
         _note_truth(setup, probe)
         log.measured(_figures(pool, MAIN))
         more = {} if probe.clips is None else {"jod": _rated(probe.clips)}
+        if late is not None:
+            more["miss"] = late.entry()
         summary = result_of(setup, log, [], more).summary
         return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)
 
 
-def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
+def _run(
+    setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress
+) -> tuple[ReplayLog, LateClient | None]:
     log, count = ReplayLog(setup.track), 0
+    misses = setup.options.miss
+    late = LateClient(setup, misses) if misses is not None else None
     with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
-            refresh = setup.loop.show(instant_ns) if number >= 0 else None
-            if refresh is not None:
-                log.add(refresh)
+            seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
+            if seen is not None:
+                refresh = seen.refresh
+                log.add(refresh, stale=seen.stale)
                 if events is not None:
-                    events.add(refresh)
+                    _add_event(events, seen)
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
@@ -171,7 +184,23 @@ def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: P
             progress(count, setup.schedule.count)
     if not count:
         raise InputError(_nothing_arrived(setup))
-    return log
+    return log, late
+
+
+def _seen(setup: ReplaySetup, late: LateClient | None, number: int, instant_ns: int) -> Seen | None:
+    if late is not None:
+        return late.at(number, instant_ns)
+    refresh = setup.loop.show(instant_ns)
+    return Seen(refresh, stale=False, work_ns=None) if refresh is not None else None
+
+
+def _add_event(events: TraceEvents, seen: Seen) -> None:
+    if seen.work_ns is not None:
+        events.work(*seen.work_ns)
+    if seen.stale:
+        events.missed(seen.refresh)
+    else:
+        events.add(seen.refresh)
 
 
 def _nothing_arrived(setup: ReplaySetup) -> str:

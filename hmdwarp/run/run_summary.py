@@ -31,6 +31,7 @@ OWNED = (
     "frames.csv",
     "delays.csv",
     "jod.csv",
+    "misses.csv",
     "report.html",
     "replay.mp4",
 )
@@ -119,6 +120,7 @@ def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> 
     accurate, with their expected time and error, and the number of refreshes that each rendered.
     changes: time_s and frame of the last picture made by `from`, and the reason.
     """
+    made = [row for row in rows if row["eye"] == 0 and row["total_ms"] is not None]
     ran = Counter((row["warp"], row["fill"]) for row in rows if row["eye"] == 0)
     levels = [
         {
@@ -134,8 +136,8 @@ def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> 
     ]
     changes = [
         {
-            "time_s": rows[2 * change.refresh]["time_s"],
-            "frame": change.refresh,
+            "time_s": made[change.refresh]["time_s"],
+            "frame": made[change.refresh]["frame"],
             "from": str(change.before),
             "to": str(change.after),
             "reason": change.reason,

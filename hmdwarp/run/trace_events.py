@@ -51,6 +51,7 @@ class TraceEvents:
         self._transit: TransitStats | None = None
         self._frame_at: tuple[int, int] = (0, 0)
         self._shown: Refresh | None = None
+        self._is_missed = False
         self._lines = Lines(path, force=force)
         self._lines.add("[\n")
         for row, name in _NAMES.items():
@@ -73,6 +74,20 @@ class TraceEvents:
         self._put({"ph": "s", **flow, **self._where(FRAMES, lane, at_ns)})
         self._add_passes(refresh, submitted_ns, flow)
         self._shown = refresh
+
+    def work(self, start_ns: int, end_ns: int) -> None:
+        """Add how long the client worked on the picture of the next refresh, on the run's clock."""
+        lane = self._lane(CLIENT, start_ns, end_ns)
+        self._slice(CLIENT, lane, f"work for refresh {self._next}", start_ns, end_ns, {"clock": SIMULATED})
+
+    def missed(self, refresh: Refresh) -> None:
+        """Add a refresh at which no new picture was ready: one that was seen before is shown."""
+        self._end_refresh(refresh.shown_ns)
+        self._shown, self._is_missed = refresh, True
+
+    @property
+    def _next(self) -> int:
+        return self._refreshes + (self._shown is not None)
 
     def _add_frame(self, refresh: Refresh) -> None:
         """Add the way of a frame that is shown for the first time."""
@@ -122,18 +137,22 @@ class TraceEvents:
     def _end_refresh(self, next_ns: int | None) -> None:
         """Add the refresh before, which lasts until the next."""
         refresh, self._shown = self._shown, None
+        missed, self._is_missed = self._is_missed, False
         if refresh is None:
             return
         start_ns, number = refresh.shown_ns, self._refreshes
         end_ns = next_ns if next_ns is not None else start_ns + self._period_ns
         lane = self._lane(DISPLAY, start_ns, end_ns)
         about = {"refresh": number, "frame": refresh.transit.number, "age_ms": refresh.age_ns * 1e-6}
-        self._slice(DISPLAY, lane, f"refresh {number}", start_ns, end_ns, about)
+        name = f"refresh {number}, missed" if missed else f"refresh {number}"
+        self._slice(DISPLAY, lane, name, start_ns, end_ns, about)
+        self._refreshes += 1
+        if missed:
+            return
         if self._scanout_ns:
             self._slice(DISPLAY, lane, "scan-out", start_ns, min(end_ns, start_ns + self._scanout_ns), about)
         flow = {"id": number, "cat": "shown", "name": f"frame {refresh.transit.number}", "bp": "e"}
         self._put({"ph": "f", **flow, **self._where(DISPLAY, lane, start_ns)})
-        self._refreshes += 1
 
     def _lane(self, row: int, start_ns: int, end_ns: int) -> int:
         """Return the first lane that is free from then on, and take it."""

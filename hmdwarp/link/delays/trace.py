@@ -46,25 +46,25 @@ class DelayTrace(DelayModel):
         return (round(delay * 1e6) for delay in itertools.cycle(self.delays_ms))
 
 
-def read_delays(path: Path) -> list[float]:
+def read_delays(path: Path, what: str = "delay") -> list[float]:
     """Read the delays in ms of a text file with one number a line.
 
-    # starts a comment; the first line may be a heading. Errors: InputError with file, line and
-    value.
+    # starts a comment; the first line may be a heading. what: what a number is, for messages.
+    Errors: InputError with file, line and value.
     """
     try:
         with path.open(encoding="utf-8-sig") as file:
-            delays = list(_numbers(path, file))
+            delays = list(_numbers(path, file, what))
     except OSError as error:
-        raise InputError(f"{path}: the delay trace cannot be read ({error.strerror or error})") from error
+        raise InputError(f"{path}: the {what} trace cannot be read ({error.strerror or error})") from error
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file; expected one delay in milliseconds a line") from error
+        raise InputError(f"{path}: not a text file; expected one {what} in milliseconds a line") from error
     if not delays:
-        raise InputError(f"{path}: holds no delay; expected one number of milliseconds a line")
+        raise InputError(f"{path}: holds no {what}; expected one number of milliseconds a line")
     return delays
 
 
-def _numbers(path: Path, lines: Iterator[str]) -> Iterator[float]:
+def _numbers(path: Path, lines: Iterator[str], what: str) -> Iterator[float]:
     may_be_heading, found = True, 0
     for number, line in enumerate(lines, start=1):
         text = line.partition("#")[0].strip()
@@ -75,8 +75,8 @@ def _numbers(path: Path, lines: Iterator[str]) -> Iterator[float]:
             continue
         found += 1
         if found > _MOST_LINES:
-            raise InputError(f"{path}: line {number}: expected at most {_MOST_LINES} delays")
-        yield _delay(path, number, text)
+            raise InputError(f"{path}: line {number}: expected at most {_MOST_LINES} {what}s")
+        yield _delay(path, number, text, what)
 
 
 def _is_heading(text: str) -> bool:
@@ -84,7 +84,7 @@ def _is_heading(text: str) -> bool:
     return text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
 
 
-def _delay(path: Path, number: int, text: str) -> float:
+def _delay(path: Path, number: int, text: str, what: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -92,6 +92,6 @@ def _delay(path: Path, number: int, text: str) -> float:
     if not 0 <= value <= LONGEST_MS:
         shown = text if len(text) <= 40 else text[:37] + "..."
         raise InputError(
-            f"{path}: line {number}: '{shown}': expected one delay in milliseconds, from 0 to {LONGEST_MS:g}"
+            f"{path}: line {number}: '{shown}': expected one {what} in milliseconds, from 0 to {LONGEST_MS:g}"
         )
     return value

@@ -1,0 +1,109 @@
+"""What a client that misses refreshes is given, and what the misses cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ..errors import InputError
+
+MEASURED = "measured"
+SHOWS = (TURNED, STANDS) = ("turned", "stands")
+_WANTED = "expected warp=MS, warp=FILE or warp=measured, and where they matter ,budget=MS and ,show=turned or stands"
+_MOST_MS = 60_000.0
+# Of a refresh: a time of exactly so many periods, given in decimals, is not one refresh more.
+_ROUNDING = 1e-6
+
+
+@attrs.frozen
+class Misses:
+    """How long the client works on a picture, and what is seen when it is late."""
+
+    # Of both eyes, one for each refresh, repeated when they end; () for as long as it took here.
+    times_ms: tuple[float, ...]
+    # None for the display's period.
+    budget_ms: float | None = None
+    # Whether a picture is turned to the newest head at each refresh.
+    turns: bool = True
+
+    def refreshes(self, took_ms: float, period_ms: float) -> int:
+        """Return at which refresh a picture is first seen; 1 for the one it was to be made for.
+
+        The client begins a period before that one, and hands over at most once in a period.
+        """
+        budget_ms = self.budget_ms or period_ms
+        return 1 + max(0, math.ceil((took_ms - budget_ms) / period_ms - _ROUNDING))
+
+
+def parse_misses(text: str) -> Misses | None:
+    """Parse 'warp=20', 'warp=times.csv,budget=8,show=stands' or 'warp=measured'; '' is None.
+
+    A file has one number of milliseconds a line. Errors: InputError.
+    """
+    if not text.strip():
+        return None
+    said: dict[str, str] = {}
+    for part in text.split(","):
+        name, _, value = (bit.strip() for bit in part.partition("="))
+        if name not in ("warp", "budget", "show") or name in said or not value:
+            raise InputError(f"--miss '{text}': {_WANTED}")
+        said[name] = value
+    if "warp" not in said or said.get("show", TURNED) not in SHOWS:
+        raise InputError(f"--miss '{text}': {_WANTED}")
+    budget_ms = _milliseconds(said["budget"], text) if "budget" in said else None
+    if budget_ms is not None and not 0 < budget_ms <= _MOST_MS:
+        raise InputError(f"--miss '{text}': budget {said['budget']}: expected a number above 0, at most {_MOST_MS:g}")
+    return Misses(_times(said["warp"], text), budget_ms, said.get("show", TURNED) == TURNED)
+
+
+def _times(value: str, text: str) -> tuple[float, ...]:
+    if value == MEASURED:
+        return ()
+    try:
+        number = float(value)
+    except ValueError:
+        from ..link.delays.trace import read_delays
+
+        return tuple(read_delays(Path(value), "time"))
+    if not 0 <= number <= _MOST_MS:
+        raise InputError(f"--miss '{text}': warp {value}: expected 0 to {_MOST_MS:g} ms")
+    return (number,)
+
+
+def _milliseconds(value: str, text: str) -> float:
+    try:
+        return float(value)
+    except ValueError:
+        raise InputError(f"--miss '{text}': {_WANTED}") from None
+
+
+def miss_figures(stale: Sequence[bool], off_deg: Sequence[float]) -> dict[str, Any]:
+    """Return what the misses of a run cost.
+
+    stale: of each refresh, whether it showed a picture again. off_deg: the angle between the head
+    that the picture was shown for and the head at that refresh.
+    stale_share: 0..1. longest_stale: refreshes in a row without a new picture. judder_deg: RMS of
+    the change of that angle from each refresh to the next; 0 for a single refresh.
+    """
+    longest = run = 0
+    for one in stale:
+        run = run + 1 if one else 0
+        longest = max(longest, run)
+    changes = [after - before for before, after in zip(off_deg, off_deg[1:], strict=False)]
+    judder = math.sqrt(math.fsum(change**2 for change in changes) / len(changes)) if changes else 0.0
+    return {"stale_share": sum(stale) / len(stale), "longest_stale": longest, "judder_deg": judder}
+
+
+def about_misses(entry: dict[str, Any]) -> str:
+    """Return the `miss` of summary.json as a sentence or two."""
+    told = (
+        f"The client misses refreshes: {100 * entry['stale_share']:.1f} % showed a picture again, at most "
+        f"{entry['longest_stale']} in a row; judder {entry['judder_deg']:.3f} deg RMS."
+    )
+    how = "was turned to the newest head" if entry["show"] == TURNED else "stood as it was"
+    clock = "as measured here, not the same in every run" if entry["times"] == MEASURED else "as given"
+    return f"{told} A late picture {how}; the client's times are {clock}."
