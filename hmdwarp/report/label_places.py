@@ -17,9 +17,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _RADII = (1.5, 4, 7, 11, 16, 22, 29, 37, 48, 62, 80, 105, 140, 190, 260, 340)
-_DIRECTIONS = 20
+_DIRECTIONS = 32
 _SWEEPS = 4
 _GAP = 1.0  # kept free around every label
+_LONG = 40.0  # a leader of that length counts twice: its name is hard to find
+# A label whose place costs more tries others, and those in its way move on: how many each may try.
+_BAD, _TRIES, _KEPT = 40.0, 24, 50
 # Penalties of a place, in points of distance.
 _COVERS, _CUT, _CROSSES, _PASSES, _OVER_LINE, _DOUBTFUL = 1e5, 3e4, 1e4, 60.0, 400.0, 32.0
 
@@ -51,20 +54,15 @@ def place_labels(
     choices = [_Places.of(i, points, sizes[i], area, clearance, line, rest) for i in range(len(points))]
     middles = np.stack([own.mean(axis=0) for own in points])
     crowd = np.linalg.norm(middles[:, None] - middles[None], axis=2).clip(max=120).sum(axis=1)
-    best, least = np.zeros((len(points), 2)), np.inf
-    for order in (
-        np.argsort(crowd, kind="stable"),
-        np.argsort(-middles[:, 0], kind="stable"),
-        np.argsort(middles[:, 1], kind="stable"),
-    ):
-        corners, cost = _settled(choices, order)
-        if cost < least:
-            best, least = corners, cost
-    return best
+    orders = (crowd, -middles[:, 0], middles[:, 1])
+    settled = [_settled(choices, np.argsort(order, kind="stable")) for order in orders]
+    chosen, _ = min(settled, key=lambda found: found[1])
+    near = [choice.cheapest(at) for choice, at in zip(choices, chosen, strict=True)]
+    return np.concatenate([choice.boxes for choice in near])[_Costs.of(near).exchanged(), :2]
 
 
-def _settled(choices: list[_Places], order: NDArray) -> tuple[Array, float]:
-    """Place one label after the other, then each anew until none moves; return corners and cost."""
+def _settled(choices: list[_Places], order: NDArray) -> tuple[NDArray, float]:
+    """Place one label after the other, then each anew until none moves; return places and cost."""
     chosen, costs = np.full(len(choices), -1), np.zeros(len(choices))
     for _ in range(_SWEEPS):
         before = chosen.copy()
@@ -72,12 +70,60 @@ def _settled(choices: list[_Places], order: NDArray) -> tuple[Array, float]:
             others = [choices[i].place(chosen[i]) for i in range(len(choices)) if i != index and chosen[i] >= 0]
             cost = choices[index].cost
             if others:
-                cost = cost + choices[index].quarrels(*map(np.stack, zip(*others, strict=True)))
+                cost = cost + choices[index].quarrels(*map(np.stack, zip(*others, strict=True))).sum(axis=1)
             chosen[index] = np.argmin(cost)
             costs[index] = cost[chosen[index]]
         if np.array_equal(before, chosen):
             break
-    return np.stack([choice.boxes[at, :2] for choice, at in zip(choices, chosen, strict=True)]), float(costs.sum())
+    return chosen, float(costs.sum())
+
+
+@attrs.frozen(eq=False)
+class _Costs:
+    """What the places of all labels cost, p of them, by themselves and beside each other."""
+
+    ranges: list[NDArray]  # the places of each label, the one it has first
+    own: Array  # (p)
+    beside: Array  # (p, p), 0 between places of one label
+
+    @classmethod
+    def of(cls, choices: list[_Places]) -> _Costs:
+        ends = np.cumsum([len(choice.cost) for choice in choices])
+        ranges = np.split(np.arange(ends[-1]), ends[:-1])
+        placed = [np.concatenate([getattr(choice, part) for choice in choices]) for part in ("boxes", "starts", "tips")]
+        beside = np.concatenate([choice.quarrels(*placed) for choice in choices])
+        for own in ranges:
+            beside[np.ix_(own, own)] = 0
+        return cls(ranges, np.concatenate([choice.cost for choice in choices]), beside)
+
+    def exchanged(self) -> NDArray:
+        """Give labels with bad places better ones where those in the way find others."""
+        chosen = np.array([own[0] for own in self.ranges])
+        for _ in range(_SWEEPS):
+            costs, before = self._of(chosen), chosen
+            for label in np.argsort(-costs, kind="stable"):
+                if costs[label] <= _BAD:
+                    break
+                for place in self.ranges[label][1 : 1 + _TRIES]:
+                    trial = self._with_room(chosen, int(label), int(place))
+                    if self._of(trial).sum() < self._of(chosen).sum():
+                        chosen = trial
+            if chosen is before:
+                break
+        return chosen
+
+    def _of(self, chosen: NDArray) -> Array:
+        """Return what each label's place costs beside the others'."""
+        return self.own[chosen] + self.beside[np.ix_(chosen, chosen)].sum(axis=1)
+
+    def _with_room(self, chosen: NDArray, label: int, place: int) -> NDArray:
+        """Return the places after a label has moved to one, and those in its way have moved on."""
+        trial = chosen.copy()
+        trial[label] = place
+        for other in np.flatnonzero(self.beside[place, trial]):
+            own, rest = self.ranges[other], np.delete(trial, other)
+            trial[other] = own[np.argmin(self.own[own] + self.beside[np.ix_(own, rest)].sum(axis=1))]
+        return trial
 
 
 @attrs.frozen(eq=False)
@@ -105,7 +151,8 @@ class _Places:
         starts, tips = leaders(points[index], boxes)
         reach = np.linalg.norm(tips - starts, axis=1)
         way = corners + size / 2 - starts
-        cost = reach + 3 * np.abs(np.arctan2(way[:, 1], way[:, 0]))  # to the right, if all else is nearly equal
+        aside = np.abs(np.arctan2(way[:, 1], way[:, 0]))  # to the right, if all else is nearly equal
+        cost = reach * (1 + reach / _LONG) + 3 * aside
         outside = np.maximum(-boxes[:, :2], boxes[:, 2:] - np.asarray(area)).clip(min=0).sum(axis=1)
         cost += np.where(outside > 0, 2 * _COVERS + 100 * outside, 0)
         cost += _COVERS * boxes_touch(boxes, _squares(np.concatenate([*points, others]), clearance)).sum(axis=1)
@@ -126,12 +173,17 @@ class _Places:
         """Return one of them: box, start and tip."""
         return self.boxes[at], self.starts[at], self.tips[at]
 
+    def cheapest(self, first: int) -> _Places:
+        """Return those that cost least, after the one that comes first."""
+        order = np.argsort(self.cost, kind="stable")[:_KEPT]
+        kept = np.concatenate([[first], order[order != first]])
+        return _Places(self.boxes[kept], self.starts[kept], self.tips[kept], self.cost[kept])
+
     def quarrels(self, boxes: Array, starts: Array, tips: Array) -> Array:
-        """Return the cost of each place beside placed labels: boxes (n, 4), leaders (n, 2)."""
-        cost = _COVERS * boxes_touch(self.boxes, boxes, _GAP).sum(axis=1)
-        cost += _CUT * segments_hit(self.starts, self.tips, boxes).sum(axis=1)
-        cost += _CUT * segments_hit(starts, tips, self.boxes).sum(axis=0)
-        return cost + _CROSSES * _segments_cross(self.starts, self.tips, starts, tips).sum(axis=1)
+        """Return the cost (k, n) of each place beside n others: boxes (n, 4), leaders (n, 2)."""
+        cut = segments_hit(self.starts, self.tips, boxes) + segments_hit(starts, tips, self.boxes).T.astype(np.float64)
+        crossed = _segments_cross(self.starts, self.tips, starts, tips)
+        return _COVERS * boxes_touch(self.boxes, boxes, _GAP) + _CUT * cut + _CROSSES * crossed
 
 
 def _squares(points: Array, half: float) -> Array:
