@@ -72,7 +72,9 @@ def likeness(search: Search, reading: Reading) -> float:
 
 def agreement(search: Search, reading: Reading) -> float:
     """Return the share of the points seen in both frames whose depths agree."""
-    found = search.coarse.residuals(reading)
+    # Counted from infinity, as depths are: numbers that hardly differ agree with anything.
+    infinity = reading.end - reading.offset / reading.factor
+    found = search.coarse.residuals(attrs.evolve(reading, end=infinity, offset=0.0) if not reading.along else reading)
     known = found.seen & ~np.isnan(found.depth)
     return float((np.abs(found.depth[known]) < CLOSE).mean()) if known.any() else 0.0
 
