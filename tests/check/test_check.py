@@ -94,7 +94,7 @@ def test_the_numbers_are_those_that_were_wrong(in_the_room):
 
 
 def test_numbers_that_hardly_differ_do_not_agree_with_any_reading(gpu):
-    """Reversed depth read as if it were not: three of four numbers lie within a fifth of each other."""
+    """Reversed depth read as if it were not: three of four numbers lie within a fifth."""
     recorded = recordings(gpu, ["room"], 4, np.random.default_rng(1))[3]
     rng = np.random.default_rng([2, 26])
     rng.integers(8)  # check_rates draws the recording first: these are the frames of its case 26
