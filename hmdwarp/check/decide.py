@@ -145,10 +145,21 @@ def _possible(search: Search, reading: Reading) -> bool:
 
 
 def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
-    """Return the best one, or one of fewer changes that is not surely worse."""
+    """Return the best one, or one of fewer changes that is not surely worse.
+
+    Nor is one under which more depths agree, and pictures are more alike: the cost of numbers that
+    hardly differ is small under any reading.
+    """
     best = min(candidates, key=lambda one: float(one.cost.sum()))
-    least = _AS_GOOD * agreement(search, best.reading)
-    as_good = [one for one in candidates if margin(one, best) < SURE and agreement(search, one.reading) >= least]
+    most, alike = agreement(search, best.reading), likeness(search, best.reading)
+
+    def is_as_good(one: Candidate) -> bool:
+        share = agreement(search, one.reading)
+        if margin(one, best) < SURE and share >= _AS_GOOD * most:
+            return True
+        return share >= most and likeness(search, one.reading) >= alike
+
+    as_good = [one for one in candidates if is_as_good(one)]
     return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
 
 

@@ -32,6 +32,7 @@ from .feed_coding import FeedDecoder, codec_of, depth_error
 from .feed_layers import made, misfit, wanted_of
 from .layers_read import Reads
 from .remote_server import upload_eye
+from .views_apart import ViewsApart
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,6 +60,7 @@ class _Pending:
     drawn_ns: int
     sent_ns: int
     size: tuple[int, int]
+    views: tuple[View, ...]
     wanted: Wanted | None
 
 
@@ -99,6 +101,7 @@ class Remote:
         self._decoder, self._anew_number = FeedDecoder(), 0
         # What was wrong with the layers of the last frame that was left out.
         self._misfit = ""
+        self._apart = ViewsApart()
         # How frames are to be coded; raw until it is said.
         self.wish, self._format = Wish(), ANY
         self._paced: tuple[int, int] | None = None
@@ -129,7 +132,7 @@ class Remote:
         times = (self._number, 0, now_ns, head.time_ns, 0)
         ask = Ask(*times, grown, head.pose, wide, wish=self.wish, anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(ask)
-        self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown, wanted)
+        self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown, wide, wanted)
         while len(self._pending) > _MOST_PENDING:
             del self._pending[next(iter(self._pending))]
             self.unanswered += 1
@@ -219,7 +222,7 @@ class Remote:
                 del self._pending[older]
                 self.unanswered += 1
             pending = self._pending.pop(number)
-            if arrival.frame.size != pending.size:
+            if arrival.frame.size != pending.size or len(arrival.frame.views) != len(pending.views):
                 self.refused += 1
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
@@ -231,6 +234,7 @@ class Remote:
             if wrong := misfit(decoded, pending.wanted):
                 self._leave_out(wrong)
                 continue
+            self._compare(pending.views, decoded.views)
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
@@ -239,6 +243,16 @@ class Remote:
             if self._keeps:
                 self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
+
+    def _compare(self, asked: Sequence[View], drawn: Sequence[View]) -> None:
+        told = bool(self._apart)
+        for pair in zip(asked, drawn, strict=True):
+            self._apart.take(*pair)
+        if self._apart and not told:
+            self._say(
+                f"{self._caller.address}: it draws other views than it is asked for, {self._apart}; what it has not "
+                "drawn is a hole"
+            )
 
     def _leave_out(self, wrong: str) -> None:
         self.refused += 1
@@ -278,6 +292,7 @@ class Remote:
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,
+            "views_off": attrs.asdict(self._apart),
             "malformed": self._caller.malformed + self.refused,
         }
 

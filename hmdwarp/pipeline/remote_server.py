@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ..errors import HmdwarpError, counted
@@ -17,11 +15,10 @@ from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..scenes import Scene
 from ..server import Server, Target
+from .views_apart import ViewsApart
 
 # The scene's name where the server's own is shown, whatever it is.
 SERVER_SCENE = "server"
-# What rounding leaves of two equal poses.
-_SAME_DEG, _SAME_M = 1e-4, 1e-6
 
 
 class NoTruth(HmdwarpError):
@@ -52,18 +49,14 @@ class RemoteServer(Server):
     def __init__(self, gpu: Gpu, feed: FeedOptions) -> None:
         super().__init__(gpu, scene_elsewhere(feed.connect))
         self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
-        # How far the drawn views were from those that were asked for, at most.
-        self.turned_deg = self.moved_m = 0.0
+        self._apart = ViewsApart()
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
         found = self._viewer.fetch(view, size, time_ns)
         if found is None:
             raise NoTruth("the server has not drawn the truth")
-        drawn = found.views[0].pose
-        turn = (drawn.rotation.inv() * view.pose.rotation).magnitude()
-        self.turned_deg = max(self.turned_deg, math.degrees(turn))
-        self.moved_m = max(self.moved_m, float(np.linalg.norm(drawn.position_m - view.pose.position_m)))
+        self._apart.take(view, found.views[0])
         target = into if into is not None else self.acquire(size)
         upload_eye(target, found, 0)
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns)
@@ -71,11 +64,8 @@ class RemoteServer(Server):
     def about(self, untold: int) -> str:
         """Return what the truth is, in a sentence or two; untold: pictures that lack it."""
         told = "The truth is what the server drew for the shown views."
-        if self.turned_deg > _SAME_DEG or self.moved_m > _SAME_M:
-            told += (
-                f" Its views were up to {self.turned_deg:.2f} degrees and {self.moved_m:.3f} m off those: the figures "
-                "count that as error."
-            )
+        if self._apart:
+            told += f" Its views were {self._apart}: the figures count that as error."
         if untold:
             told += f" It drew none for {counted(untold, 'picture')}, which were not measured."
         return told

@@ -50,11 +50,11 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
 
 
 @contextmanager
-def feeder(layers_of=lambda ask: ()):
+def feeder(layers_of=lambda ask: (), views_of=lambda views: views):
     """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.
 
     A red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
-    comes beside it.
+    comes beside it. views_of(views): those that are drawn where these are asked for.
     """
     listener, done = Listener("127.0.0.1:*"), threading.Event()
 
@@ -71,7 +71,7 @@ def feeder(layers_of=lambda ask: ()):
             stripe = slice(2 * wide // 5, 3 * wide // 5)
             colour[:, stripe], flat[:, stripe] = (1, 0, 0, 1), 0.5
             frame = attrs.evolve(
-                FRAME, number=ask.number, views=ask.views, colours=(colour,) * 2, inverse_depths=(flat,) * 2
+                FRAME, number=ask.number, views=views_of(ask.views), colours=(colour,) * 2, inverse_depths=(flat,) * 2
             )
             listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0, layers=layers_of(ask)))
 

@@ -1,6 +1,9 @@
 """`hmdwarp live --connect`: the live loop with frames from another process."""
 
+import itertools
+
 import attrs
+import numpy as np
 import pytest
 from replays import rows_of
 from run.offscreen import OffscreenDisplay, run_on
@@ -8,6 +11,7 @@ from run.offscreen import OffscreenDisplay, run_on
 from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
 from hmdwarp.feed.options import FeedOptions
+from hmdwarp.geometry import Fov
 from hmdwarp.run import LiveOptions, live
 
 from .exchange import feeder
@@ -89,6 +93,28 @@ def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(mo
         summary = run_on(monkeypatch, display, options(address, pictures=16, effects="none")).summary
     assert sum("sends no layer 'peeled'" in line for line in display.said) == 1
     assert summary["link"]["feed"]["malformed"] > 0 and display.pictures[-1].std() > 10
+
+
+def test_a_camera_that_stands_elsewhere_is_told_once_with_how_far_off_it_is(monkeypatch):
+    half = Fov(*np.arctan([-0.5, 0.5, -0.5, 0.5]))
+    display = OffscreenDisplay()
+    with feeder(views_of=lambda views: tuple(attrs.evolve(one, fov=half) for one in views)) as address:
+        summary = run_on(monkeypatch, display, options(address, pictures=6, guard="1")).summary
+        (told,) = [line for line in display.said if "other views than it is asked for" in line]
+    off = summary["link"]["feed"]["views_off"]
+    assert off["turned_deg"] == pytest.approx(0, abs=1e-5) and off["moved_m"] == pytest.approx(0, abs=1e-9)
+    assert 0 < off["field_share"] < 1 and f"with {off['field_share']:.0%} of the field of view" in told
+    with feeder() as address:
+        same = run_on(monkeypatch, OffscreenDisplay(), options(address, pictures=6)).summary["link"]["feed"]
+    assert same["views_off"]["field_share"] == pytest.approx(1)
+
+
+def test_a_frame_of_one_eye_where_two_are_asked_for_is_left_out(monkeypatch):
+    """The first ones have both: else the server would not be one."""
+    count = itertools.count()
+    with feeder(views_of=lambda views: views if next(count) % 3 else views[:1]) as address:
+        summary = run_on(monkeypatch, OffscreenDisplay(), options(address, pictures=9)).summary
+    assert summary["link"]["feed"]["malformed"] > 0
 
 
 def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):

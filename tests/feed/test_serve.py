@@ -50,9 +50,9 @@ def pictures(monkeypatch, options) -> dict[int, tuple[int, list]]:
     found = {}
     add = ReplayLog.add
 
-    def look(log, refresh):
+    def look(log, refresh, **more):
         found[refresh.shown_ns] = refresh.age_ns, [download(eye.shown.texture) for eye in refresh.eyes]
-        add(log, refresh)
+        add(log, refresh, **more)
 
     with monkeypatch.context() as patched:
         patched.setattr(ReplayLog, "add", look)
