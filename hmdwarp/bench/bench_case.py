@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 
 import attrs
 
@@ -15,9 +16,9 @@ from ..run.options import RunOptions
 from ..run.recorded_frames import own_trace
 from ..run.replay_setup import schedule_for
 from ..scenes import load_scene
-from ..sequences import Sequence
+from ..sequences import Sequence as RecordedFrames
 from ..sequences import open as open_sequence
-from .cases import cases_of, combinations_of, run_options
+from .cases import cases_of, combinations_of, own_run, run_options
 from .options import BenchOptions
 
 
@@ -36,7 +37,16 @@ class BenchCase:
     @property
     def warped(self) -> list[Combination]:
         """The combinations that compare warps with each other."""
-        return [c for c in self.combinations if not c.is_outside and not c.strategy]
+        return [c for c in self.combinations if not c.is_outside and not c.strategy and not c.has_own_frames]
+
+    def run_of(self, batch: Sequence[Combination]) -> RunOptions:
+        """Return the run that draws the late frames of a batch: its own, or the shared one."""
+        if not any(c.has_own_frames for c in batch):
+            return self.run
+        (combination,) = batch
+        if combination.strategy:
+            return own_run(self.options, self.case, strategy=combination.strategy)
+        return own_run(self.options, self.case, warp=combination.warp, fill=combination.fill)
 
     def batched(self, most_bytes: float) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together."""
@@ -74,7 +84,7 @@ def prepared(options: BenchOptions) -> BenchCase:
     return BenchCase(options, case, headset, run, combinations, len(instants_of(count, options.instants)))
 
 
-def sequence_of(options: BenchOptions) -> Sequence | None:
+def sequence_of(options: BenchOptions) -> RecordedFrames | None:
     """Return the recorded frames of the options, None for a scene."""
     return None if options.frames is None else open_sequence(options.frames, options.sequence_options)
 

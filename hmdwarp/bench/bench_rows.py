@@ -11,6 +11,7 @@ from ..client.capability import lacking
 from ..clients import Client
 from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, blocks_text, pooled
 from ..run.combination_bench import Measured
+from ..run.combinations import Case
 from ..run.replay_results import summary_of_rows
 from ..run.replay_setup import ReplaySetup
 from .cases import baselines
@@ -64,7 +65,7 @@ WHOLE = ("frames", "width", "height", "cpu_count")
 
 
 def row_of(
-    setup: ReplaySetup, measured: Measured, pool: QualityPool, bytes_per_s: float, client: Client
+    setup: ReplaySetup, case: Case, measured: Measured, pool: QualityPool, bytes_per_s: float, client: Client
 ) -> dict[str, Any]:
     """Return one row of bench.json.
 
@@ -81,6 +82,7 @@ def row_of(
     rendered_pixels, shown_pixels = (w * h for w, h in (setup.pipeline.sizes.rendered, setup.pipeline.sizes.shown))
     return {
         **base,
+        "latency_ms": case.latency_ms,  # of the whole way, with a proxy too
         **({"strategy": combination.strategy} if combination.strategy else {}),
         "frames": len(pictures),
         "client": client.name,

@@ -99,9 +99,10 @@ def check_room(works: Sequence[BenchCase]) -> None:
     """Check that this machine can hold what each case needs. Errors: as check_held."""
     with Gpu() as gpu:
         for work in works:
-            run, headset = work.run, work.headset
-            sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
+            headset = work.headset
             for batch in work.batched(most_bytes(gpu)):
+                run = work.run_of(batch)
+                sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
                 check_held(gpu, run, needs_of(c.plan for c in batch), sizes, run.rate_hz or headset.refresh_hz)
 
 
@@ -149,12 +150,12 @@ class _Runner:
         chosen = work.batched(machine.most_bytes)
         steps, rows = _Steps(work.instants * len(chosen), step), []
         for batch in chosen:
-            with set_up_replay(work.run, needs_of(c.plan for c in batch)) as setup:
+            with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
                 comparison = Comparison(setup, work.case, batch, pool, options.rounds)
                 comparison.run(options.instants, steps)
                 pool.wait()
                 rate = machine.bandwidth.bytes_per_s
-                rows += [row_of(setup, each, pool, rate, client) for each in comparison.measured]
+                rows += [row_of(setup, work.case, each, pool, rate, client) for each in comparison.measured]
         return [{**row, "machine": machine.facts} for row in rows]
 
     def grid(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
@@ -176,7 +177,7 @@ class _Runner:
         options, pool = work.options, self.pool(work.headset, work.case.size)
         lens = options.lens if options.lens != "none" else "radial"
         warps, steps = list(dict.fromkeys(c.warp for c in work.warped)), _Steps(fused_steps(work), step)
-        with set_up_replay(work.run, needs_of(c.plan for c in work.combinations)) as setup:
+        with set_up_replay(work.run, needs_of(c.plan for c in work.warped)) as setup:
             rows = fused.fused_rows(setup, options, warps, lens, pool, work.instants, options.rounds, steps)
             where = summary_of_rows(setup, ("none", "none", lens), [])
         keys = ("scene", "trace", "latency_ms", "size")

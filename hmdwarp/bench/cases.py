@@ -18,18 +18,17 @@ from ..client.variants import (
     parse_warp,
 )
 from ..client.warps import warps
-from ..errors import InputError, MachineError, PlanError, listed
+from ..errors import MachineError, PlanError, listed
 from ..frames.layers import layers
 from ..link import LinkOptions
-from ..pipeline.build import refreshes_of
-from ..pipeline.planning import check_suited
+from ..pipeline.planning import build_plan_for, check_suited
 from ..poses import PoseTrack
 from ..run.combinations import Case, Combination
 from ..run.options import RunOptions
 from ..run.outside import OUTSIDE, missing
-from ..run.schedule import schedule_of
+from ..run.schedule import first_shown_s, schedule_of
 from ..scenes import Scene
-from ..strategies import options_of_strategy
+from ..strategies import has_own_link, options_of_strategy
 from .options import FILLS, BenchOptions
 
 # A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
@@ -104,9 +103,7 @@ def fills_of(options: BenchOptions) -> list[str]:
 def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combination]:
     """Return each warp with each fill, and the strategies.
 
-    Without a scene yet, only the names are checked. Errors: as build_plan; InputError for a
-    strategy that takes more than these, effects and another light: those cannot share the late
-    frames.
+    Without a scene yet, only the names are checked. Errors: as build_plan.
     """
     pairs = pairs_of(options) if options.warps or not options.strategies else []
     own = [
@@ -158,13 +155,11 @@ def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
 
 
 def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
-    sets = options_of_strategy(text)
-    if beyond := sorted({*sets} - {"warp", "fill", "effects", "indirect"}):
-        raise InputError(
-            f"--strategy {text}: it sets {listed(beyond)} too, and all of a bench share the same late frames; "
-            "'hmdwarp compare' runs each for itself"
-        )
-    run = RunOptions.of({"strategy": text}, trace=options.recordings[0])
+    if has_own_link(text):
+        case = Case(options.scenes[0], options.recordings[0], options.latencies_ms[0], options.sizes[0])
+        own = own_run(options, case, strategy=text)
+        return Combination(own.warp, own.fill, build_plan_for(own, None, scene), text, has_own_link=True)
+    sets, run = options_of_strategy(text), RunOptions.of({"strategy": text}, trace=options.recordings[0])
     effects_too = ",".join((options.effects, sets["effects"])) if "effects" in sets else options.effects
     plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too, indirect=run.indirect)
     return Combination(run.warp, run.fill, plan, text)
@@ -236,11 +231,41 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
     return RunOptions(**{**known, **changes})
 
 
+def own_run(options: BenchOptions, case: Case, *, strategy: str = "", warp: str = "", fill: str = "") -> RunOptions:
+    """Return the options of a run of one case for a strategy, or a warp and fill, by itself.
+
+    Its instants, heads and truth are those of `run_options`; a proxy stands on the way that all
+    have. Errors: as RunOptions.
+    """
+    shared = run_options(options, case, lens=options.lens)
+    if not strategy:
+        return attrs.evolve(shared, warp=warp, fill=fill)
+    own = RunOptions.of({"strategy": strategy}, trace=case.recording)
+    own = own.over(case.latency_ms, shared.network, shared.coding)
+    return attrs.evolve(
+        shared,
+        strategy=strategy,
+        warp=own.warp,
+        fill=own.fill,
+        effects=own.effects if "effects" in options_of_strategy(strategy) else shared.effects,
+        indirect=own.indirect,
+        latency_ms=own.latency_ms,
+        proxy=own.proxy,
+        network=own.network,
+        coding=own.coding,
+    )
+
+
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
     """Return the start that suits all latencies; check that each has a frame to show.
 
     Errors: as schedule_of.
     """
+    first = [options.start_s]
     for latency in options.latencies_ms:
-        schedule_of(track, run_options(options, Case("", options.recordings[0], latency, options.sizes[0])), rate_hz)
-    return max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)
+        case = Case("", options.recordings[0], latency, options.sizes[0])
+        own = [own_run(options, case, strategy=text) for text in options.strategies if has_own_link(text)]
+        for run in (run_options(options, case), *own):
+            schedule_of(track, run, rate_hz)
+            first.append(first_shown_s(run, rate_hz))
+    return max(first)

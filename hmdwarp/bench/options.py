@@ -84,12 +84,11 @@ class BenchOptions(Declared):
         "systems do. Settings follow a colon, as in mesh:cut=slope.",
         split=split_names,
     )
-    # Those made of a warp, fills and effects; beside the warps that are named, or alone.
+    # Beside the warps that are named, or alone.
     strategies: tuple[str, ...] = several(
         _RUN.strategy,
         (),
-        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('strategies')}; not those "
-        "that set more than warp, fill, effects and light (proxy, views), see 'hmdwarp compare'.",
+        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('strategies')}.",
         split=split_names,
     )
     fills: tuple[str, ...] = several(

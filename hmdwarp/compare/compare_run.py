@@ -17,7 +17,6 @@ from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..link.codec import codecs
 from ..metrics import QUALITY
-from ..pipeline.build import refreshes_of
 from ..pipeline.planning import build_plan_for
 from ..pipeline.recorded_scene import RecordedScene, headset_of, scene_of
 from ..poses import load_trace
@@ -26,6 +25,7 @@ from ..run.host import refuse_one_eye
 from ..run.options import RunOptions
 from ..run.recorded_frames import ONE_EYE, own_trace
 from ..run.replay_setup import schedule_for
+from ..run.schedule import first_shown_s
 from ..strategies import strategies
 from ..sweep import Separate, SweepCase, Swept, raise_failures, run_cases
 from ..version import __version__
@@ -149,7 +149,9 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
         else:
             left_out.append({"strategy": text, "why": _DUPLICATE.format(scene=scene.name, alike=alike)})
     rate_hz = options.rate_hz or headset.refresh_hz
-    start_s = max(options.start_s, refreshes_of(max(options.latencies_ms), rate_hz) / rate_hz)
+    # From the same refresh on, whoever has to wait longest for the first frame.
+    latest = [_run_options(options, text, options.recordings[0], max(options.latencies_ms), 0.0) for text in chosen]
+    start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
     cases = itertools.product(options.recordings, options.latencies_ms, chosen)
     runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
     sequence = scene.sequence if isinstance(scene, RecordedScene) else None
@@ -174,10 +176,8 @@ def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:
     """Return the options of one run. Errors: as RunOptions.of."""
     by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
-    # The same way for all: a proxy stands somewhere on it.
-    proxy = by_strategy.proxy.within(latency_ms) if by_strategy.proxy.on else by_strategy.proxy
     return attrs.evolve(
-        by_strategy,
+        by_strategy.over(latency_ms, options.network, options.coding),
         scene=options.scene,
         scene_options=options.scene_options,
         sequence_options=options.sequence_options,
@@ -187,11 +187,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
         rate_hz=options.rate_hz,
         start_s=start_s,
         seconds=options.seconds,
-        latency_ms=latency_ms - (proxy.latency_ms if proxy.on else 0.0),
-        proxy=proxy,
         lens="none",
-        network=_with(options.network, by_strategy.network),
-        coding=_with(options.coding, by_strategy.coding),
         trace_options=options.trace_options,
         against="",
         metrics_every=options.metrics_every,
@@ -199,14 +195,6 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
         workers=options.sweep.measuring(options.workers),
         images=1,
     )
-
-
-def _with(chosen: Any, by_strategy: Any) -> Any:
-    """Return the options of a group, with those that the strategy sets."""
-    usual = type(by_strategy)()
-    names = [field.name for field in attrs.fields(type(by_strategy))]
-    sets = {name: value for name in names if (value := getattr(by_strategy, name)) != getattr(usual, name)}
-    return attrs.evolve(chosen, **sets)
 
 
 def _told(text: str) -> dict[str, Any]:

@@ -331,6 +331,20 @@ class PipelineOptions(Declared):
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
 
+    def over(self, latency_ms: float, network: LinkOptions, coding: Coding) -> Self:
+        """Return the options over a link that others share; what they set of it themselves stays.
+
+        latency_ms: of the whole way, on which a proxy stands where there is one.
+        """
+        proxy = self.proxy.within(latency_ms) if self.proxy.on else self.proxy
+        return attrs.evolve(
+            self,
+            latency_ms=latency_ms - (proxy.latency_ms if proxy.on else 0.0),
+            proxy=proxy,
+            network=_beside(network, self.network),
+            coding=_beside(coding, self.coding),
+        )
+
     def _check_recorded(self) -> None:
         asked = {
             "guard": (f"--guard {self.guard}", self.guard == AUTO),
@@ -380,6 +394,14 @@ class PipelineOptions(Declared):
                 "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; "
                 "leave one out"
             )
+
+
+def _beside(shared: Any, own: Any) -> Any:
+    """Return the shared group of options, with those of the own one that are not as usual."""
+    usual = type(own)()
+    names = [field.name for field in attrs.fields(type(own))]
+    sets = {name: value for name in names if (value := getattr(own, name)) != getattr(usual, name)}
+    return attrs.evolve(shared, **sets)
 
 
 def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:

@@ -63,6 +63,21 @@ class Truth:
     inverse_depth: NDArray[np.float32]
 
 
+def all_frames(setup: ReplaySetup, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
+    """Iterate as refreshes does, and draw every frame: for those that depend on each other."""
+    last = max(numbers)
+    for number, instant_ns in setup.schedule.numbered():
+        if number > last:
+            return
+        setup.loop.draw(instant_ns)
+        if number >= 0 and number in numbers:
+            refresh = setup.loop.show(instant_ns)
+            assert refresh is not None
+            yield number, refresh
+        elif number >= 0:
+            setup.channel.newest(instant_ns)  # takes what has arrived, as a client that shows it
+
+
 def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
     """Iterate over the chosen refreshes of a run, counted from 0, in time order.
 
@@ -85,9 +100,10 @@ class Comparison:
     """Compare the combinations of one batch side by side in the loop of one case.
 
     Only the measured refreshes are shown, spread evenly over the recording, plus the refresh before
-    each, which flicker needs; only frames that those use are drawn. Fills that remember see some
-    more refreshes before each. Both eyes are timed; pictures are measured for the left and right
-    eye in turn. Nothing is timed while pictures are measured.
+    each, which flicker needs; only frames that those use are drawn, and every one for a combination
+    that needs it. Fills that remember see some more refreshes before each. Both eyes are
+    timed; pictures are measured for the left and right eye in turn. Nothing is timed while pictures
+    are measured.
     """
 
     def __init__(
@@ -109,7 +125,7 @@ class Comparison:
         before: list[Compared] = []
         neighbours = {number - 1 for number in turns}
         try:
-            for number, refresh in refreshes(self._setup, self._needs, {*turns, *neighbours, *self._run_in(turns)}):
+            for number, refresh in self._refreshes({*turns, *neighbours, *self._run_in(turns)}):
                 if number not in turns and number not in neighbours:
                     self._teach(refresh)
                 if number in turns:
@@ -125,6 +141,11 @@ class Comparison:
             for outside in self._compensators:
                 if isinstance(outside, OpenCvWarp):
                     outside.close()
+
+    def _refreshes(self, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
+        if any(measured.combination.needs_every_frame for measured in self.measured):
+            return all_frames(self._setup, numbers)
+        return refreshes(self._setup, self._needs, numbers)
 
     def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp:
         if combination.is_outside:

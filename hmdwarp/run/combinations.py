@@ -10,6 +10,7 @@ import attrs
 from ..client.history import History
 from ..client.plan import Plan
 from ..frames import Needs
+from ..frames.layers import Layer, layers
 from ..link import Link, LinkOptions, Pacer
 from .outside import OUTSIDE
 from .schedule import Schedule
@@ -45,6 +46,8 @@ class Combination:
     plan: Plan
     # With its settings, if it was asked for as one.
     strategy: str = ""
+    # Whether what is sent when is another than in the run that the others share.
+    has_own_link: bool = False
 
     @property
     def is_outside(self) -> bool:
@@ -55,6 +58,20 @@ class Combination:
     def group(self) -> str:
         """Name of those whose pictures have the same holes: the warp, or the strategy by itself."""
         return self.strategy or self.warp
+
+    @property
+    def needs_every_frame(self) -> bool:
+        """Whether a frame differs if one before it is left out, which no measured refresh shows."""
+        return self.has_own_link or any(layer.builds_on_frames for layer in self._layers)
+
+    @property
+    def has_own_frames(self) -> bool:
+        """Whether it shares no late frames: those of another plan would not do."""
+        return self.needs_every_frame or any(layer.made_from_picture for layer in self._layers)
+
+    @property
+    def _layers(self) -> list[type[Layer]]:
+        return [layers.get(name) for name in self.plan.needs]
 
     @property
     def remembers(self) -> bool:
@@ -68,8 +85,16 @@ def batches(
     """Return groups of combinations that fit in `most_bytes` together.
 
     A group needs its older frames equally far apart; all fills of a warp stay together. Warps that
-    need no older frames join the first group.
+    need no older frames join the first group. What has late frames of its own is a group by itself.
     """
+    own = [[c] for c in combinations if c.has_own_frames]
+    shared = [c for c in combinations if not c.has_own_frames]
+    return (_shared_batches(shared, rendered_size, shown_size, most_bytes) if shared else []) + own
+
+
+def _shared_batches(
+    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
+) -> list[list[Combination]]:
     spacings = sorted({c.plan.needs.others.spacing_ns for c in combinations if c.plan.needs.others.past})
     first = spacings[0] if spacings else 0
     found: list[list[Combination]] = []

@@ -69,9 +69,7 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
         raise InputError(
             f"--start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
         )
-    link = options.client_link
-    link.check(latency_ns(options))
-    age, ahead = refreshes_of(link.longest_ns(latency_ns(options)) / 1e6, rate_hz), refreshes_to_proxy(options, rate_hz)
+    age, ahead = _refreshes_before(options, rate_hz)
     first = (age + ahead) / rate_hz
     if first > length_s:
         raise InputError(
@@ -83,3 +81,15 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
     # Within 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes despite rounding.
     count = max(1, math.floor(seconds * rate_hz + 1e-6))
     return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, count, age, ahead)
+
+
+def first_shown_s(options: RunOptions, rate_hz: float) -> float:
+    """Return the seconds into a trace after which the first frame has arrived for certain."""
+    return sum(_refreshes_before(options, rate_hz)) / rate_hz
+
+
+def _refreshes_before(options: RunOptions, rate_hz: float) -> tuple[int, int]:
+    """Return how many refreshes a frame is under way to the client, and to a proxy before that."""
+    options.client_link.check(latency_ns(options))
+    link_ms = options.client_link.longest_ns(latency_ns(options)) / 1e6
+    return refreshes_of(link_ms, rate_hz), refreshes_to_proxy(options, rate_hz)

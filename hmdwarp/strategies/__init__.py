@@ -25,6 +25,12 @@ def options_of_strategy(text: str) -> dict[str, Any]:
     return strategy.options(settings)
 
 
+def has_own_link(text: str) -> bool:
+    """Return whether a strategy's late frames are its own. text, errors: as options_of_strategy."""
+    strategy, settings = _parsed(text)
+    return strategy.has_own_link(settings)
+
+
 def with_strategy(said: Mapping[str, Any], defaults: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return what was said, with the options that the strategy in it sets.
 
@@ -54,4 +60,4 @@ def _parsed(text: str) -> tuple[type[Strategy], str]:
     return strategies.get(name), settings
 
 
-__all__ = ["Strategy", "options_of_strategy", "strategies", "with_strategy"]
+__all__ = ["Strategy", "has_own_link", "options_of_strategy", "strategies", "with_strategy"]

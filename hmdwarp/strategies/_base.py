@@ -7,6 +7,9 @@ from typing import Any, ClassVar
 
 from ..errors import InputError
 
+# Options that may differ between strategies on the same late frames.
+_OF_SHARED_FRAMES = {"warp", "fill", "effects", "indirect"}
+
 
 class Strategy:
     """One way to divide the work between server and client.
@@ -42,6 +45,14 @@ class Strategy:
             return dict(cls.more)
         fill = {} if cls.fill is None else {"fill": cls.fill}
         return {"warp": f"{cls.warp}:{settings}" if settings else cls.warp, **fill, **cls.more}
+
+    @classmethod
+    def has_own_link(cls, settings: str) -> bool:
+        """Return whether it sets what is sent when, so that no other can share its late frames.
+
+        settings, errors: as options.
+        """
+        return not cls.options(settings).keys() <= _OF_SHARED_FRAMES
 
     @classmethod
     def check(cls, said: Mapping[str, Any]) -> None:

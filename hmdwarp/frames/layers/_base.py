@@ -65,6 +65,10 @@ class Layer:
     apart: ClassVar[bool] = False
     # Whether frames of other processes may have it, see docs/feed.md: its amount is a number then.
     fed: ClassVar[bool] = False
+    # Whether what a frame has of it depends on the frames before: then none can be left out.
+    builds_on_frames: ClassVar[bool] = False
+    # Whether it is made from the picture: that must be the one which its plan alone would get.
+    made_from_picture: ClassVar[bool] = False
     # Whether it only says how the picture is lit: no pass reads it.
     lights: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.

@@ -33,6 +33,7 @@ class Delivered(Layer):
     """A Content for each Wanted. The amount is the frozenset of them."""
 
     per_frame = True
+    builds_on_frames = True
     nothing = frozenset()
 
     @classmethod

@@ -38,6 +38,7 @@ class Difference(Layer):
     summary = "the picture less that of a simplified scene, for a client that draws that one itself"
     formats = ("rgba16f",)
     drawn_by = "difference"
+    made_from_picture = True
     nothing, something = frozenset(), frozenset({Simplified()})
 
     @classmethod

@@ -22,6 +22,8 @@ class Irradiance(Layer):
     size_class = OWN
     drawn_by = "irradiance"
     per_frame = True
+    # It is lit for the first frame of each update.
+    builds_on_frames = True
 
     @classmethod
     def size(cls, sizes: EyeSizes) -> tuple[int, int]:

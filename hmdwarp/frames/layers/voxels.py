@@ -63,6 +63,8 @@ class Voxels(Layer):
     summary = "the picture's indirect light is looked up in a grid of voxels that views share; it adds no bytes"
     drawn_by = "voxels"
     apart = True
+    # The grid is lit for the first frame of each update.
+    builds_on_frames = True
     lights = True
     nothing, something = None, VoxelLight(size=16)
 
