@@ -38,10 +38,10 @@ class BenchCase:
         """The combinations that compare warps with each other."""
         return [c for c in self.combinations if not c.is_outside and not c.strategy]
 
-    def batched(self, most_bytes: float) -> list[list[Combination]]:
-        """Return the combinations that fit in so many bytes together."""
+    def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
+        """Return the combinations that fit in so many bytes together, each with some pictures."""
         rendered = guarded_size(self.options.guard_band, self.headset, self.case.size)
-        return batches(self.combinations, rendered, self.case.size, most_bytes)
+        return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
 
 
 def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchOptions:
