@@ -48,10 +48,10 @@ class BenchCase:
             return own_run(self.options, self.case, strategy=combination.strategy)
         return own_run(self.options, self.case, warp=combination.warp, fill=combination.fill)
 
-    def batched(self, most_bytes: float) -> list[list[Combination]]:
-        """Return the combinations that fit in so many bytes together."""
+    def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
+        """Return the combinations that fit in so many bytes together, each with some pictures."""
         rendered = guarded_size(self.options.guard_band, self.headset, self.case.size)
-        return batches(self.combinations, rendered, self.case.size, most_bytes)
+        return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
 
 
 def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchOptions:

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import add
 from typing import Any
 
 from ..client.capability import lacking
 from ..clients import Client
-from ..metrics import QUALITY, REGIONS, STAGES, Mismatch, QualityPool, at_instants, blocks_text, pooled
+from ..metrics import (
+    JOD,
+    QUALITY,
+    REGIONS,
+    STAGES,
+    TRUTH_JOD,
+    TRUTH_PREFERRED,
+    Mismatch,
+    QualityPool,
+    at_instants,
+    blocks_text,
+    pooled,
+    ratings_of,
+)
 from ..run.combination_bench import Measured
 from ..run.combinations import Case
 from ..run.replay_results import summary_of_rows
@@ -46,6 +59,8 @@ COLUMNS = (
     *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95", "_low", "_high")),
     *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
     "mismatch",
+    JOD.name,
+    TRUTH_PREFERRED.name,
     "client",
     "lacks",
     "baseline",
@@ -60,7 +75,7 @@ TEXTS = (
     *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
 )
 # Keys of a row that grow with its pictures and passes.
-LONG = ("at_instants", "blocks", "passes")
+LONG = ("at_instants", "blocks", "passes", "jod")
 WHOLE = ("frames", "width", "height", "cpu_count")
 
 
@@ -106,7 +121,19 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     The ends of a mean's interval have _low and _high.
     """
     for row in rows:
-        yield {**_plain(row), **_times(row), **_regions(row), **_passes(row)}
+        yield {**_plain(row), **_times(row), **_regions(row), **ratings_of(row), **_passes(row)}
+
+
+def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return what a bench says of its JOD, nothing where it has none. rows: all of it."""
+    if not clip_s:
+        return []
+    display = rows[0]["jod"]["display"]
+    return [
+        f"JOD by ColorVideoVDP, where {TRUTH_JOD:g} is like the truth: of clips of {clip_s:g} s that end at each "
+        f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
+        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked."
+    ]
 
 
 def _plain(row: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from ..auto.levels import choose
 from ..clients import load_client
 from ..errors import InputError
 from ..headsets import Headset, load_headset
+from ..metrics import check_rating
 from ..pipeline.planning import build_plan_for
 from ..pipeline.recorded_scene import display_of, recorded_scene
 from ..poses import load_trace
@@ -24,7 +25,7 @@ from ..sequences import Sequence as RecordedFrames
 from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
 from ..version import __version__
 from .bench_case import BenchCase, options_of_case, prepared, sequence_of
-from .bench_rows import COLUMNS, LONG, flat
+from .bench_rows import COLUMNS, LONG, about_rating, flat
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fused_steps, grid_steps
 from .cases import cases_of, combinations_of, common_start_s, notes_on_warps, run_options
 from .client_notes import left_out_notes
@@ -73,6 +74,8 @@ def bench(
     started = time.perf_counter()
     if options.parquet:
         check_parquet()
+    if options.jod_s and options.sweep.cluster is None:
+        check_rating()
     sequence = sequence_of(options)
     headset = load_headset(options.headset) if sequence is None else display_of(sequence)
     client = load_client(options.client)
@@ -99,7 +102,12 @@ def bench(
             "command": options.command,
             **{key: first[key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
             "client": client.name,
-            "notes": [*notes, *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client), *_failed(swept)],
+            "notes": [
+                *notes,
+                *about_rating(options.jod_s, rows),
+                *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client),
+                *_failed(swept),
+            ],
             "rows": rows,
             **{name: _section(sections, name, []) for name in (GRID, FUSED)},
             **{name: _section(sections, name, None) for name in ("grid_at", "fused_at")},
@@ -115,10 +123,11 @@ def _cases(options: BenchOptions, works: Sequence[BenchCase]) -> list[SweepCase]
     """Return the cases to run: all rows, then the sections that the first case stands for."""
     first = works[0]
     cases = [_case(ROWS, work, work.instants) for work in works]
+    unrated = attrs.evolve(first, options=attrs.evolve(first.options, jod_s=0.0))
     if options.grid and first.warped:
-        cases.append(_case(GRID, first, grid_steps()))
+        cases.append(_case(GRID, unrated, grid_steps()))
     if options.fused and first.headset.lens is not None and first.warped:
-        cases.append(_case(FUSED, first, fused_steps(first)))
+        cases.append(_case(FUSED, unrated, fused_steps(first)))
     return cases
 
 

@@ -15,9 +15,10 @@ from ..clients import load_client
 from ..gpu.context import Gpu
 from ..gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ..headsets import Headset
-from ..metrics import QualityPool, worker_count
+from ..metrics import QualityPool, clip_length, worker_count
 from ..pipeline.build import check_held
 from ..pipeline.sizes import eye_sizes, memory_bytes
+from ..run.clip_rating import rate_clips
 from ..run.combination_bench import Comparison
 from ..run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
 from ..run.options import RunOptions
@@ -147,16 +148,25 @@ class _Runner:
         """Return the rows of a case."""
         machine, options, client = _examined(), work.options, load_client(work.options.client)
         pool = self.pool(work.headset, work.case.size)
-        chosen = work.batched(machine.most_bytes)
-        steps, rows = _Steps(work.instants * len(chosen), step), []
+        chosen, rated = work.batched(machine.most_bytes), _rated_batches(work, machine)
+        steps = _Steps(work.instants * (len(chosen) + len(rated)), step)
+        rows: list[tuple[Combination, dict[str, Any]]] = []
         for batch in chosen:
             with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
                 comparison = Comparison(setup, work.case, batch, pool, options.rounds)
                 comparison.run(options.instants, steps)
                 pool.wait()
                 rate = machine.bandwidth.bytes_per_s
-                rows += [row_of(setup, work.case, each, pool, rate, client) for each in comparison.measured]
-        return [{**row, "machine": machine.facts} for row in rows]
+                rows += [
+                    (each.combination, row_of(setup, work.case, each, pool, rate, client))
+                    for each in comparison.measured
+                ]
+        ratings: dict[tuple[str, ...], dict[str, Any]] = {}
+        for batch in rated:  # after all times: no timed run has these refreshes between its own
+            with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+                found = rate_clips(setup, batch, options.instants, steps)
+            ratings |= {_named(c): {"jod": one} for c, one in zip(batch, found, strict=True)}
+        return [{**row, **ratings.get(_named(c), {}), "machine": machine.facts} for c, row in rows]
 
     def grid(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
         """Return the rows of the displacement grid, and where they were measured."""
@@ -182,6 +192,16 @@ class _Runner:
             where = summary_of_rows(setup, ("none", "none", lens), [])
         keys = ("scene", "trace", "latency_ms", "size")
         return {"fused": rows, "fused_at": {**{key: where[key] for key in keys}, "lens": lens, "eye": "left"}}
+
+
+def _named(combination: Combination) -> tuple[str, ...]:
+    return combination.strategy, combination.warp, combination.fill
+
+
+def _rated_batches(work: BenchCase, machine: _Machine) -> list[list[Combination]]:
+    """Return the combinations whose clips fit in the machine together; none if none are rated."""
+    seconds, rate_hz = work.options.jod_s, work.options.rate_hz or work.headset.refresh_hz
+    return work.batched(machine.most_bytes, clip_length(seconds, rate_hz)) if seconds else []
 
 
 _SECTIONS: Mapping[str, Callable[..., Any]] = {ROWS: _Runner.rows, GRID: _Runner.grid, FUSED: _Runner.fused}

@@ -222,6 +222,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "guard": 1.0 if options.rendered_size else options.guard,
         "rendered_size": options.rendered_size,
         "against": "",
+        "jod_s": options.jod_s,
         "trace_options": options.trace_options,
         "out": options.out,
         "command": options.command,

@@ -16,10 +16,10 @@ from ..client.plan import needs_of
 from ..colour import picture_from_linear
 from ..gpu.textures import Canvas, download
 from ..metrics import Compared, QualityJob, QualityPool, sharpness
-from ..run.combination_bench import refreshes
 from ..run.combinations import instants_of
 from ..run.frame_rows import stage_columns
 from ..run.replay_setup import ReplaySetup
+from ..run.side_by_side import refreshes
 from ..run.whole_pictures import WholePictures
 from ..server.targets import Target, TargetPool
 from .cases import plan_of

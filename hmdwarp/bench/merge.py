@@ -20,7 +20,7 @@ _KEY = (
     *("strategy", "warp", "fill"),
 )
 # Of the picture, not of the machine that made it.
-_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames")
+_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod")
 _MACHINE = ("machine", "clock", "clocks", "copy_gb_s")
 Row = dict[str, Any]
 
@@ -88,7 +88,8 @@ def _joined(rows: Sequence[Row]) -> list[Row]:
         known = first.setdefault(key, row)
         if known is not row and (why := _differs(known, row)):
             apart.append(why)
-        joined.setdefault((key, row["machine"]["host"]), {**row, **{name: known[name] for name in _QUALITY}})
+        quality = {name: known[name] for name in _QUALITY if name in known}
+        joined.setdefault((key, row["machine"]["host"]), {**row, **quality})
     if apart:
         more = f" and {len(apart) - 1} more" if len(apart) > 1 else ""
         raise MachineError(

@@ -16,7 +16,7 @@ from ..client.plan import Plan
 from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..link.codec import codecs
-from ..metrics import QUALITY
+from ..metrics import QUALITY, ratings_of
 from ..pipeline.planning import build_plan_for
 from ..pipeline.recorded_scene import RecordedScene, headset_of, scene_of
 from ..poses import load_trace
@@ -222,10 +222,7 @@ def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[
 
 def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for row in rows:
-        plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"}
-        rated = row.get("jod")
-        if rated is not None:
-            plain |= {"jod": rated["mean"], "truth_preferred": rated["truth_preferred"]}
+        plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"} | ratings_of(row)
         quality = {
             f"{name}{tail}": row["quality"][name][which]
             for name in QUALITY

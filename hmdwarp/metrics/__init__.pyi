@@ -12,10 +12,15 @@ from .job import Compared as Compared
 from .job import Measurement as Measurement
 from .job import QualityJob as QualityJob
 from .job import QualityResult as QualityResult
+from .jod import JOD as JOD
 from .jod import TRUTH_JOD as TRUTH_JOD
+from .jod import TRUTH_PREFERRED as TRUTH_PREFERRED
 from .jod import Clips as Clips
 from .jod import ShownOn as ShownOn
+from .jod import check_rating as check_rating
+from .jod import clip_length as clip_length
 from .jod import preferring as preferring
+from .jod import ratings_of as ratings_of
 from .library.border_share import border_share as border_share
 from .library.flicker import flicker as flicker
 from .library.hole_share import hole_share as hole_share

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import statistics
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 
 from ..extra import import_extra
+from .figure import Figure
 
 if TYPE_CHECKING:
     from .job import Compared
@@ -26,6 +27,9 @@ TRUTH_JOD = 10.0
 # Of a headset that does not say: those of the HTC Vive Pro in cvvdp's list of displays, after
 # Mehrfard et al. 2019, arXiv:1912.02913.
 PEAK_CD_M2, BLACK_CD_M2 = 133.3, 0.1
+# How the columns of a table are called, where clips were rated.
+JOD = Figure("jod", "JOD", "", 2)
+TRUTH_PREFERRED = Figure("truth_preferred", "truth preferred", "% of people", 0, 100)
 _OF_ONE_JOD = statistics.NormalDist().inv_cdf(0.75)
 
 
@@ -35,6 +39,25 @@ def preferring(jod: float, other_jod: float) -> float:
     Source: Thurstone's case V with the deviation at which 1 JOD is 75 %.
     """
     return statistics.NormalDist().cdf((jod - other_jod) * _OF_ONE_JOD)
+
+
+def ratings_of(row: Mapping[str, Any]) -> dict[str, float]:
+    """Return the figures of those columns from a row's `jod`; empty where it was not rated."""
+    rated = row.get("jod")
+    if rated is None:
+        return {}
+    return {JOD.name: rated["mean"], TRUTH_PREFERRED.name: rated["truth_preferred"]}
+
+
+def clip_length(seconds: float, rate_hz: float) -> int:
+    """Return how many refreshes a clip of `seconds` has, at least two."""
+    return max(2, round(seconds * rate_hz))
+
+
+def check_rating() -> None:
+    """Check that clips can be rated, before a long run. Errors: MachineError as Clips."""
+    import_extra("pycvvdp", PACKAGE, EXTRA)
+    import_extra("torch", "torch", EXTRA)
 
 
 @attrs.frozen
@@ -59,7 +82,8 @@ class Clips:
         self._module = import_extra("pycvvdp", PACKAGE, EXTRA)
         self._torch = import_extra("torch", "torch", EXTRA)
         self.display = display
-        self._length = max(2, round(seconds * display.rate_hz))
+        # Pictures of a whole clip.
+        self.length = clip_length(seconds, display.rate_hz)
         self._metric: Any = None
         # By (eye, which warp): the pictures of the present clip.
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
@@ -72,11 +96,14 @@ class Clips:
         """Add what an eye saw at refresh `number` and what it should have seen."""
         clip = self._open[eye, which]
         clip.append((number, pictures))
-        if len(clip) == self._length:
+        if len(clip) == self.length:
             self._rate(eye, which)
 
     def finish(self) -> None:
-        """Rate what is left. A single picture is no clip, and is left out beside others."""
+        """Rate what no clip is full with; what follows begins a new one.
+
+        A single picture is no clip, and is left out beside others.
+        """
         for (eye, which), clip in self._open.items():
             if len(clip) > 1 or (clip and which not in self._clips):
                 self._rate(eye, which)

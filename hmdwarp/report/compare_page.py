@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metrics import PRIMARY, Figure, metrics, pareto
+from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
 from .named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
 from .parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, environment
 from .pictures import jpeg_bytes
@@ -47,6 +47,10 @@ def _quality(name: str) -> _Column:
     return _Column(metrics.get(name).short_figure, lambda row: row["quality"][name]["mean"])
 
 
+def _rated(figure: Figure) -> _Column:
+    return _Column(figure, lambda row: ratings_of(row)[figure.name])
+
+
 def _taken(name: str, label: str, unit: str, digits: int, scale: float = 1.0) -> _Column:
     return _Column(Figure(name, label, unit, digits, scale), lambda row: row[name])
 
@@ -67,12 +71,7 @@ COLUMNS = {
     )
 }
 # Where ColorVideoVDP rated the clips.
-RATED = (
-    _Column(Figure("jod", "JOD", "", 2), lambda row: row["jod"]["mean"]),
-    _Column(
-        Figure("truth_preferred", "truth preferred", "% of people", 0, 100), lambda row: row["jod"]["truth_preferred"]
-    ),
-)
+RATED = tuple(_rated(figure) for figure in (JOD, TRUTH_PREFERRED))
 # What a front is drawn over: the error against each of these.
 COSTS = ("client_ms", "mbit_s")
 

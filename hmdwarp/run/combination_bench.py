@@ -6,35 +6,23 @@ They are timed in turns and measured against the same truth.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..client.compensator import Compensator, EyeResult
-from ..client.inputs import PassInputs
-from ..client.plan import needs_of
-from ..colour import picture_from_linear
-from ..frames import Needs
-from ..geometry import View
-from ..gpu.textures import download
+from ..client.compensator import EyeResult
 from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface, block_means
 from ..pipeline.loop import Refresh
-from ..server.targets import TargetPool
-from .combinations import Case, Combination, frames_used, instants_of
+from .combinations import Case, Combination, instants_of
 from .frame_rows import Row, stage_columns
-from .outside import OpenCvWarp
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
-from .whole_pictures import WholePictures
+from .side_by_side import SideBySide
 
 # (case, warp, fill, refresh, eye): identifies a picture.
 Key = tuple[Case, str, str, int, int]
-# Seconds before each instant at which fills that remember are shown a refresh too. Instants are a
-# few seconds apart, so these fills get to know the recording about as a replay of all of it would
-# teach them.
-RUN_IN_S = (4.0, 3.0, 2.0, 1.0, 0.5)
 
 
 @attrs.frozen(eq=False)
@@ -52,50 +40,6 @@ class Measured:
     blocks: dict[int, NDArray[np.float64]] = attrs.field(factory=dict)
 
 
-@attrs.frozen(eq=False)
-class Truth:
-    """What one eye should see at a refresh.
-
-    The sRGB picture (h, w, 3) and inverse depth (h, w), top row first.
-    """
-
-    picture: NDArray[np.uint8]
-    inverse_depth: NDArray[np.float32]
-
-
-def all_frames(setup: ReplaySetup, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
-    """Iterate as refreshes does, and draw every frame: for those that depend on each other."""
-    last = max(numbers)
-    for number, instant_ns in setup.schedule.numbered():
-        if number > last:
-            return
-        setup.loop.draw(instant_ns)
-        if number >= 0 and number in numbers:
-            refresh = setup.loop.show(instant_ns)
-            assert refresh is not None
-            yield number, refresh
-        elif number >= 0:
-            setup.channel.newest(instant_ns)  # takes what has arrived, as a client that shows it
-
-
-def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
-    """Iterate over the chosen refreshes of a run, counted from 0, in time order.
-
-    Negative numbers are passed over.
-
-    The results are those of the whole run, but only the frames they use are drawn.
-    """
-    rate_hz = setup.options.network.server_rate_hz
-    used = frames_used(setup.schedule, setup.channel.latency_ns, needs, numbers, rate_hz)
-    for number, instant_ns in setup.schedule.numbered():
-        for drawn_ns in used[number]:
-            setup.loop.draw_at(drawn_ns)
-        if number in numbers and number >= 0:
-            refresh = setup.loop.show(instant_ns)
-            assert refresh is not None
-            yield number, refresh
-
-
 class Comparison:
     """Compare the combinations of one batch side by side in the loop of one case.
 
@@ -111,11 +55,7 @@ class Comparison:
     ) -> None:
         self._setup, self._case, self._pool, self._rounds = setup, case, pool, rounds
         self.measured = [Measured(combination) for combination in combinations]
-        self._needs = needs_of(combination.plan for combination in combinations)
-        self._compensators = [self._compensator_of(combination) for combination in combinations]
-        self._whole = WholePictures(setup.server)
-        self._targets = TargetPool(setup.gpu, setup.size)
-        self._target = self._targets.acquire()
+        self._beside = SideBySide(setup, combinations)
         self._last: list[list[EyeResult]] = [[] for _ in combinations]
         self._turn = 0
 
@@ -124,10 +64,10 @@ class Comparison:
         turns = {number: turn for turn, number in enumerate(instants_of(self._setup.schedule.count, instants))}
         before: list[Compared] = []
         neighbours = {number - 1 for number in turns}
-        try:
-            for number, refresh in self._refreshes({*turns, *neighbours, *self._run_in(turns)}):
+        with self._beside as beside:
+            for number, refresh in beside.refreshes({*turns, *neighbours, *beside.run_in(turns)}):
                 if number not in turns and number not in neighbours:
-                    self._teach(refresh)
+                    beside.teach(refresh)
                 if number in turns:
                     self._time(refresh)
                     self._measure(number, refresh, turns[number] % len(refresh.inputs), before)
@@ -135,52 +75,10 @@ class Comparison:
                 before = (
                     self._neighbour(refresh, turns[number + 1] % len(refresh.inputs)) if number + 1 in turns else []
                 )
-        finally:
-            self._whole.close()
-            self._targets.close()
-            for outside in self._compensators:
-                if isinstance(outside, OpenCvWarp):
-                    outside.close()
-
-    def _refreshes(self, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
-        if any(measured.combination.needs_every_frame for measured in self.measured):
-            return all_frames(self._setup, numbers)
-        return refreshes(self._setup, self._needs, numbers)
-
-    def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp:
-        if combination.is_outside:
-            return OpenCvWarp(self._setup.gpu, combination.plan, self._setup.size)
-        return self._setup.compensator(combination.plan)
-
-    def _run_in(self, turns: Collection[int]) -> set[int]:
-        """Return the refreshes to show to fills that remember, none if there is no such fill."""
-        if not any(measured.combination.remembers for measured in self.measured):
-            return set()
-        rate_hz = self._setup.schedule.rate_hz
-        return {number - round(seconds * rate_hz) for number in turns for seconds in RUN_IN_S}
-
-    def _teach(self, refresh: Refresh) -> None:
-        for compensator, measured in zip(self._compensators, self.measured, strict=True):
-            if measured.combination.remembers:
-                for inputs in self._inputs(compensator, refresh):
-                    compensator.run(inputs)
-        self._setup.gpu.timer.collect()
-
-    def _inputs(self, compensator: Compensator | OpenCvWarp, refresh: Refresh) -> tuple[PassInputs, ...]:
-        return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
-
-    def _truth(self, view: View, time_ns: int) -> Truth:
-        drawn = self._setup.server.draw(view, self._setup.size, self._target, time_ns)
-        return Truth(picture_from_linear(download(drawn.colour)), np.maximum(download(drawn.inverse_depth), 0))
 
     def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
-        truth = self._truth(refresh.inputs[eye].shown, refresh.shown_ns)
-        shown = []
-        for compensator in self._compensators:
-            result = compensator.run(self._inputs(compensator, refresh)[eye])
-            shown.append(Compared(shown_picture(result), truth.picture, result.view))
-        self._setup.gpu.timer.collect()
-        return shown
+        truth = self._beside.truth(refresh.inputs[eye].shown, refresh.shown_ns)
+        return self._beside.pictures(refresh, eye, truth)
 
     def _time(self, refresh: Refresh) -> None:
         """Time every combination in each round, in an order that rotates from round to round.
@@ -190,7 +88,7 @@ class Comparison:
         processor is slow for a while.
         """
         self._pool.wait()
-        count = len(self._compensators)
+        count = len(self._beside.compensators)
         for place in range(count if self._turn == 0 else 1):
             self._run((place + self._turn) % count, refresh, timed=False)
         for _ in range(self._rounds):
@@ -199,10 +97,10 @@ class Comparison:
             self._turn += 1
 
     def _run(self, index: int, refresh: Refresh, *, timed: bool) -> None:
-        compensator, measured = self._compensators[index], self.measured[index]
+        compensator, measured = self._beside.compensators[index], self.measured[index]
         self._last[index] = []
         compensator.renew()
-        for inputs in self._inputs(compensator, refresh):
+        for inputs in self._beside.inputs(compensator, refresh):
             self._last[index].append(compensator.run(inputs))
             stages = self._setup.gpu.timer.collect()
             if timed:
@@ -212,7 +110,7 @@ class Comparison:
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
-        truths = [self._truth(inputs.shown, inputs.shown_ns) for inputs in refresh.inputs]
+        truths = [self._beside.truth(inputs.shown, inputs.shown_ns) for inputs in refresh.inputs]
         shared = None  # with one eye nothing is seen by both
         if len(truths) == 2:
             left, right = (inputs.shown for inputs in refresh.inputs)

@@ -80,20 +80,26 @@ class Combination:
 
 
 def batches(
-    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
+    combinations: Sequence[Combination],
+    rendered_size: Size,
+    shown_size: Size,
+    most_bytes: float,
+    pictures: int = 0,
 ) -> list[list[Combination]]:
     """Return groups of combinations that fit in `most_bytes` together.
 
     A group needs its older frames equally far apart; all fills of a warp stay together. Warps that
     need no older frames join the first group. What has late frames of its own is a group by itself.
+    pictures: that are kept of each, as sRGB.
     """
     own = [[c] for c in combinations if c.has_own_frames]
     shared = [c for c in combinations if not c.has_own_frames]
-    return (_shared_batches(shared, rendered_size, shown_size, most_bytes) if shared else []) + own
+    kept = 3 * pictures * shown_size[0] * shown_size[1]
+    return (_shared_batches(shared, rendered_size, shown_size, most_bytes, kept) if shared else []) + own
 
 
 def _shared_batches(
-    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float
+    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float, kept: int
 ) -> list[list[Combination]]:
     spacings = sorted({c.plan.needs.others.spacing_ns for c in combinations if c.plan.needs.others.past})
     first = spacings[0] if spacings else 0
@@ -107,7 +113,7 @@ def _shared_batches(
         current: list[Combination] = []
         for _, group in itertools.groupby(fitting, key=lambda c: c.warp):
             together = list(group)
-            if current and sum(_bytes(c, rendered_size, shown_size) for c in (*current, *together)) > most_bytes:
+            if current and sum(kept + _bytes(c, rendered_size, shown_size) for c in (*current, *together)) > most_bytes:
                 found.append(current)
                 current = []
             current += together

@@ -10,10 +10,11 @@ from ..client.compensator import Compensator, EyeResult
 from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..gpu.textures import download
-from ..metrics import Clips, Compared, QualityJob, QualityPool, ShownOn
+from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.remote_server import NoTruth
+from .clip_rating import clips_of
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .truth import MOST_BANDS, draw_truth
@@ -39,7 +40,7 @@ class Probe:
         self._unfused = self._without_lens()
         self._against = [setup.compensator(plan_against(setup.options, *pair)) for pair in setup.options.compared]
         # Rates all pictures; None where the options do not ask for it.
-        self.clips = _clips(setup) if setup.options.jod_s else None
+        self.clips = clips_of(setup) if setup.options.jod_s else None
         self._whole = WholePictures(setup.server)
         self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
         self._empty: dict[str, list[float]] = {}
@@ -165,13 +166,6 @@ class Probe:
         )
         keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)
-
-
-def _clips(setup: ReplaySetup) -> Clips:
-    headset = setup.headset
-    given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
-    known = {name: value for name, value in given.items() if value is not None}
-    return Clips(setup.options.jod_s, ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
 
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:

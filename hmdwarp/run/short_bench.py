@@ -21,10 +21,11 @@ from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import guarded_size, memory_bytes
 from ..scenes import load_scene
 from .bench_levels import LevelSet, levels_from_file
-from .combination_bench import Comparison, Measured, refreshes
+from .combination_bench import Comparison, Measured
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
+from .side_by_side import refreshes
 
 INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of both eyes at each
 # Every fill with every warp would be over a hundred pictures per instant, and some fills depend on

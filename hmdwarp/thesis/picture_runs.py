@@ -23,10 +23,10 @@ from ..pipeline.planning import build_plan_for
 from ..poses import GLIDES, synthesise
 from ..poses.synth import write_synthetic
 from ..run import RunOptions, draw_truth, set_up_replay
-from ..run.combination_bench import refreshes
 from ..run.combinations import Combination
 from ..run.read_back import coverage, shown_picture
 from ..run.replay_setup import ReplaySetup
+from ..run.side_by_side import refreshes
 from ..scenes import load_scene
 from .hole_kinds import holes_of, seam
 from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun

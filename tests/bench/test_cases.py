@@ -25,9 +25,9 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.frames import Needs, Others
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import Combination, set_up_replay
-from hmdwarp.run.combination_bench import refreshes
 from hmdwarp.run.combinations import batches, frames_used, instants_of
 from hmdwarp.run.outside import OUTSIDE, missing
+from hmdwarp.run.side_by_side import refreshes
 from hmdwarp.scenes import load_scene
 
 

@@ -76,6 +76,16 @@ def test_each_machine_has_its_times_and_a_front_of_its_own(benches, tmp_path):
     assert any(note.startswith("other: ") for note in data["notes"])
 
 
+def test_a_picture_that_one_machine_rated_is_rated(benches, tmp_path):
+    rated = {"mean": 8.25, "truth_preferred": 0.88, "display": {}}
+    data = read(benches[0])
+    own = elsewhere(benches[0], tmp_path / "own", rows=[{**row, "jod": rated} for row in data["rows"]])
+    joined = merge(MergeOptions(folders=(own, benches[0]), out=tmp_path / "merged")).data["rows"]
+    assert len(joined) == 2 * len(data["rows"]) and all(row["jod"] == rated for row in joined)
+    first = merge(MergeOptions(folders=(benches[0], own), out=tmp_path / "again", force=True)).data["rows"]
+    assert [row.get("jod") for row in first if row["machine"]["host"] == "other"] == [rated] * len(data["rows"])
+
+
 def test_a_page_of_many_cases_shows_the_first(benches, tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.bench.bench_run.MOST_SHOWN", 1)
     result = merge(MergeOptions(folders=benches[1:], out=tmp_path / "merged"))

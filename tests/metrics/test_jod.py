@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
 import json
 import sys
 from pathlib import Path
 
-import needs
 import numpy as np
 import pytest
+from ratings import quiet, with_cvvdp, without_cvvdp
 from replays import run
 
 import hmdwarp.headsets
@@ -19,10 +18,6 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Clips, Compared, ShownOn, preferring
 
 VIEW = View(Pose(), Fov.symmetric(np.deg2rad(90), np.deg2rad(90)))
-HERE = importlib.util.find_spec("pycvvdp") is not None and importlib.util.find_spec("torch") is not None
-with_cvvdp = pytest.mark.skipif(not HERE, reason=needs.missing("ColorVideoVDP", "pip install 'hmdwarp[jod]'"))
-# Importing torch and its friends warns about what they use of each other.
-quiet = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning", "ignore::UserWarning")
 
 
 def test_one_jod_is_three_of_four_people():
@@ -31,7 +26,7 @@ def test_one_jod_is_three_of_four_people():
     assert preferring(8.0, 9.5) == pytest.approx(1 - preferring(9.5, 8.0))
 
 
-@pytest.mark.skipif(HERE, reason="ColorVideoVDP is installed")
+@without_cvvdp
 def test_without_the_package_a_run_says_how_to_get_it(tmp_path):
     with pytest.raises(MachineError, match=r"needs cvvdp.*pip install 'hmdwarp\[jod\]'"):
         run(tmp_path / "out", jod_s=0.2)

@@ -77,6 +77,15 @@ def test_each_case_begins_with_its_best_and_marks_its_front():
         assert 1 < len(best) < len(block)
 
 
+def test_a_rating_has_a_column_where_any_row_has_one():
+    rows = some_rows(latencies=(200.0,))
+    assert "JOD" not in printed(rows, 140) and "JOD" not in markdown_table(rows)
+    rows[0] = {**rows[0], "jod": {"mean": 8.254, "truth_preferred": 0.88}}
+    assert "JOD" in printed(rows, 140) and printed(rows, 140).count("8.25") == 1
+    head, _, first, second, *_ = markdown_table(rows).splitlines()
+    assert head.endswith("| JOD |") and first.endswith("| 8.25 |") and second.endswith("| – |")
+
+
 def test_one_case_needs_no_heading_inside():
     text = printed(some_rows(traces=("walk",), latencies=(400.0,)))
     assert text.splitlines()[0].startswith("walk, 400 ms, scene room, 1280x800") and "cases" not in text

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 from contextlib import contextmanager
 
 import attrs
-import needs
 import numpy as np
 import pytest
+from ratings import quiet, with_cvvdp, without_cvvdp
 from replays import scene_for
 
 from hmdwarp.errors import InputError
@@ -237,18 +236,17 @@ def test_one_of_each_is_said_in_the_singular():
 
 
 RATED = attrs.evolve(OPTIONS, jod_s=0.1)
-WITH_CVVDP = all(importlib.util.find_spec(name) is not None for name in ("pycvvdp", "torch"))
 
 
-@pytest.mark.skipif(WITH_CVVDP, reason="ColorVideoVDP is installed")
+@without_cvvdp
 def test_without_the_package_rating_says_how_to_get_it(store):
     found = measure_study(store, RATED)
     assert found.measured == 0 and len(found.failed) == 3
     assert all("pip install 'hmdwarp[jod]'" in one.why for one in found.failed)
 
 
-@pytest.mark.skipif(not WITH_CVVDP, reason=needs.missing("ColorVideoVDP", "pip install 'hmdwarp[jod]'"))
-@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning", "ignore::UserWarning")
+@with_cvvdp
+@quiet
 def test_what_is_rated_too_is_a_column_and_is_known(store):
     measure_study(store, OPTIONS)
     plain = {one.id: one.measured for one in store.contents().showings if one.complete}

@@ -21,4 +21,5 @@ from .rows import first_cases as first_cases
 from .tables import DECISION as DECISION
 from .tables import bench_table as bench_table
 from .tables import choice_terms as choice_terms
+from .tables import decision as decision
 from .tables import markdown_table as markdown_table

@@ -14,7 +14,7 @@ from .bars import region_parts, regions_chart, row_name, traffic, traffic_chart
 from .charts import pareto_chart, pareto_text
 from .displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
-from .tables import DECISION, choice_terms, marked_how
+from .tables import choice_terms, decision, marked_how
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
@@ -52,6 +52,7 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
         traffic=_traffic(rows),
         measures=[(name, measure_label(name).partition(",")[0]) for name in MEASURES],
         metrics=metrics_in_order(),
+        rated=any("jod" in row for row in rows),
         clock=_clock(data),
         clock_note=(data.get("clocks") or {}).get("note") or "",
         machine=data.get("machine") or {},
@@ -153,7 +154,7 @@ def _gain(choice: Mapping[str, Any], step: Mapping[str, Any]) -> str:
 
 
 def _decision(case: Case) -> PageTable:
-    columns = [column(name) for name in DECISION]
+    columns = [column(name) for name in decision(case.rows)]
     best = {id(row) for row in case.held()}
     lines = [Line(tuple(Cell(c.text(row), c.is_number) for c in columns), id(row) in best) for row in case.ordered()]
     heads = tuple((c.figure.label, c.figure.unit) for c in columns)

@@ -8,7 +8,19 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError
-from ...metrics import PRIMARY, REGIONS, STAGES, Figure, differ, error_and_time, metrics, metrics_in_order, pareto
+from ...metrics import (
+    JOD,
+    PRIMARY,
+    REGIONS,
+    STAGES,
+    Figure,
+    differ,
+    error_and_time,
+    metrics,
+    metrics_in_order,
+    pareto,
+    ratings_of,
+)
 
 Row = Mapping[str, Any]
 
@@ -162,6 +174,7 @@ def _columns() -> dict[str, Column]:
         _text_column("warp", "warp", warp_text),
         _text_column("fill", "fill"),
         Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch")),
+        Column(JOD, lambda row: ratings_of(row).get(JOD.name)),
     ]
     for stage in STAGES:
         label = "" if stage == "total" else f"{stage} "

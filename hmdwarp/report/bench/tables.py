@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...metrics import LEAST_INSTANTS, PRIMARY, metrics_in_order
+from ...metrics import JOD, LEAST_INSTANTS, PRIMARY, metrics_in_order
 from ..words import name_pieces
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 
@@ -29,6 +29,11 @@ _DROPPED_FIRST = sorted(_OPTIONAL, key=_OPTIONAL.__getitem__)
 _GAP = 2  # between two columns
 _LEAST_TEXT = 10  # width of the column of warps, however narrow the terminal is
 MARK = "*"
+
+
+def decision(rows: Iterable[Row]) -> list[str]:
+    """Return the columns to decide from: DECISION, and JOD where any row was rated."""
+    return [*DECISION, *([JOD.name] if any("jod" in row for row in rows) else [])]
 
 
 def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
@@ -104,7 +109,7 @@ def _folded(text: str, width: int) -> str:
 
 def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     """Return the columns that fit, and the width of the warp's name."""
-    names = list(DECISION)
+    names = decision(row for group in groups for row in group.rows)
     labels = [group.label for group in groups] if len(groups) > 1 else []
     texts = [_head("warp"), *labels, *(column("warp").text(row) for group in groups for row in group.rows)]
     least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
@@ -128,7 +133,7 @@ def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     lines += [f"ms: median per eye, {', '.join(clocks)}"]
     if "mismatch" in names:
         lines[-1] += "; mis%: hole for one eye only"
-    left_out = [_head(name) for name in DECISION if name not in names]
+    left_out = [_head(name) for name in decision(rows) if name not in names]
     if left_out:
         lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
     return "\n".join(lines)
@@ -147,15 +152,15 @@ def choice_terms(choice: Mapping[str, Any]) -> str:
     return f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
 
 
-def markdown_table(rows: Iterable[Row], columns: Sequence[str] = DECISION, *, mark: str | None = None) -> str:
+def markdown_table(rows: Iterable[Row], columns: Sequence[str] = (), *, mark: str | None = None) -> str:
     """Return a Markdown table of the rows in their order, one line each; it ends with a line feed.
 
-    columns: names of COLUMNS. mark: a metric; rows on the Pareto front of it and time get bold
-    names, if their lead holds. Warps and fills are set as code.
+    columns: names of COLUMNS, by default those to decide from. mark: a metric; rows on the Pareto
+    front of it and time get bold names, if their lead holds. Warps and fills are set as code.
     Errors: HmdwarpError for an unknown column.
     """
     rows = list(rows)
-    chosen = [column(name) for name in columns]
+    chosen = [column(name) for name in columns or decision(rows)]
     best = _identities(row for case in cases(rows) for row in case.held(mark)) if mark else set()
     heads = [f"{c.figure.label} {c.figure.unit}".strip() for c in chosen]
     lines = [heads, ["---:" if c.is_number else "---" for c in chosen]]
