@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..frames.deliveries import Inbox
-from ..server import Server, Target
+from ..server import ArrivingLight, Server, Target
 
 if TYPE_CHECKING:
     from ..client import ShownPicture
@@ -24,13 +24,17 @@ class ArrivingScene:
 
     Until the stand-ins have come there is no picture: every pixel is a hole. From then on each
     piece of a mesh is its stand-in or itself, and each texture as sharp as it has arrived. When all
-    is there it is what the server draws, to the last bit.
+    is there it is what the server draws, to the last bit. Lamps stand still, as in a scene that is
+    there from the start; what is here stops their light.
     """
 
     def __init__(self, gpu: Gpu, pieces: Pieces) -> None:
         self._pieces, self._inbox = pieces, Inbox()
         blank = pieces.blank()
-        self._renderer = Server(gpu, blank)
+        self._light: ArrivingLight | None = None
+        if pieces.light is not None:
+            self._light = ArrivingLight(gpu, blank, pieces.light, pieces.most_blockers)
+        self._renderer = Server(gpu, blank, lighting=self._light)
         self._first = set(pieces.first)
         self._here: set[int] = set()  # the meshes that have come
         self._scale_of = dict.fromkeys((texture for texture, _ in pieces.levels), 0.0)
@@ -89,6 +93,9 @@ class ArrivingScene:
         for buffers, numbers in drawn.items():
             sent = {number for each, number in self._places.values() if each is buffers}
             buffers.draw_only([*numbers, *(set(range(len(buffers.meshes))) - sent)])
+        if self._light is not None and 0 not in self._first:
+            here = [buffers.meshes[number] for buffers, numbers in drawn.items() for number in numbers]
+            self._light.put([*here, *self._pieces.at_start])
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw the picture, see DrawnScene.draw: holes alone before the stand-ins have come."""
@@ -113,6 +120,8 @@ class ArrivingScene:
     def close(self) -> None:
         """Free its renderer."""
         self._renderer.close()
+        if self._light is not None:
+            self._light.close()
 
 
 def _places(renderer: Server, blank: Scene, pieces: Pieces) -> dict[tuple[int, bool], tuple[SceneBuffers, int]]:

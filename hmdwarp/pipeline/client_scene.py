@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import attrs
 import moderngl
 
 from ..gpu.scopes import drawing_into
@@ -150,7 +149,7 @@ class ClientScene:
                 | {"first_picture_bytes": packed, "arrived_bytes": packed}
             )
         for scene in [one.scene for one in (self._lit, *(photons.scene for photons in self._photons.values())) if one]:
-            packed = Pieces(attrs.evolve(scene, lamps=())).whole_bytes
+            packed = Pieces(scene).whole_bytes
             named = {"share": 1.0, "texture": 1.0, **weight_of(scene), "start_up_bytes": packed}
             weights.append({**named, "first_picture_bytes": packed, "arrived_bytes": packed})
         if self._soft is not None:

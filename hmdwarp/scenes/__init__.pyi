@@ -50,6 +50,8 @@ from .motions import Thrown as Thrown
 from .motions import Track as Track
 from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
+from .radiosity import blockers_of as blockers_of
+from .radiosity import indirect_atlas as indirect_atlas
 from .radiosity import lamps_at as lamps_at
 from .radiosity import receivers_of as receivers_of
 from .radiosity import transport_of as transport_of

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from ._chunks import chunks_of
 from ._mesh import Mesh, Texture
-from ._reduce import fewer_triangles, reduced, scaled, unlit, with_triangles
+from ._reduce import UNKNOWN_ALBEDO, fewer_triangles, reduced, scaled, unlit, with_triangles
 from ._scene import Scene
-from .radiosity import with_lamps_stopped
+from .radiosity import indirect_atlas, with_lamps_stopped
 
 # A stand-in for the whole scene has as few triangles as this, or this share of them.
 STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02
@@ -41,17 +41,16 @@ def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, fold
 
 @lru_cache(maxsize=2)  # the sender's and the receiver's of one run
 def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Pieces:
-    """Return the pieces of a partial_scene, without lamps; one object for the same arguments."""
-    scene = attrs.evolve(scene, lamps=()) if scene.lamps else scene
+    """Return the pieces of a partial_scene; one object for the same arguments."""
     return Pieces(partial_scene(scene, share, texture, lit=lit, folder=folder), folder)
 
 
 class Pieces:
     """A scene in pieces.
 
-    Plain surfaces and textures are sent. Materials, motions, sky and how many vertices and
-    triangles each piece has are known at the start; so are mirrors and what is see-through or fixed
-    to the head, which are few.
+    Plain surfaces and textures are sent. Materials, motions, sky, lamps with the indirect light of
+    all surfaces, and how many vertices and triangles each piece has are known at the start; so are
+    mirrors and what is see-through or fixed to the head, which are few.
 
     cut: (mesh, its pieces) in the order of the scene. `meshes` are the pieces of all of them.
     """
@@ -77,12 +76,17 @@ class Pieces:
         return _stand_ins(self.meshes, self._folder)
 
     @cached_property
+    def light(self) -> NDArray[np.float16] | None:
+        """The indirect light of the lamps' instant as the light atlas; None without lamps."""
+        return indirect_atlas(self.scene, 0) if self.scene.lamps else None
+
+    @cached_property
     def things(self) -> tuple[bytes, ...]:
         """What is sent: all stand-ins, then each mesh, then each level."""
         standing = [(k, mesh) for k, mesh in enumerate(self.stand_ins) if mesh is not None]
         return (
-            _packed_meshes(standing),
-            *(_packed_meshes([(k, mesh)]) for k, mesh in enumerate(self.meshes)),
+            self._packed(standing),
+            *(self._packed([(k, mesh)]) for k, mesh in enumerate(self.meshes)),
             *(_png(scaled(self.scene.textures[texture], scale)) for texture, scale in self.levels),
         )
 
@@ -111,16 +115,36 @@ class Pieces:
         stood = [(0, 0) if m is None else (len(m.positions), len(m.triangles)) for m in self.stand_ins]
         sizes = [self.scene.textures[texture].image.shape for texture, _ in self.levels]
         numbers = np.array([*np.ravel(outline), *np.ravel(stood), *np.ravel(sizes)], np.int32)
-        return _bytes_of(self.at_start, self._images(self._textures_at_start)) + len(zlib.compress(numbers.tobytes()))
+        light = 0 if self.light is None else len(zlib.compress(self.light.tobytes()))
+        return self._bytes_of(self.at_start, self._textures_at_start) + len(zlib.compress(numbers.tobytes())) + light
 
     @cached_property
     def whole_bytes(self) -> int:
         """Bytes of the whole scene, packed, where all of it crosses at the start."""
         used = {*self._textures_at_start, *(texture for texture, _ in self.levels)}
-        return _bytes_of([*self.at_start, *self.meshes], self._images(used))
+        return self._bytes_of([*self.at_start, *self.meshes], used)
 
-    def _images(self, textures: Iterable[int]) -> list[NDArray[np.uint8]]:
-        return [self.scene.textures[texture].image for texture in textures]
+    def _bytes_of(self, meshes: Sequence[Mesh], textures: Iterable[int]) -> int:
+        """Return the bytes of meshes and textures, packed."""
+        images = (self.scene.textures[texture].image for texture in textures)
+        return len(self._packed(list(enumerate(meshes)))) + sum(len(_png(image)) for image in images)
+
+    def under_lamps(self, mesh: Mesh) -> bool:
+        """Return whether the scene's lamps light a mesh, by its normals and light atlas."""
+        return bool(self.scene.lamps) and mesh.light_uv is not None
+
+    @property
+    def most_blockers(self) -> int:
+        """How many triangles stop light at most: of each mesh, or what stands in for it."""
+        pairs = [*zip(self.meshes, self.stand_ins, strict=True), *((mesh, None) for mesh in self.at_start)]
+        return sum(
+            max(len(mesh.triangles), len(other.triangles) if other is not None else 0)
+            for mesh, other in pairs
+            if self.under_lamps(mesh)
+        )
+
+    def _packed(self, meshes: Sequence[tuple[int, Mesh]]) -> bytes:
+        return _packed_meshes(meshes, [self.under_lamps(mesh) for _, mesh in meshes])
 
     def blank(self) -> Scene:
         """Return the scene as it is known at the start.
@@ -128,8 +152,8 @@ class Pieces:
         What is sent has its sizes, but no content. In the order of the scene's meshes each is its
         pieces, or itself; the stand-ins come last.
         """
-        meshes = [one for mesh, parts in self.cut for one in (map(_blank, parts) if parts else (mesh,))]
-        meshes += [_blank(mesh) for mesh in self.stand_ins if mesh is not None]
+        meshes = [one for mesh, parts in self.cut for one in (map(self._blank, parts) if parts else (mesh,))]
+        meshes += [self._blank(mesh) for mesh in self.stand_ins if mesh is not None]
         known = {*self._textures_at_start}
         textures = [each if k in known else _grey(each) for k, each in enumerate(self.scene.textures)]
         return attrs.evolve(self.scene, meshes=meshes, textures=textures)
@@ -142,7 +166,16 @@ class Pieces:
         if number > len(self.meshes):
             return []
         known = self.meshes if number else self.stand_ins
-        return [(k, _with_arrays(known[k], *arrays)) for k, *arrays in _unpacked_meshes(thing)]
+        lit = [mesh is not None and self.under_lamps(mesh) for mesh in known]
+        return [
+            (k, _with_arrays(known[k], rows, corners, more)) for k, rows, corners, more in _unpacked_meshes(thing, lit)
+        ]
+
+    def _blank(self, mesh: Mesh) -> Mesh:
+        """Return a mesh of the same sizes and nature without content."""
+        vertices, triangles = len(mesh.positions), len(mesh.triangles)
+        rows = np.zeros((vertices, 8), np.float32)
+        return _with_arrays(mesh, rows, np.zeros((triangles, 3), np.uint32), rows if self.under_lamps(mesh) else None)
 
     def level_in(self, number: int, thing: bytes) -> tuple[int, float, NDArray[np.uint8]]:
         """Return the texture, its scale and the image that a thing brings."""
@@ -175,32 +208,43 @@ def _stand_ins(meshes: Sequence[Mesh], folder: Path | None) -> list[Mesh | None]
     ]
 
 
-_Arrays = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32], NDArray[np.uint32]]
+# Positions, places on the texture and light, (n, 8); triangles; under lamps (n, 8) normals, places
+# in the light atlas and albedo.
+_Arrays = tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.float32] | None]
 
 
-def _packed_meshes(meshes: Sequence[tuple[int, Mesh]]) -> bytes:
-    """Return meshes with their indices: positions, places on the texture, light and triangles."""
+def _packed_meshes(meshes: Sequence[tuple[int, Mesh]], under_lamps: Sequence[bool]) -> bytes:
+    """Return meshes with their indices, and what lamps take of those under them."""
     sizes = np.array([(k, len(mesh.positions), len(mesh.triangles)) for k, mesh in meshes], np.uint32).reshape(-1, 3)
     rows = [np.hstack([mesh.positions, mesh.uv, mesh.light]) for _, mesh in meshes]
-    vertices = np.concatenate([np.zeros((0, 8), np.float32), *rows])
+    lit = [_under_lamps(mesh) for (_, mesh), is_lit in zip(meshes, under_lamps, strict=True) if is_lit]
+    vertices, further = (np.concatenate([np.zeros((0, 8), np.float32), *each]) for each in (rows, lit))
     corners = np.concatenate([np.zeros((0, 3), np.uint32), *(mesh.triangles for _, mesh in meshes)])
-    planes = b"".join(_byte_planes(array) for array in (vertices, corners))
+    planes = b"".join(_byte_planes(array) for array in (vertices, corners, further))
     return _COUNT.pack(len(sizes)) + zlib.compress(sizes.tobytes() + planes, _LEVEL)
 
 
-def _unpacked_meshes(data: bytes) -> Iterator[tuple[int, *_Arrays]]:
+def _under_lamps(mesh: Mesh) -> NDArray[np.float32]:
+    assert mesh.light_uv is not None
+    albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.light, UNKNOWN_ALBEDO)
+    return np.hstack([mesh.normals, mesh.light_uv, albedo])
+
+
+def _unpacked_meshes(data: bytes, under_lamps: Sequence[bool]) -> Iterator[tuple[int, *_Arrays]]:
     (count,) = _COUNT.unpack_from(data)
     whole = zlib.decompress(data[_COUNT.size :])
     sizes = np.frombuffer(whole, np.uint32, 3 * count).reshape(count, 3)
     _, vertices, triangles = sizes.sum(axis=0).tolist()
-    at = sizes.nbytes
+    at, after = sizes.nbytes, sizes.nbytes + 32 * vertices + 12 * triangles
     rows = _from_byte_planes(whole[at : at + 32 * vertices], (vertices, 8), np.float32)
-    corners = _from_byte_planes(whole[at + 32 * vertices :], (triangles, 3), np.uint32)
-    first_row = first_corner = 0
+    corners = _from_byte_planes(whole[at + 32 * vertices : after], (triangles, 3), np.uint32)
+    further = _from_byte_planes(whole[after:], ((len(whole) - after) // 32, 8), np.float32)
+    first_row = first_corner = first_lit = 0
     for k, rows_of, corners_of in sizes.tolist():
         own, its = rows[first_row : first_row + rows_of], corners[first_corner : first_corner + corners_of]
-        yield k, own[:, :3], own[:, 3:5], own[:, 5:], its
+        yield k, own, its, further[first_lit : first_lit + rows_of] if under_lamps[k] else None
         first_row, first_corner = first_row + rows_of, first_corner + corners_of
+        first_lit += rows_of if under_lamps[k] else 0
 
 
 def _byte_planes(array: NDArray) -> bytes:
@@ -215,27 +259,26 @@ def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArra
     return np.ascontiguousarray(values).view(kind).reshape(shape)
 
 
-def _with_arrays(mesh: Mesh | None, positions: NDArray, uv: NDArray, light: NDArray, triangles: NDArray) -> Mesh:
+def _with_arrays(
+    mesh: Mesh | None, rows: NDArray[np.float32], triangles: NDArray[np.uint32], lit: NDArray[np.float32] | None
+) -> Mesh:
+    """Return the mesh with what was packed of it, as _Arrays, and nothing else of its own."""
     assert mesh is not None
-    flat = np.zeros_like(positions)
-    return attrs.evolve(mesh, positions=positions, normals=flat, uv=uv, light=light, triangles=triangles, albedo=None)
-
-
-def _blank(mesh: Mesh) -> Mesh:
-    """Return a mesh of the same sizes and nature without content."""
-    vertices, triangles = len(mesh.positions), len(mesh.triangles)
-    nothing = np.zeros((vertices, 3), np.float32)
-    return _with_arrays(mesh, nothing, nothing[:, :2], nothing, np.zeros((triangles, 3), np.uint32))
+    return attrs.evolve(
+        mesh,
+        positions=rows[:, :3],
+        uv=rows[:, 3:5],
+        light=rows[:, 5:],
+        triangles=triangles,
+        normals=np.zeros((len(rows), 3), np.float32) if lit is None else lit[:, :3],
+        light_uv=None if lit is None else lit[:, 3:5],
+        albedo=None if lit is None else lit[:, 5:],
+    )
 
 
 def _grey(texture: Texture) -> Texture:
     """Return a texture of the same size and nature without content."""
     return Texture(texture.name, lambda: np.full_like(texture.image, 128), texture.srgb, texture.repeat)
-
-
-def _bytes_of(meshes: Sequence[Mesh], images: Iterable[NDArray[np.uint8]]) -> int:
-    """Return the bytes of meshes and images, packed."""
-    return len(_packed_meshes(list(enumerate(meshes)))) + sum(len(_png(image)) for image in images)
 
 
 def _png(image: NDArray[np.uint8]) -> bytes:

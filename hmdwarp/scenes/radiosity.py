@@ -38,6 +38,7 @@ LOOKED_AT = np.stack([(np.arange(21) + 0.5) / 21, (np.arange(21) * 13 + 0.5) / 2
 # A ray starts this far in front of its surface, and a triangle reaches this share beyond its edges,
 # so that no ray slips between two.
 OFF_M, EDGE = 1e-4, 1e-6
+_LEAST_AREA = 1e-12  # of a triangle, twice, in m2: whoever inverts its axes divides by this
 _AT_ONCE = 1 << 15  # rays times triangles: what a cache holds is three times as quick
 # Of what moves, light is solved bounce by bounce until one adds no more than this share of all. The
 # atlas rounds to 2^-11.
@@ -128,10 +129,13 @@ def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
     return [mesh for mesh in meshes if mesh.light_uv is not None and not mesh.body]
 
 
-def moved_meshes(scene: Scene, time_ns: int) -> list[Mesh]:
-    """Return the meshes of bodies that lamps light, in the scene's axes at that instant."""
+def moved_meshes(scene: Scene, time_ns: int, meshes: Sequence[Mesh] | None = None) -> list[Mesh]:
+    """Return the meshes of bodies that lamps light, in the scene's axes at that instant.
+
+    meshes: in place of the scene's own.
+    """
     moved = []
-    for mesh in scene.meshes:
+    for mesh in scene.meshes if meshes is None else meshes:
         if mesh.light_uv is not None and mesh.body:
             pose = scene.bodies[mesh.body - 1].motion.state(scene.lit_ns(time_ns)).pose
             positions = pose.transform(mesh.positions.astype(np.float64)) - scene.origin_m
@@ -366,6 +370,23 @@ def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
     place = lamp.place(time_ns)
     place[:3] -= place[3] * origin
     return place
+
+
+def blockers_of(scene: Scene, meshes: Sequence[Mesh], time_ns: int = 0) -> Blockers:
+    """Return what stops light at an instant, of meshes in place of the scene's own.
+
+    A triangle without area stops none.
+    """
+    lit = [*lit_meshes(meshes), *moved_meshes(scene, time_ns, meshes)]
+    corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in lit)])
+    a, b, c = corners.transpose(1, 0, 2)
+    return Blockers(corners[np.linalg.norm(np.cross(b - a, c - a), axis=1) > _LEAST_AREA])
+
+
+def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
+    """Return the converged indirect light of an instant as the light atlas, bottom row first."""
+    transport = transport_of(scene, time_ns=time_ns)
+    return transport.atlas(transport.indirect(transport.direct(lamps_at(scene, time_ns))))
 
 
 def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:

@@ -1,5 +1,6 @@
 from .draw import MIRRORS as MIRRORS
 from .draw import Server as Server
+from .lighting import ArrivingLight as ArrivingLight
 from .lighting import Indirect as Indirect
 from .moving import DeformingMesh as DeformingMesh
 from .moving import moving_parts as moving_parts

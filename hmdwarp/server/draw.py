@@ -15,6 +15,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR
 from ..registry import unknown_name
 from ..scenes import Scene
+from .lighting import Lighting
 from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import ScenePasses
@@ -35,9 +36,10 @@ class Server:
     mirrors: how frames show plane mirrors: "geometry" (the scene once more, mirrored) or "screen"
     (rays marched through the picture itself, which lacks what is outside the picture). draw(),
     which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
+    lighting: of a scene with lamps, in place of what its own meshes make; it belongs to the caller.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY) -> None:
+    def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY, *, lighting: Lighting | None = None) -> None:
         self.gpu, self.scene, self._marched = gpu, scene, _is_marched(mirrors)
         self._textures = SceneTextures(gpu, scene)
         still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
@@ -45,7 +47,7 @@ class Server:
         self._moving = moving_parts(gpu, scene, self._textures)
         self._framebuffers = Framebuffers(gpu.gl)
         self._pools: dict[tuple, TargetPool] = {}
-        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving)
+        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
         self._depth: ScenePasses | None = None
         self._parts: dict[str, Part] = {}
         self._chosen: dict[Needs, list[Part]] = {}

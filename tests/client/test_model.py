@@ -146,6 +146,46 @@ def test_what_arrives_little_by_little_becomes_the_truth_bit_for_bit(tmp_path, s
     assert model["unpack_ms"] > model["unpack_worst_ms"] > 0
 
 
+@pytest.mark.parametrize("scene", ["lantern", "doorway"])
+def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
+    """To the last bit once all is there; and before, when every texture is coarse and triangles are
+    stand-ins, nearer to it than the bare albedo is by far.
+    """
+    geometry, server = ClientScene(gpu, scene), Server(gpu, load_scene(scene))
+    warp = "model:arrives=progressive,budget=25000"
+    choice = parse_warp(warp)
+    needs = choice.entry.needs(choice.settings)
+    arriving = geometry.arriving(next(iter(needs["scene_update"])))
+    view = View(server.scene.viewpoint, HERE.fov)
+    whole, bare = (drawn(gpu, geometry, text, view)[0][..., :3] for text in ("model", "model:light=off"))
+    far = np.abs(bare - whole).mean()
+    assert far > 0.02
+    shown = []
+    for step in range(40):
+        frame = server.draw_frame([view], 10_000_000 * step, SIZE, needs=needs)
+        geometry.receive(frame)
+        server.heard(frame, True, 10_000_000 * (step + 1))
+        server.recycle(frame)
+        if arriving.first_picture_bytes is not None:
+            shown.append(drawn(gpu, geometry, warp, view)[0][..., :3])
+        weight = arriving.weight()
+        if weight["arrived"] == weight["things"]:
+            break
+    errors = [np.abs(one - whole).mean() for one in shown]
+    assert len(errors) > 3 and errors[-1] == 0 and 0 < errors[0] < far / 4
+    server.close()
+    geometry.close()
+
+
+def test_under_lamps_pieces_that_overtake_the_stand_ins_are_lit_too(tmp_path):
+    network = LinkOptions.of({"loss": "p=0.2,r=0.4", "jitter": "uniform:40", "link_seed": 4})
+    same, warp = {"scene": "doorway", "seconds": 0.6, "network": network}, PROGRESSIVE.replace("300000", "25000")
+    summary, psnr_db = last_pictures(tmp_path / "comes", warp=warp, **same)
+    _, whole_db = last_pictures(tmp_path / "whole", warp="model", **same)
+    assert summary["link"]["frames"]["late"] > 3
+    assert psnr_db[0] != whole_db[0] and psnr_db[-1] == whole_db[-1]
+
+
 @pytest.mark.parametrize("network", [{"loss": "0.3"}, {"loss": "p=0.2,r=0.4", "jitter": "uniform:40"}])
 def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     """Whatever is lost is sent again; what came too late to be shown has arrived all the same."""

@@ -4,10 +4,25 @@ from __future__ import annotations
 
 import functools
 
+import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.scenes import COARSEST, FULL, Background, Mesh, Pieces, Scene, load_scene, partial_scene, pieces_of
+from hmdwarp.scenes import (
+    COARSEST,
+    FULL,
+    Background,
+    Mesh,
+    Pieces,
+    Scene,
+    blockers_of,
+    indirect_atlas,
+    load_scene,
+    partial_scene,
+    pieces_of,
+    receivers_of,
+    with_lamps_stopped,
+)
 
 
 @functools.cache
@@ -16,6 +31,7 @@ def cut(name: str) -> Pieces:
 
 
 ARRAYS = ("positions", "uv", "light", "triangles")
+UNDER_LAMPS = ("normals", "light_uv", "albedo")
 
 
 @pytest.mark.parametrize("name", ["planes", "gallery", "parade", "cockpit"])
@@ -33,14 +49,15 @@ def test_all_pieces_are_the_scene(name, tmp_path):
         assert sorted(map(bytes, corners.astype(np.float32))) == sorted(map(bytes, whole.astype(np.float32)))
 
 
-@pytest.mark.parametrize("name", ["planes", "gallery", "parade"])
+@pytest.mark.parametrize("name", ["planes", "gallery", "parade", "lantern", "doorway"])
 def test_what_is_unpacked_is_what_was_packed(name):
     pieces = cut(name)
     for index, mesh in enumerate(pieces.meshes):
         number = pieces.number_of_mesh(index)
         ((found, got),) = pieces.meshes_in(number, pieces.things[number])
         assert found == index and got.texture == mesh.texture and got.body == mesh.body
-        assert all(np.array_equal(getattr(got, one), getattr(mesh, one)) for one in ARRAYS)
+        arrays = ARRAYS + UNDER_LAMPS * pieces.under_lamps(mesh)
+        assert all(np.array_equal(getattr(got, one), getattr(mesh, one)) for one in arrays)
     for index, got in pieces.meshes_in(0, pieces.things[0]):
         assert all(np.array_equal(getattr(got, one), getattr(pieces.stand_ins[index], one)) for one in ARRAYS)
     assert len(pieces.things) == pieces.count
@@ -70,13 +87,41 @@ def test_packed_is_less_than_the_arrays():
     assert pieces.start_bytes < 2000
 
 
-def test_a_blank_scene_holds_nothing_of_what_is_sent():
-    pieces = cut("parade")
+@pytest.mark.parametrize("name", ["parade", "lantern", "doorway"])
+def test_a_blank_scene_holds_nothing_of_what_is_sent(name):
+    pieces = cut(name)
     blank = pieces.blank()
     standing = [mesh for mesh in pieces.stand_ins if mesh is not None]
     assert len(blank.meshes) == len(pieces.meshes) + len(pieces.at_start) + len(standing)
     assert all(not mesh.positions.any() and not mesh.light.any() and not mesh.triangles.any() for mesh in blank.meshes)
+    lit = [mesh for mesh in blank.meshes if mesh.light_uv is not None]
+    assert bool(lit) == bool(pieces.scene.lamps)
+    assert not any(getattr(mesh, one).any() for mesh in lit for one in UNDER_LAMPS)
     assert all((texture.image == 128).all() for texture in blank.textures)
+
+
+def test_light_crosses_at_the_start_where_there_are_lamps():
+    """Packed, which loses nothing."""
+    assert cut("parade").light is None
+    lantern = cut("lantern")
+    assert np.array_equal(lantern.light, indirect_atlas(lantern.scene, 0))
+    dark = Pieces(attrs.evolve(lantern.scene, lamps=()))
+    assert 1000 < lantern.start_bytes - dark.start_bytes < lantern.light.nbytes
+    assert lantern.whole_bytes > dark.whole_bytes
+
+
+@pytest.mark.parametrize("name", ["lantern", "doorway"])
+def test_what_stops_light_of_all_meshes_is_what_stops_it_in_the_scene(name):
+    """Bodies where they are at that instant; a triangle without area stops nothing."""
+    scene = load_scene(name)
+    for time_ns in (0, 1_500_000_000):
+        stopped = with_lamps_stopped(scene, time_ns)
+        found = blockers_of(stopped, [*scene.meshes][::-1], time_ns).rows
+        wanted = receivers_of(stopped, time_ns).blockers.rows
+        assert sorted(map(bytes, found)) == sorted(map(bytes, wanted)) and len(found) > 10
+    lit = next(mesh for mesh in scene.meshes if mesh.light_uv is not None)
+    flat = attrs.evolve(lit, triangles=np.zeros_like(lit.triangles))
+    assert len(blockers_of(scene, [flat]).corners) == 0
 
 
 def test_an_empty_scene_has_no_pieces(tmp_path):

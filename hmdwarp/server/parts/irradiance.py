@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...scenes import ATLAS
-from ..lighting import indirect_atlas
+from ...scenes import ATLAS, indirect_atlas
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
