@@ -15,7 +15,7 @@ EXTRAS = {
     "exr": "frames in OpenEXR",
     "feed": "serve and --connect",
     "jod": "--jod",
-    "lsl": "study run --lsl",
+    "lsl": "--lsl of live and study run",
     "mcap": "head traces in MCAP",
     "panel": "the controls in the window of live; without them there are keys",
     "study": "study analyse and study power, Parquet files, the full-screen console of study run, also in a browser",

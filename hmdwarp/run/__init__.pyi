@@ -20,7 +20,9 @@ from .live_run import open_display as open_display
 from .markers import Markers as Markers
 from .markers import MarkerStream as MarkerStream
 from .markers import NoMarkers as NoMarkers
+from .markers import check_received as check_received
 from .markers import load_lsl as load_lsl
+from .markers import marker_stream as marker_stream
 from .misses import Misses as Misses
 from .misses import miss_figures as miss_figures
 from .misses import parse_misses as parse_misses

@@ -91,17 +91,17 @@ class Events:
 
     def changed(
         self, frame: int, time_s: float, before: Mapping[str, object], after: Mapping[str, object], reason: str
-    ) -> None:
-        """Add a change of settings.
+    ) -> dict[str, list[object]]:
+        """Add a change of settings, and return what changed as [before, after] by name.
 
         frame, time_s: of the last picture. reason: "" for a change by hand.
         """
         what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
-        if not what:
-            return
-        self.change_count += 1
-        if len(self.changes) < MOST_EVENTS:
-            self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
+        if what:
+            self.change_count += 1
+            if len(self.changes) < MOST_EVENTS:
+                self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
+        return what
 
     def noticed(self, notice: str) -> None:
         """Count a notice shown over a picture."""

@@ -21,7 +21,9 @@ from .hole_counter import HoleCounter
 from .kept_pictures import Pictures
 from .lines import Lines
 from .live_figures import LiveFigures
+from .live_markers import LiveMarkers
 from .live_summary import LiveFacts, live_facts_of, live_summary_of
+from .markers import NoMarkers
 from .options import LiveOptions
 from .run_summary import OWNED
 from .speeds import speeds_between
@@ -75,6 +77,7 @@ class _Running:
     # The current value of each control.
     values: dict[str, object]
     events: TraceEvents | None
+    markers: LiveMarkers
     # How many switches of warp "auto" are logged.
     auto_changes: int = 0
 
@@ -120,14 +123,15 @@ class LiveLog:
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
 
-    def begin(self, display: Display, host: PipelineHost) -> None:
-        """Start logging on this display."""
+    def begin(self, display: Display, host: PipelineHost, markers: LiveMarkers | None = None) -> None:
+        """Start logging on this display. markers: get what other recorders want to know."""
         facts = live_facts_of(attrs.evolve(self._options, latency_ms=host.options.latency_ms), display, host)
         events = None
         if self._options.trace_events is not None:
             events = TraceEvents(self._options.trace_events, display.rate_hz, force=self._options.force)
         now = values(host.options, host.pipeline.sizes.shown)
-        self._running = _Running(facts, host, HoleCounter(display.gpu), now, events)
+        markers = markers or LiveMarkers(NoMarkers())
+        self._running = _Running(facts, host, HoleCounter(display.gpu), now, events, markers)
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:
             self._files.rows.add(HEADER)
@@ -137,17 +141,22 @@ class LiveLog:
         if self._running is None:
             return
         now = values(host.options, host.pipeline.sizes.shown)
-        self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
+        what = self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
+        self._running.markers.changed(what, "")
         self._running.values, self._running.auto_changes = now, 0
 
     def on_display_lost(self, why: str) -> None:
         """Log the loss of the display."""
         self._figures.events.on_display_lost(self.count - 1, self._last.time_s, why)
+        if self._running is not None:
+            self._running.markers.on_display_lost(why)
         self._last.submitted_ns = None
 
     def came_back(self) -> None:
         """Log the return of the display."""
         self._figures.events.came_back()
+        if self._running is not None:
+            self._running.markers.came_back()
 
     def add(self, tick: Tick, refresh: Refresh | None, submitted_ns: int, notice: str) -> None:
         """Log a submitted refresh."""
@@ -156,6 +165,7 @@ class LiveLog:
         counts = self._figures.counts
         self._settle(refresh)
         counts.missed += tick.missed
+        self._running.markers.missed(tick.missed)
         self.status.missed, self.status.notice = counts.missed, notice
         if notice:
             self._figures.events.noticed(notice)
@@ -164,6 +174,7 @@ class LiveLog:
             self._last.submitted_ns = None
             return
         self._look_at(refresh, submitted_ns, self._running.host)
+        self._running.markers.picture(refresh.shown_ns, self._running.values)
 
     def _look_at(self, refresh: Refresh, submitted_ns: int, host: PipelineHost) -> None:
         status, last = self.status, self._last
@@ -226,12 +237,15 @@ class LiveLog:
         if running is not None and auto is not None and len(auto.changes) > running.auto_changes:
             for change in auto.changes[running.auto_changes :]:
                 before, after = ({"warp": one.warp, "fill": one.fill} for one in (change.before, change.after))
-                self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
+                what = self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
+                running.markers.changed(what, change.reason)
             running.auto_changes = len(auto.changes)
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
         self._figures.pauses.stop()
+        if self._running is not None:
+            self._running.markers.end()
         with suppress(Exception):
             self._settle(None)
         if self._running is not None:

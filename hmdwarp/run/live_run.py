@@ -16,11 +16,14 @@ from .driver import AfterRefresh, Driver, FrameHandler, Say
 from .ending import Ending
 from .host import PipelineHost, checked_scene
 from .live_log import LiveLog, LiveResult
+from .live_markers import LiveMarkers
+from .markers import Markers, NoMarkers, load_lsl, marker_stream
 from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
 from .recorded_frames import beside, own_trace, recorded_notes
 from .recorder import Recorder
 from .watchdog import Watchdog
 
+STREAM = "hmdwarp live"  # name of the stream of markers
 Watching = Callable[[str], AbstractContextManager[None]]
 
 
@@ -33,6 +36,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     headset nor window, and where a lost headset does not come back. Recording and log up to that
     point are written in any case.
     """
+    if options.lsl:
+        load_lsl()  # refuses a machine without it, before anything is opened
     scene = checked_scene(options)
     options = fitted(options, scene)
     with ExitStack() as stack:
@@ -45,6 +50,10 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(closing(open_display(options, watchdog.watching, say)))
         ending.now_ns = display.now_ns
+        markers: Markers = NoMarkers()
+        if options.lsl:
+            markers = stack.enter_context(closing(marker_stream(display, STREAM, {})))
+            say(markers.describe())
         if options.feed.is_used:
             say(f"calling {options.feed.connect}; its scene is not loaded here")
         host = PipelineHost(display, options, scene, say)
@@ -54,7 +63,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         stack.callback(log.leave)
         if recorder is not None:
             recorder.begin(display.about, display.rate_hz)
-        log.begin(display, host)
+        log.begin(display, host, LiveMarkers(markers, say))
         try:
             Driver(display, host, ending, say).run(_UserRun(host, log, ending, say), log, recorder, after)
         except Closed as closed:

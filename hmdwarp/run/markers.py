@@ -14,14 +14,20 @@ from typing import Any, Protocol
 
 import attrs
 
+from ..display import Display
 from ..errors import MachineError
 from ..extra import import_extra
+from .options import OFFSCREEN
 
+Say = Callable[[str], None]
 EXTRA = "lsl"
 TYPE = "Markers"  # of the stream, by which recorders know it
 READINGS = 8  # of both clocks for each conversion; the closest counts
 # For what is on its way when a run ends: the library drops it where the stream closes at once.
 LEAVING_S = 0.5
+
+
+NOT_RECEIVED = "no program receives the markers: start the recorder"
 
 
 class Markers(Protocol):
@@ -42,6 +48,12 @@ class NoMarkers:
 
     def send(self, event: str, at_ns: int, **data: object) -> None:
         """Do nothing."""
+
+
+def check_received(markers: Markers, say: Say) -> None:
+    """Tell the user where no program receives the markers."""
+    if not markers.are_received:
+        say(NOT_RECEIVED)
 
 
 def load_lsl() -> Any:
@@ -131,3 +143,12 @@ class MarkerStream:
         reading = ClockReading.of(self._now_ns, self._lsl.local_clock)
         self.error_s = max(self.error_s, reading.error_s)
         return reading
+
+
+def marker_stream(display: Display, name: str, about: Mapping[str, str]) -> MarkerStream:
+    """Return a stream of markers stamped by a display's clock; about: facts beside those of it.
+
+    Errors: as load_lsl.
+    """
+    facts = {**about, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
+    return MarkerStream(name, facts, display.now_ns, is_simulated=display.name == OFFSCREEN)

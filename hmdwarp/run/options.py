@@ -197,6 +197,11 @@ class LiveOptions(PipelineOptions):
     )
     force: bool = force_field("the study's store overwrites nothing")
     trace_events: Path | None = same_as(attrs.fields(RunOptions).trace_events)
+    lsl: bool = option(
+        False,
+        "Send markers to the Lab Streaming Layer (pip install 'hmdwarp[lsl]').",
+        study="'hmdwarp study run --lsl' sends markers of trials",
+    )
     images_every: int = option(
         0,
         "With --out: keep every n-th picture as it was handed over; 0 for none.",

@@ -11,8 +11,7 @@ import attrs
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
 from ...pipeline.recorded_scene import scene_of
-from ...run import Driver, Ending, LiveOptions, Markers, MarkerStream, NoMarkers, Watchdog, load_lsl, open_display
-from ...run.options import OFFSCREEN
+from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
 from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
@@ -71,15 +70,11 @@ def run_session(
         )
         markers: Markers = NoMarkers()
         if options.lsl:
-            markers = stack.enter_context(closing(_marker_stream(design, display)))
+            about = {"study": design.name, "title": design.title}
+            name = f"hmdwarp study {design.name}"
+            markers = stack.enter_context(closing(marker_stream(display, name, about)))
             console.say(markers.describe())
         return _Program(options, design, part, ending, store, console, words, display, markers, live, answers_for).run()
-
-
-def _marker_stream(design: Design, display: Display) -> MarkerStream:
-    about = {"study": design.name, "title": design.title, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
-    name = f"hmdwarp study {design.name}"
-    return MarkerStream(name, about, display.now_ns, is_simulated=display.name == OFFSCREEN)
 
 
 def _planned(options: SessionOptions, design: Design, store: Store) -> tuple[str, Design]:

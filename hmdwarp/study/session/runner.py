@@ -10,7 +10,7 @@ from typing import TypeVar
 import attrs
 
 from ...display import Closed
-from ...run import Driver, Ending
+from ...run import Driver, Ending, check_received
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Step, reading_s
 from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Showing
@@ -161,8 +161,7 @@ class SessionRunner:
         while True:
             if step.after and self._just_seen != step.after:
                 self._show(self._show_of(step.after))
-            if not context.markers.are_received:
-                context.say("no program receives the markers: start the recorder")
+            check_received(context.markers, context.say)
             panel_ns = context.display.now_ns()
             panel = number_panel(step, context.steps, self.hints, context.found)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))

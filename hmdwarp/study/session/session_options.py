@@ -8,8 +8,8 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, one_of, option
-from ...run.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
+from ...options import Declared, one_of, option, same_as
+from ...run.options import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES, LiveOptions
 from ..console import KINDS as CONSOLES
 from ..store import PERSON, PILOT, SIMULATED
 
@@ -40,7 +40,7 @@ class SessionOptions(Declared):
         "Experimenter's console: terminal, browser, lines, none; auto: terminal if possible.",
         valid=one_of(*CONSOLES),
     )
-    lsl: bool = option(False, "Send markers to the Lab Streaming Layer (pip install 'hmdwarp[lsl]').")
+    lsl: bool = same_as(attrs.fields(LiveOptions).lsl)
 
     def __attrs_post_init__(self) -> None:
         if self.resume and self.new_session:
