@@ -158,7 +158,7 @@ def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combinat
     if has_own_link(text):
         case = Case(options.scenes[0], options.recordings[0], options.latencies_ms[0], options.sizes[0])
         own = own_run(options, case, strategy=text)
-        return Combination(own.warp, own.fill, build_plan_for(own, None, scene), text, has_own_link=True)
+        return Combination(own.warp, own.fill, build_plan_for(own, None, scene), text)
     sets, run = options_of_strategy(text), RunOptions.of({"strategy": text}, trace=options.recordings[0])
     effects_too = ",".join((options.effects, sets["effects"])) if "effects" in sets else options.effects
     plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too, indirect=run.indirect)

@@ -176,13 +176,16 @@ class Pose:
         out[:3, 3] = self.position_m
         return out
 
+    def angle_to(self, other: Pose) -> float:
+        """Return the angle of the rotation between both poses, in radians from 0 to pi."""
+        return float((self.rotation.inv() * other.rotation).magnitude())
+
     def isclose(self, other: Pose, atol: float = 1e-9) -> bool:
         """Return whether both poses agree within atol (metres, and radians of the angle between).
 
         q and -q are the same rotation.
         """
-        angle = (self.rotation.inv() * other.rotation).magnitude()
-        return bool(np.abs(self.position_m - other.position_m).max() <= atol and angle <= atol)
+        return bool(np.abs(self.position_m - other.position_m).max() <= atol and self.angle_to(other) <= atol)
 
 
 _set = object.__setattr__

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..geometry import Fov, View
 
-# What rounding leaves of equal views: degrees, metres, and the share of the field of view.
+# Degrees, metres and share of the field of view that equal views may differ by: a renderer's single
+# floats leave 1e-5 degrees, 5e-7 m at 8 m, and 4e-7 of the field.
 _SAME_DEG, _SAME_M, _SAME_SHARE = 1e-4, 1e-6, 1e-6
 
 
@@ -24,8 +25,7 @@ class ViewsApart:
 
     def take(self, asked: View, drawn: View) -> None:
         """Count one view more."""
-        turn = (drawn.pose.rotation.inv() * asked.pose.rotation).magnitude()
-        self.turned_deg = max(self.turned_deg, math.degrees(turn))
+        self.turned_deg = max(self.turned_deg, math.degrees(drawn.pose.angle_to(asked.pose)))
         self.moved_m = max(self.moved_m, float(np.linalg.norm(drawn.pose.position_m - asked.pose.position_m)))
         self.field_share = min(self.field_share, _share(asked.fov, drawn.fov))
 

@@ -45,9 +45,9 @@ class Comparison:
 
     Only the measured refreshes are shown, spread evenly over the recording, plus the refresh before
     each, which flicker needs; only frames that those use are drawn, and every one for a combination
-    that needs it. Fills that remember see some more refreshes before each. Both eyes are
-    timed; pictures are measured for the left and right eye in turn. Nothing is timed while pictures
-    are measured.
+    that needs it. Fills that remember see some more refreshes before each. Both eyes are timed;
+    pictures are measured for the left and right eye in turn. Nothing is timed while pictures are
+    measured.
     """
 
     def __init__(

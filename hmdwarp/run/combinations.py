@@ -12,6 +12,7 @@ from ..client.plan import Plan
 from ..frames import Needs
 from ..frames.layers import Layer, layers
 from ..link import Link, LinkOptions, Pacer
+from ..strategies import has_own_link
 from .outside import OUTSIDE
 from .schedule import Schedule
 
@@ -46,8 +47,6 @@ class Combination:
     plan: Plan
     # With its settings, if it was asked for as one.
     strategy: str = ""
-    # Whether what is sent when is another than in the run that the others share.
-    has_own_link: bool = False
 
     @property
     def is_outside(self) -> bool:
@@ -62,7 +61,8 @@ class Combination:
     @property
     def needs_every_frame(self) -> bool:
         """Whether a frame differs if one before it is left out, which no measured refresh shows."""
-        return self.has_own_link or any(layer.builds_on_frames for layer in self._layers)
+        own_link = bool(self.strategy) and has_own_link(self.strategy)
+        return own_link or any(layer.builds_on_frames for layer in self._layers)
 
     @property
     def has_own_frames(self) -> bool:

@@ -16,7 +16,6 @@ from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
 
 if TYPE_CHECKING:
-    from ..geometry import Pose
     from .replay_setup import ReplaySetup
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
@@ -110,7 +109,7 @@ class LateClient:
         return turner.run(PassInputs(picture, inputs.shown, inputs.eye, shown_ns=inputs.shown_ns))
 
     def _add(self, refresh: Refresh, made: Refresh, took_ms: float | None) -> None:
-        off = 0.0 if self._misses.turns else _degrees_between(made.head.pose, refresh.head.pose)
+        off = 0.0 if self._misses.turns else math.degrees(made.head.pose.angle_to(refresh.head.pose))
         time_s = (refresh.shown_ns - self._setup.track.start_ns) * 1e-9
         self._rows.append((len(self._rows), time_s, took_ms is None, off, took_ms))
 
@@ -127,10 +126,6 @@ class LateClient:
             "show": TURNED if self._misses.turns else STANDS,
             **miss_figures([row[2] for row in self._rows], [row[3] for row in self._rows]),
         }
-
-
-def _degrees_between(a: Pose, b: Pose) -> float:
-    return math.degrees((a.rotation.inv() * b.rotation).magnitude())
 
 
 def _turner(setup: ReplaySetup) -> Compensator:

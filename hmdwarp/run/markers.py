@@ -27,9 +27,6 @@ READINGS = 8  # of both clocks for each conversion; the closest counts
 LEAVING_S = 0.5
 
 
-NOT_RECEIVED = "no program receives the markers: start the recorder"
-
-
 class Markers(Protocol):
     """Where the markers of a run go."""
 
@@ -53,7 +50,7 @@ class NoMarkers:
 def check_received(markers: Markers, say: Say) -> None:
     """Tell the user where no program receives the markers."""
     if not markers.are_received:
-        say(NOT_RECEIVED)
+        say("no program receives the markers: start the recorder")
 
 
 def load_lsl() -> Any:

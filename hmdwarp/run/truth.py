@@ -79,7 +79,7 @@ def band_count(first: View, last: View, size: tuple[int, int]) -> int:
 
     A power of 2, so that few sizes are drawn; MOST_BANDS and the rows at most.
     """
-    turn = (first.pose.rotation.inv() * last.pose.rotation).magnitude()
+    turn = first.pose.angle_to(last.pose)
     step = float(np.linalg.norm(last.pose.position_m - first.pose.position_m))
     pixels = math.degrees(turn + step / NEAR_M) * first.fov.pixels_per_degree(size)
     wanted = 2 ** math.ceil(math.log2(max(pixels / PIXELS_PER_BAND, 1)))

@@ -378,7 +378,7 @@ def blockers_of(scene: Scene, meshes: Sequence[Mesh], time_ns: int = 0) -> Block
     A triangle without area stops none.
     """
     lit = [*lit_meshes(meshes), *moved_meshes(scene, time_ns, meshes)]
-    corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in lit)])
+    corners = _corners_of(lit)
     a, b, c = corners.transpose(1, 0, 2)
     return Blockers(corners[np.linalg.norm(np.cross(b - a, c - a), axis=1) > _LEAST_AREA])
 
@@ -420,11 +420,14 @@ def _receivers(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Receivers
         raise SceneError("two triangles have the same texel of the light atlas: expected places of their own")
     if len(texels) and (texels.min() < 0 or (texels.max(axis=0) >= ATLAS).any()):
         raise SceneError(f"a mesh lies outside the light atlas of {ATLAS[0]}x{ATLAS[1]} texels: use wider texels")
-    corners = np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
     )
-    return Receivers(patches, Blockers(corners), places)
+    return Receivers(patches, Blockers(_corners_of(meshes)), places)
+
+
+def _corners_of(meshes: Sequence[Mesh]) -> Array:
+    return np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
 
 
 def _joined(first: Receivers, other: Receivers) -> Receivers:

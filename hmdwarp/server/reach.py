@@ -37,7 +37,7 @@ class Head:
         for (before_ns, before), (now_ns, now) in zip(self._seen, list(self._seen)[1:], strict=False):
             times = within_ns / (now_ns - before_ns)
             metres = max(metres, times * float(np.linalg.norm(now.pose.position_m - before.pose.position_m)))
-            turned = float((before.pose.rotation.inv() * now.pose.rotation).magnitude())
+            turned = before.pose.angle_to(now.pose)
             radians = max(radians, min(times * turned, math.pi))
         return metres, radians
 

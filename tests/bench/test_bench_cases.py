@@ -31,12 +31,6 @@ TINY = BenchOptions(
 AGAIN = SweepOptions(resume=True)
 
 
-@pytest.fixture(autouse=True)
-def small_copies(monkeypatch):
-    """The copies that measure the memory are of 1 MiB."""
-    monkeypatch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
-
-
 @pytest.fixture
 def heads(tmp_path) -> list[Path]:
     """Two recordings of the user's own."""

@@ -10,37 +10,24 @@ import pytest
 from ratings import quiet, with_cvvdp, without_cvvdp
 from replays import run
 
-from hmdwarp.bench import BenchOptions, bench
+from hmdwarp.bench import bench
 from hmdwarp.errors import MachineError
 
-from .test_bench_cases import untimed
+from .test_bench_cases import TINY, untimed
 
-PLAIN = BenchOptions(
+PLAIN = attrs.evolve(
+    TINY,
     warps=("forward", "rotation"),
     fills=("none", "memory"),
     latencies_ms=(200.0,),
-    scenes=("planes",),
     recordings=("look-around",),
     sizes=((96, 80),),
     headset="flat-90",
-    rate_hz=60.0,
     seconds=0.5,
     guard=1.0,
     instants=2,
-    rounds=1,
-    workers=0,
-    grid=False,
-    fused=False,
 )
 RATED = attrs.evolve(PLAIN, jod_s=8 / 60)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def small_copies():
-    """Small buffers to copy."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
-        yield
 
 
 @without_cvvdp

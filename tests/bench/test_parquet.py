@@ -17,8 +17,7 @@ parquet = pytest.importorskip("pyarrow.parquet")
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "scale.md"
 
 
-def test_it_holds_the_table(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
+def test_it_holds_the_table(tmp_path):
     options = attrs.evolve(TINY, recordings=("walk",), start_s=0.2, parquet=True)
     parts = []
     for latency in TINY.latencies_ms:

@@ -8,8 +8,9 @@ import attrs
 import pytest
 from replays import replayed, scene_for
 
-from hmdwarp.bench import BenchOptions, bench, combinations_of
+from hmdwarp.bench import bench, combinations_of
 from hmdwarp.bench.cases import common_start_s
+from hmdwarp.bench.options import FILLS
 from hmdwarp.errors import PlanError
 from hmdwarp.link import CHANGES
 from hmdwarp.metrics import QUALITY
@@ -19,22 +20,23 @@ from hmdwarp.run.combinations import batches
 from hmdwarp.scenes import load_scene
 from hmdwarp.strategies import has_own_link, strategies
 
+from .test_bench_cases import TINY
+
 NAMES = strategies.names()
 LATENCY_MS = 100.0
-OPTIONS = BenchOptions(
+OPTIONS = attrs.evolve(
+    TINY,
+    warps=(),
+    fills=FILLS,
     recordings=("look-around",),
     latencies_ms=(LATENCY_MS,),
+    scenes=("room",),
     sizes=((96, 80),),
     headset="flat-90",
-    rate_hz=60.0,
     start_s=0.5,
     seconds=0.2,
     guard=1.2,
     instants=2,
-    rounds=1,
-    workers=0,
-    grid=False,
-    fused=False,
 )
 # The refreshes of twelve that are measured, each with its eye: they take turns.
 MEASURED = ((3, 0), (9, 1))

@@ -32,7 +32,12 @@ def answered(listener: Listener, wait_ms: int = 20) -> bool:
     listener.answer(
         asked,
         attrs.evolve(
-            FRAME, number=asked.ask.number, asked_ns=asked.ask.sent_ns, received_ns=asked.received_ns, sent_ns=now_ns
+            FRAME,
+            number=asked.ask.number,
+            views=asked.ask.views,
+            asked_ns=asked.ask.sent_ns,
+            received_ns=asked.received_ns,
+            sent_ns=now_ns,
         ),
     )
     return True
@@ -70,9 +75,9 @@ def feeder(layers_of=lambda ask: (), views_of=lambda views: views):
             colour, flat = np.full((high, wide, 4), 0.5, np.float16), np.full((high, wide), 0.1, np.float32)
             stripe = slice(2 * wide // 5, 3 * wide // 5)
             colour[:, stripe], flat[:, stripe] = (1, 0, 0, 1), 0.5
-            frame = attrs.evolve(
-                FRAME, number=ask.number, views=views_of(ask.views), colours=(colour,) * 2, inverse_depths=(flat,) * 2
-            )
+            views = views_of(ask.views)
+            pictures = {"colours": (colour,) * len(views), "inverse_depths": (flat,) * len(views)}
+            frame = attrs.evolve(FRAME, number=ask.number, views=views, **pictures)
             listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0, layers=layers_of(ask)))
 
     thread = threading.Thread(target=work)

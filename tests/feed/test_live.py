@@ -11,7 +11,7 @@ from run.offscreen import OffscreenDisplay, run_on
 from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
 from hmdwarp.feed.options import FeedOptions
-from hmdwarp.geometry import Fov
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
 
 from .exchange import feeder
@@ -96,17 +96,30 @@ def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(mo
 
 
 def test_a_camera_that_stands_elsewhere_is_told_once_with_how_far_off_it_is(monkeypatch):
-    half = Fov(*np.arctan([-0.5, 0.5, -0.5, 0.5]))
+    """0.3 m to the right, turned by 30 degrees, with a field of view of its own."""
+    there = Pose((0.3, 0, 0), (0, np.sin(np.pi / 12), 0, np.cos(np.pi / 12)))
+    own = Fov(*np.arctan([-0.5, 0.5, -0.5, 0.5]))
+    asked: list[Fov] = []
+
+    def camera(views: tuple[View, ...]) -> tuple[View, ...]:
+        asked.extend(one.fov for one in views)
+        return tuple(attrs.evolve(one, pose=one.pose @ there, fov=own) for one in views)
+
     display = OffscreenDisplay()
-    with feeder(views_of=lambda views: tuple(attrs.evolve(one, fov=half) for one in views)) as address:
+    with feeder(views_of=camera) as address:
         summary = run_on(monkeypatch, display, options(address, pictures=6, guard="1")).summary
-        (told,) = [line for line in display.said if "other views than it is asked for" in line]
-    off = summary["link"]["feed"]["views_off"]
-    assert off["turned_deg"] == pytest.approx(0, abs=1e-5) and off["moved_m"] == pytest.approx(0, abs=1e-9)
-    assert 0 < off["field_share"] < 1 and f"with {off['field_share']:.0%} of the field of view" in told
+    (told,) = [line for line in display.said if "other views than it is asked for" in line]
+    # Its unit square lies within each of the asked views.
+    areas = [(right - left) * (up - down) for left, right, down, up in (fov.tangents for fov in asked)]
+    assert min(abs(fov.tangents).min() for fov in asked) > 0.5
+    # To single bits of a double and of what the message normalises.
+    off = {"turned_deg": 30.0, "moved_m": 0.3, "field_share": 1 / max(areas)}
+    assert summary["link"]["feed"]["views_off"] == pytest.approx(off, rel=1e-12)
+    assert f"up to 30.00 degrees and 0.300 m off, with {1 / max(areas):.0%} of the field of view" in told
+    same = OffscreenDisplay()
     with feeder() as address:
-        same = run_on(monkeypatch, OffscreenDisplay(), options(address, pictures=6)).summary["link"]["feed"]
-    assert same["views_off"]["field_share"] == pytest.approx(1)
+        run_on(monkeypatch, same, options(address, pictures=6))
+    assert not any("other views" in line for line in same.said)
 
 
 def test_a_frame_of_one_eye_where_two_are_asked_for_is_left_out(monkeypatch):

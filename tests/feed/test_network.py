@@ -137,11 +137,11 @@ def test_a_stall_is_told_and_frames_come_again(relay, listener):
     relay.is_stalled = True
     while not remote.notice:
         step(next(numbers))
-    assert "other views" in lines[0] and "the last one stays" in lines[1]
+    assert "the last one stays" in lines[0]
     relay.is_stalled = False
     while remote.notice:
         step(next(numbers))
-    assert "frames come again" in lines[2]
+    assert "frames come again" in lines[1]
     found = remote.summary()
     assert found["lost"] == 1 and found["away_s"] >= 2
     remote.close()
