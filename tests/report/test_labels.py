@@ -43,6 +43,23 @@ def test_labels_cover_nothing(count, spread_of_points):
     assert not (segments_hit(points, tips, boxes) & ~own).any()
 
 
+@pytest.mark.parametrize("crowd", [5, 22, 27, 31, 32])
+def test_names_that_are_in_the_way_make_room(crowd):
+    """A staircase of names among other points: each finds a place within its greatest width.
+
+    In these crowds one stands farther off, if none moves on for another.
+    """
+    rng = np.random.default_rng(crowd)
+    across, up = np.sort(rng.normal(80, 30, 10)), 150 - np.sort(rng.normal(80, 25, 10))
+    points = np.stack([across, up], axis=1).clip(8, 190)
+    sizes = np.stack([rng.uniform(30, 90, 10), rng.choice([11.0, 22.0], 10)], axis=1)
+    others = rng.uniform((20, 60), (180, 140), (14, 2))
+    corners = place_labels(list(points), sizes, (260, 180), others=others)
+    boxes = np.concatenate([corners, corners + sizes], axis=1)
+    ends = [leaders(points[[i]], boxes[[i]]) for i in range(10)]
+    assert max(np.linalg.norm(tip - start) for (start,), (tip,) in ends) <= 90
+
+
 def test_equal_points_get_labels_of_their_own():
     points, sizes = np.full((6, 2), 100.0), np.tile([60.0, 11.0], (6, 1))
     boxes = placed(points, sizes)
