@@ -297,7 +297,8 @@ def _why_not(
     if effect.name in forbidden:
         return f"the scene calls for it, but it was forbidden: {effect.without}"
     if effect.name not in declared:  # the only place that tests for an effect
-        return "nothing in the scene calls for it"
+        unasked = effect.by_name_only and effect.name not in named
+        return f"not asked for: --effects {effect.name}" if unasked else "nothing in the scene calls for it"
     for name in effects.ordered(declared):
         if effect.name in effects.get(name).instead_of:
             return f"{name} stands in for it"

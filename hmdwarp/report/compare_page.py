@@ -314,11 +314,10 @@ def _front(label: str, client: str, rows: Sequence[Row], cost: str) -> PageChart
 
 
 def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str) -> None:
-    spent = np.array([max(float(row[cost]), 1e-3) for row in rows])
-    error = np.array([row["quality"][PRIMARY]["mean"] for row in rows])
     is_best = np.array([any(row is one for one in best) for row in rows])
-    scale_axis(axes.xaxis, spent, logarithmic=True)
-    scale_axis(axes.yaxis, error, logarithmic=bool(error.min() > 0))
+    spent = scale_axis(axes.xaxis, np.array([float(row[cost]) for row in rows]), logarithmic=True)
+    error = np.array([row["quality"][PRIMARY]["mean"] for row in rows])
+    error = scale_axis(axes.yaxis, error, logarithmic=True)
     line = draw_front(axes, spent[is_best], error[is_best], PAGE, higher=False)
     for x, y, row, filled in zip(spent, error, rows, is_best, strict=True):
         colour = PAGE.warp(row["warp"])

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 MARKER_PT = 6.5
 _CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
 _LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
+_NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
 
 
 def scatter_figure(width_in: float, height_in: float) -> Figure:
@@ -36,12 +37,13 @@ def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
 
 
-def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
+def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarray:
     """Set limits with a margin around the values, and plain numbers at the ticks.
 
-    A time below a microsecond counts as one.
+    Returns where the values are drawn. A logarithmic axis has no zero: what is below _NOTHING is
+    drawn a step before the least of the others, at a tick that says 0.
     """
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+    from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
     limits = axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim
     if not logarithmic:
@@ -49,16 +51,24 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> None:
         margin = max(0.08 * (high - low), 0.5)
         limits(low - margin, high + margin)
         axis.set_major_locator(MaxNLocator(6))
-        return
-    low, high = np.log10(np.maximum([values.min(), values.max()], 1e-3))
+        return values
+    some = values[values >= _NOTHING]
+    least, most = (some.min(), some.max()) if len(some) else (_NOTHING, _NOTHING)
+    zero = least / 2
+    drawn = np.where(values < _NOTHING, zero, values)
+    low, high = np.log10([drawn.min(), most])
     # At least a factor of four, so that two ticks are in it.
     margin = max(0.06 * (high - low), (np.log10(4) - (high - low)) / 2)
     scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
     scale("log")
     limits(10 ** (low - margin), 10 ** (high + margin))
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7)))
+    has_zero = len(some) < len(values)
+    if has_zero:
+        axis.set_major_locator(FixedLocator([zero, *(tick for tick in axis.get_majorticklocs() if tick >= least)]))
     axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: "0" if has_zero and value < least else f"{value:g}"))
+    return drawn
 
 
 def draw_names(

@@ -147,6 +147,21 @@ def test_a_page_of_many_cases_shows_the_first_and_says_so(data):
     assert "This page shows the first 1 of 2 cases" in page
 
 
+def test_nothing_sent_and_no_error_have_a_place_of_their_own_beside_the_rest(data):
+    import numpy as np
+
+    exact = {name: {**figures, "mean": 0.0} for name, figures in data["rows"][0]["quality"].items()}
+    rows = [{**data["rows"][0], "mbit_s": 0.0, "quality": exact}, *data["rows"][1:]]
+    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(rows)
+    ticks = [
+        re.findall(r">([\d.]+)</text>", render_compare_page({**data, "rows": shown}, pictures))
+        for shown in (data["rows"], rows)
+    ]
+    # Its error on both fronts, its traffic on one: for each of three clients.
+    assert [ticks_of.count("0") for ticks_of in ticks] == [0, 3 * 3]
+    assert {float(tick) for tick in ticks[1] if float(tick) < 0.01} == {0.0}, "no decades without a point"
+
+
 def test_markdown_has_each_case_with_the_least_error_first(data):
     lines = compare_markdown(data["rows"]).splitlines()
     assert len(lines) == 2 + len(data["rows"])

@@ -113,10 +113,9 @@ def _draw(axes: Axes, case: Case, measure: str, markers: Mapping[str, str], pale
         axes.set_yticks([])
         not_measured(axes, palette)
         return
-    time = np.array([_total(row) for row in rows])
+    time = scale_axis(axes.xaxis, np.array([_total(row) for row in rows]), logarithmic=True)
     error = np.array([row["quality"][measure]["mean"] for row in rows])
-    scale_axis(axes.xaxis, time, logarithmic=True)
-    scale_axis(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better and error.min() > 0)
+    error = scale_axis(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better)
     best = {id(row) for row in case.front(measure)}
     is_best = np.array([id(row) in best for row in rows])
     line = draw_front(axes, time[is_best], error[is_best], palette, higher=metrics.get(measure).higher_is_better)
