@@ -25,6 +25,7 @@ from .usable import LAYERS
 
 Size = tuple[int, int]
 Array = NDArray[Any]
+_MOST_BODIES = np.iinfo(np.uint16).max  # numbers on the GPU have 16 bits
 
 
 class HeldLayer(ABC):
@@ -62,6 +63,12 @@ class HeldLayer(ABC):
         if not np.isfinite(found).all():
             raise InputError(f"{name} has NaN or infinite values: expected finite numbers")
         return found
+
+    def share(self, name: str, value: Array) -> Array:
+        """Return numbers of 0 to 1. Errors: InputError."""
+        if value.min() < 0 or value.max() > 1:
+            raise InputError(f"{name} is {value.min():g} to {value.max():g}: expected 0 to 1")
+        return value
 
     def picture(self, name: str, colour: ArrayLike, depth_m: ArrayLike) -> GivenPicture:
         """Return colour and depth of the layer's size, as a picture. Errors: InputError."""
@@ -109,6 +116,8 @@ class _Ids(HeldLayer):
         numbers, bodies = self.array("numbers of layer 'ids'", numbers, None), tuple(bodies)
         if not all(isinstance(one, RigidState) for one in bodies):
             raise InputError("bodies of layer 'ids': expected a hmdwarp.geometry.RigidState for each")
+        if len(bodies) > _MOST_BODIES:
+            raise InputError(f"layer 'ids' has {len(bodies)} bodies: expected {_MOST_BODIES} at most")
         if numbers.dtype.kind == "f" or numbers.min() < 0 or numbers.max() > len(bodies):
             raise InputError(
                 f"numbers of layer 'ids' are {numbers.dtype}, {numbers.min()} to {numbers.max()}: expected whole "
@@ -129,9 +138,7 @@ class _Overlay(HeldLayer):
         given = self.array("layer 'overlay'", value, 4)
         is_bytes = given.dtype == np.uint8
         light = linear_from_srgb(given[..., :3]) if is_bytes else given[..., :3]
-        alpha = given[..., 3:] / (255 if is_bytes else 1)
-        if alpha.min() < 0 or alpha.max() > 1:
-            raise InputError(f"alpha of layer 'overlay' is {alpha.min():g} to {alpha.max():g}: expected 0 to 1")
+        alpha = self.share("alpha of layer 'overlay'", given[..., 3:] / (255 if is_bytes else 1))
         upload(self._texture, np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
         return self._texture
 
@@ -165,14 +172,20 @@ class _Transparent(HeldLayer):
         light, depth_m, passing = self.parts("transparent", value, 3)
         light = self.array("light of layer 'transparent'", light, 3)
         depth = self.array("depth_m of layer 'transparent'", depth_m, None)
-        passing = self.array("passing of layer 'transparent'", passing, 3)
         there = depth > 0
+        passing = np.where(there[..., None], self.array("passing of layer 'transparent'", passing, 3), 1)
+        self.share("passing of layer 'transparent'", passing)
+        if depth.min() < 0 or light.min() < 0:
+            raise InputError(
+                f"light of layer 'transparent' is {light.min():g} at least, depth_m {depth.min():g}: expected none "
+                "below 0"
+            )
         with np.errstate(divide="ignore"):
             inverse = np.where(there, 1 / depth, NO_DEPTH)
         covered = there[..., None].astype(np.float32)
         upload(self._veil.colour, np.concatenate([light * covered, covered], axis=2).astype(np.float32))
         upload(self._veil.inverse_depth, inverse.astype(np.float32))
-        upload(self._passing, np.concatenate([np.where(there[..., None], passing, 1), covered], 2).astype(np.float32))
+        upload(self._passing, np.concatenate([passing, covered], axis=2).astype(np.float32))
         return Transparent(self._veil, self._passing)
 
 
@@ -191,8 +204,7 @@ class _Reflection(HeldLayer):
         colour, depth_m, surface, mirrors = self.parts("reflection", value, 4)
         picture = self.picture("what layer 'reflection' mirrors", colour, depth_m)
         surface = self.array("surface of layer 'reflection'", surface, 3)
-        if surface[..., 0].min() < 0 or surface[..., 0].max() > 1:
-            raise InputError("reflectivity in the surface of layer 'reflection': expected 0 to 1")
+        self.share("reflectivity in the surface of layer 'reflection'", surface[..., 0])
         mirrors = tuple(mirrors)
         if not mirrors or not all(isinstance(one, Mirror) for one in mirrors):
             raise InputError("mirrors of layer 'reflection': expected one hmdwarp.geometry.Mirror or more")

@@ -27,6 +27,12 @@ MIRRORED = (
     np.zeros((HIGH, WIDE, 3)),
     (Mirror((0, 0, -FAR_M), (1, 0, 0), (0, 1, 0)),),
 )
+BODY = RigidState(Pose())
+
+
+def glass(light: float = 0.0, depth_m: float = 1.0, passing: float = 0.5) -> tuple[np.ndarray, ...]:
+    """Layer 'transparent' of one pane over the whole picture."""
+    return np.full((HIGH, WIDE, 3), light), np.full((HIGH, WIDE), depth_m), np.full((HIGH, WIDE, 3), passing)
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +118,7 @@ def test_what_lies_behind_a_wall_does_not_show_where_the_wall_leaves_the_picture
 
 
 def test_glass_adds_its_light_and_lets_some_through(picture, gpu):
-    light, depth, passing = np.full((HIGH, WIDE, 3), 0.25), np.full((HIGH, WIDE), 1.0), np.full((HIGH, WIDE, 3), 0.5)
+    light, depth, passing = glass(light=0.25)
     depth[:, 30:] = 0
     given = {"transparent": (light, depth, passing)}
     out = warp_image(*picture, HERE, HERE, effects="transparency", layers=given, gpu=gpu).colour
@@ -172,6 +178,14 @@ def nothing(mirrored):
         ("rigid_motion", {"ids": np.zeros((HIGH, WIDE))}, "layer 'ids' is a ndarray: expected .numbers, bodies."),
         ("rigid_motion", {"ids": (np.ones((HIGH, WIDE), int), [])}, "numbers of 0 to 0, as there are 0 bodies"),
         ("rigid_motion", {"ids": (np.zeros((HIGH, WIDE), int), [1])}, "expected a hmdwarp.geometry.RigidState"),
+        (
+            "rigid_motion",
+            {"ids": (np.zeros((HIGH, WIDE), int), [BODY] * 65536)},
+            "65536 bodies: expected 65535",
+        ),
+        ("transparency", {"transparent": glass(passing=1.5)}, "passing of layer 'transparent' is 1.5 to 1.5: expected"),
+        ("transparency", {"transparent": glass(light=-1)}, "light of layer 'transparent' is -1 at least, depth_m 1: "),
+        ("transparency", {"transparent": glass(depth_m=-2)}, "is 0 at least, depth_m -2: expected none below 0"),
         ("transparency", {"transparent": (0, 0)}, "layer 'transparent' is a tuple: expected .light, depth_m, passing."),
         (MIRRORS, {}, "reads layer 'reflection': give layers={'reflection': ..}, .colour, depth_m, surface, mirrors."),
         (MIRRORS, {"reflection": (*MIRRORED[:3], ())}, "mirrors of layer 'reflection': expected one .*Mirror or more"),
