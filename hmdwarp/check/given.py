@@ -6,12 +6,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import attrs
 import numpy as np
 
 from .. import sequences
 from ..colour import srgb8_from_linear
 from ..errors import InputError
 from ..sequences import RecordedFrame, SequenceOptions
+from ..sequences.recorded import in_metres
 from .stated_frames import LEFT, RIGHT, StatedFrame
 
 MOST = 24  # frames that are compared
@@ -59,7 +61,10 @@ def _of_file(path: Path, options: SequenceOptions) -> StatedFrame:
     if colour.dtype != np.uint8:
         encoded = found.encoding == "srgb"
         colour = np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8) if encoded else srgb8_from_linear(colour)
-    return StatedFrame(path.name, colour, found.depth_m.astype(np.float64) * (scale or 1.0), found.view)
+    pictures = colour, in_metres(found.depth_m, scale or 1.0)
+    view, size = found.view, colour.shape[1::-1]
+    frame = RecordedFrame(path.name, 0, view.pose, view.fov, size, lambda: pictures).cropped(options.crop)
+    return attrs.evolve(_stated(frame, None), time_ns=None)  # a file has no instant
 
 
 def _chosen(frames: Sequence[RecordedFrame]) -> range:

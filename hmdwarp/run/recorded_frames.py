@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 ONE_EYE = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
 _NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
+_WIDEST_RIM = 0.1  # of the picture's smaller side
 _ANOTHER = 1.0  # pixel that the truth may be off before a reader is told
 
 
@@ -106,7 +107,23 @@ def _median_and_most(values: Iterable[float]) -> dict[str, float]:
 
 def recorded_notes(options: PipelineOptions, scene: Scene) -> list[str]:
     """Return what to say of recorded frames before anything else, nothing for a scene."""
-    return [about(scene.sequence, options)] if isinstance(scene, RecordedScene) else []
+    if not isinstance(scene, RecordedScene):
+        return []
+    return [about(scene.sequence, options), *_about_rim(scene.sequence)]
+
+
+def _about_rim(sequence: Sequence) -> list[str]:
+    """Return what to say of a rim without a picture, nothing where there is none."""
+    ends = sequence.frames[0], sequence.frames[-1]
+    rims = [frame.rim() for frame in ends]
+    # A rim is where it is in all frames; what is wider is more likely a background.
+    if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
+        return []
+    # The line beside it is blended with it.
+    return [
+        f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. If "
+        f"that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were."
+    ]
 
 
 def recorded_entry(options: PipelineOptions, scene: Scene) -> dict[str, Any] | None:

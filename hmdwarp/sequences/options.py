@@ -67,3 +67,12 @@ class SequenceOptions(Declared):
         valid=Number(least=1e-3, most=1e4),
         study=DISPLAY,
     )
+    # On each side.
+    crop: int = option(
+        0,
+        "Leave out so many of the outermost pixels of recorded frames, where they hold no picture.",
+        kind=int,
+        unit="px",
+        valid=Number(),
+        study=DISPLAY,
+    )

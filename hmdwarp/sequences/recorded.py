@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import srgb8_from_linear
+from ..errors import InputError
 from ..geometry import Fov, Pose, View
 from ..poses import PoseTrack
 from ..repairs import RepairChain
 
+_JPEG = 8  # of 255: as far as a JPEG is off in a plain area beside an edge
 Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 
@@ -44,6 +46,37 @@ class RecordedFrame:
     def read(self) -> Pictures:
         """Return colour and depth_m, read from the file. Errors: InputError."""
         return self._read()
+
+    def rim(self) -> int:
+        """Return how many of the outermost pixels hold one colour, on the side with the most.
+
+        0 where a side has none. Rectification leaves such a rim, and so does a plain background.
+        """
+        colour = self.colour.astype(np.int16)
+        same = np.abs(colour - colour[0, 0]).max(axis=2) <= _JPEG
+        lines = same.all(axis=1), same.all(axis=0)
+        sides = [int(np.argmin(side)) for line in lines for side in (line, line[::-1])]  # up to the first that differs
+        return max(sides) if min(sides) else 0
+
+    def cropped(self, pixels: int) -> RecordedFrame:
+        """Return the frame without its outermost pixels. Errors: InputError where none is left."""
+        size = (self.size[0] - 2 * pixels, self.size[1] - 2 * pixels)
+        if min(size) < 1:
+            found = "x".join(map(str, self.size))
+            raise InputError(f"--crop {pixels}: {self.name} has {found} pixels; expected to leave one or more")
+        left, right, down, up = self.fov.tangents
+        x, y = (
+            pixels * (far - near) / count
+            for near, far, count in ((left, right, self.size[0]), (down, up, self.size[1]))
+        )
+        inner = np.s_[pixels : pixels + size[1], pixels : pixels + size[0]]
+
+        def read() -> Pictures:
+            colour, depth_m = self._read()
+            return np.ascontiguousarray(colour[inner]), np.ascontiguousarray(depth_m[inner])
+
+        fov = Fov.from_tangents((left + x, right - x, down + y, up - y))
+        return attrs.evolve(self, fov=fov, size=size, read=read)
 
     @property
     def colour(self) -> NDArray[np.uint8]:
@@ -82,6 +115,14 @@ class Sequence:
             return self
         note = f"The depth of late frames is mended by {repair.text}; the truth is what was recorded."
         return attrs.evolve(self, repair=repair, notes=(*self.notes, note))
+
+    def cropped(self, pixels: int) -> Sequence:
+        """Return the sequence without the outermost pixels of its frames. Errors: InputError."""
+        if not pixels:
+            return self
+        note = f"The {pixels} outermost pixels of each picture are left out."
+        frames = tuple(frame.cropped(pixels) for frame in self.frames)
+        return attrs.evolve(self, frames=frames, notes=(*self.notes, note))
 
     @property
     def rate_hz(self) -> float:

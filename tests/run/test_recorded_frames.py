@@ -193,6 +193,37 @@ def test_what_a_recording_cannot_do_is_refused(said, told, folder):
     assert told in str(caught.value)
 
 
+def framed(folder: Path, rim: tuple[int, int, int, int]) -> Path:
+    """Frames whose outermost rows and columns (top, bottom, left, right) are a noisy white."""
+    folder.mkdir()
+    frames, rng = taken(COUNT, (60, 40)), np.random.default_rng(5)
+    top, bottom, left, right = rim
+    for one in frames:
+        inside = np.zeros(one.depth_m.shape, bool)
+        inside[top : 40 - bottom, left : 60 - right] = True
+        one.colour[~inside] = rng.integers(250, 256, (np.count_nonzero(~inside), 1))
+    write_npz(folder, frames)
+    return folder
+
+
+def test_a_rim_without_a_picture_is_told_and_left_out_where_asked(run, tmp_path):
+    folder = framed(tmp_path / "framed", (1, 1, 2, 3))
+    whole = run(folder).summary
+    (told,) = [note for note in whole["notes"] if "--crop" in note]
+    assert "frame-0.npz and frame-11.npz hold one colour, up to 3 on a side" in told and "by --crop 4" in told
+    inner = run(folder, crop=4).summary
+    assert inner["size"] == [52, 32] and not any("--crop" in note for note in inner["notes"])
+    assert "The 4 outermost pixels of each picture are left out." in inner["notes"]
+    assert inner["quality"]["psnr_db"]["mean"] > whole["quality"]["psnr_db"]["mean"] + 3
+
+
+@pytest.mark.parametrize(
+    "rim", [(0, 0, 0, 0), (2, 2, 2, 0), (12, 12, 20, 20)], ids=["none", "three sides", "background"]
+)
+def test_what_may_well_be_a_picture_is_no_rim(rim, run, tmp_path):
+    assert not any("--crop" in note for note in run(framed(tmp_path / "framed", rim)).summary["notes"])
+
+
 @pytest.mark.parametrize(
     ("said", "told"),
     [

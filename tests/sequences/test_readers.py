@@ -69,6 +69,30 @@ def test_every_layout_gives_the_frames_that_were_taken(layout, tmp_path):
         assert depth_m[0, 0] == 0
 
 
+def test_without_its_rim_every_pixel_stays_where_it_was_seen(layout, tmp_path):
+    _, write, options = layout
+    write(tmp_path, taken(2))
+    whole, inner = (sequences.open(tmp_path, attrs.evolve(options, crop=crop)) for crop in (0, 3))
+    for one, other in zip(whole.frames, inner.frames, strict=True):
+        assert other.size == (one.size[0] - 6, one.size[1] - 6) and other.pose.isclose(one.pose, 0)
+        for before, after in zip(one.read(), other.read(), strict=True):
+            assert np.array_equal(before[3:-3, 3:-3], after)
+        left, right, down, up = one.fov.tangents
+        x, y = (right - left) / one.size[0], (up - down) / one.size[1]
+        assert other.fov.tangents == pytest.approx((left + 3 * x, right - 3 * x, down + 3 * y, up - 3 * y), abs=1e-12)
+    assert inner.notes[-1] == "The 3 outermost pixels of each picture are left out." and inner.notes[:-1] == whole.notes
+
+
+def test_a_crop_leaves_some_pixels(tmp_path):
+    write_npz(tmp_path, taken(2))
+    most = (min(SIZE) - 1) // 2
+    assert min(sequences.open(tmp_path, SequenceOptions(crop=most)).frames[0].size) in (1, 2)
+    with pytest.raises(InputError, match=f"--crop {most + 1}: .* has {SIZE[0]}x{SIZE[1]} pixels; expected to leave"):
+        sequences.open(tmp_path, SequenceOptions(crop=most + 1))
+    with pytest.raises(InputError, match="--crop -1 px: expected a whole number of at least 0"):
+        SequenceOptions(crop=-1)
+
+
 def agreeing(first: RecordedFrame, second: RecordedFrame) -> float:
     """Share of the first's pixels seen in the second that have the same depth there, within 2 %.
 
