@@ -224,11 +224,12 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "against": "",
         "jod_s": options.jod_s,
         "trace_options": options.trace_options,
+        "sequence_options": options.sequence_options,
         "out": options.out,
         "command": options.command,
     }
     if options.frames is not None:
-        known |= {"frames": options.frames, "sequence_options": options.sequence_options, "scene": _RUN.scene.default}
+        known |= {"frames": options.frames, "scene": _RUN.scene.default}
     return RunOptions(**{**known, **changes})
 
 

@@ -229,8 +229,10 @@ class PipelineOptions(Declared):
     def __attrs_post_init__(self) -> None:
         if self.is_recorded:
             self._check_recorded()
-        elif self.repair != "none":
-            raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
+        else:
+            self.sequence_options.refuse_unused()
+            if self.repair != "none":
+                raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..options import DISPLAY, Declared, Number, names_in, option
+from ..errors import InputError
+from ..options import DISPLAY, Declared, Number, names_in, option, option_of
 
 if TYPE_CHECKING:
     from .camera import Camera
@@ -76,3 +77,10 @@ class SequenceOptions(Declared):
         valid=Number(),
         study=DISPLAY,
     )
+
+    def refuse_unused(self) -> None:
+        """Raise InputError for the first that is stated, where there are no recorded frames."""
+        for field in attrs.fields(type(self)):
+            if getattr(self, field.name) != field.default:
+                flag = option_of(field).named(field.name).flag
+                raise InputError(f"{flag}: it states how recorded frames are read; it is for --frames")

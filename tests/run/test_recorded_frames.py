@@ -15,8 +15,10 @@ from replays import replayed, rows_of
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.geometry import Pose
 from hmdwarp.image import usable_fills, usable_warps
+from hmdwarp.options import options_of
 from hmdwarp.poses import load_trace
 from hmdwarp.run import ReplayResult, RunOptions, set_up_replay
+from hmdwarp.sequences import SequenceOptions
 
 # Of 30 Hz: three frames late.
 LATE_MS = 100.0
@@ -241,6 +243,15 @@ def test_layers_that_were_not_recorded_are_refused_by_the_plan(said, told, folde
         set_up_replay(options(folder, **said))
     assert told in str(caught.value)
     assert "recorded frames hold colour and depth of one eye, and no scene" in str(caught.value)
+
+
+STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": "0.001", "frames_rate": "25", "crop": "4"}
+
+
+@pytest.mark.parametrize("name", [one.name for one in options_of(SequenceOptions)])
+def test_what_is_stated_of_frames_is_refused_where_there_are_none(name):
+    with pytest.raises(InputError, match=f"--{name.replace('_', '-')}: .* it is for --frames"):
+        RunOptions.of({"trace": "walk", name: STATED[name]})
 
 
 def test_recordings_that_cannot_be_shown_are_refused(folder, tmp_path):
