@@ -108,6 +108,7 @@ def write_results(
     result: ReplayResult,
     compared: list[list[Row]],
     pool: QualityPool,
+    misses: list[list[Row]],
     command: str,
 ) -> None:
     """Write everything but the video, which is written during the run.
@@ -122,6 +123,7 @@ def write_results(
             result.against,
             rows=result.rows,
             baselines_rows=compared,
+            misses=misses,
             worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],

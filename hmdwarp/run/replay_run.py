@@ -74,10 +74,12 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        misses: list[list[Row]] = []
         if late is not None:
             more["miss"] = late.entry()
             setup.notes.append(about_misses(more["miss"]))
-            out.write_csv("misses.csv", late.rows(), MISS_COLUMNS)
+            misses.append(list(late.rows()))
+            out.write_csv("misses.csv", misses[0], MISS_COLUMNS)
         if probe.clips is not None:
             more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
@@ -87,7 +89,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more)
-        write_results(out, log, result, compared, pool, options.command)
+        write_results(out, log, result, compared, pool, misses, options.command)
     return result
 
 

@@ -39,9 +39,11 @@ def test_without_a_miss_the_run_is_that_of_a_client_that_is_always_ready(tmp_pat
 
 
 def test_two_and_a_half_budgets_show_each_picture_for_three_refreshes(tmp_path):
-    result = run(tmp_path / "out", miss=parse_misses(f"warp={2.5 * PERIOD_MS},show=stands"))
+    result = run(tmp_path / "out", page=True, miss=parse_misses(f"warp={2.5 * PERIOD_MS},show=stands"))
     rows = cells(tmp_path / "out")
     assert [row["stale"] for row in rows] == (["0", "1", "1"] * len(rows))[: len(rows)]
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "Missed refreshes" in page and "budget" in page
     entry = result.summary["miss"]
     assert entry["stale_share"] == sum(row["stale"] == "1" for row in rows) / len(rows)
     assert entry["longest_stale"] == 2
