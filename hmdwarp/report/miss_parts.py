@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..metrics import Figure
 from .charts import Series, time_series
 from .parts import Chart, Tile
-
-_SHARE = Figure("stale_share", "Missed refreshes", "%", 1, 100)
+from .tables import MISS_FIGURES
 
 
 def miss_tile(entry: Mapping[str, Any], others: Sequence[tuple[str, Mapping[str, Any]]] = ()) -> Tile:
@@ -19,22 +17,22 @@ def miss_tile(entry: Mapping[str, Any], others: Sequence[tuple[str, Mapping[str,
 
     entry: `miss` of summary.json. others: name and entry of each run beside it.
     """
-    beside = "; ".join(f"{name}: {_SHARE.text(one['stale_share'])}, {_tail(one)}" for name, one in others)
-    return Tile(_SHARE.label, _SHARE.unit, _SHARE.text(entry["stale_share"]), _tail(entry), beside or None)
-
-
-def _tail(entry: Mapping[str, Any]) -> str:
-    return f"at most {entry['longest_stale']} in a row; judder {entry['judder_deg']:.3f} deg RMS"
+    share, longest, judder = MISS_FIGURES
+    beside = "; ".join(f"{name}: {share.text(one[share.name])}" for name, one in others)
+    note = f"at most {longest.text(entry[longest.name])} in a row; judder {judder.text(entry[judder.name])} deg RMS"
+    return Tile(share.label, share.unit, share.text(entry[share.name]), note, beside or None)
 
 
 def miss_chart(budget_ms: float, runs: Sequence[tuple[str, Sequence[Mapping[str, Any]]]]) -> Chart:
     """Return the chart of the client's time against its budget.
 
-    runs: name and rows of each, at most two, as misses.csv's.
+    runs: name and rows of each, at most three, as misses.csv's; no rows for one that is always in
+    time, whose place the budget takes, so that the others keep theirs.
     """
     lines = [
         Series.of(name, rows, "took_ms", ticks_s=[row["time_s"] for row in rows if row["stale"]]) for name, rows in runs
     ]
     times_s = np.array([row["time_s"] for row in runs[0][1]])
-    lines.append(Series("budget", times_s, np.full(len(times_s), budget_ms)))
+    free = next((number for number, (_, rows) in enumerate(runs) if not rows), len(runs))
+    lines[free : free + 1] = [Series("budget", times_s, np.full(len(times_s), budget_ms))]
     return Chart("Client's time for a picture; ticks: missed refreshes", time_series(lines, "ms"))

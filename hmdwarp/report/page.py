@@ -62,8 +62,9 @@ def render_report(
     """Return the text of report.html; the same arguments give the same text.
 
     summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
-    values. misses: as misses.csv's, of each of these whose summary has `miss`. command: as the user
-    typed it. notes: the run's, one sentence each.
+    values. misses: as misses.csv's, of the run and each baseline, empty without `miss` in the
+    summary; none if no one misses any. command: as the user typed it. notes: the run's, one
+    sentence each.
     """
     names = column_names(summary, *baselines)
     comparison = comparison_rows(summary, *baselines)
@@ -78,9 +79,10 @@ def render_report(
         baselines=baselines,
         sure=how_sure(summary, mark="★" if baselines else None),
         quality_rows=comparison[: len(QUALITY_FIGURES)],
-        time_rows=comparison[len(QUALITY_FIGURES) :],
+        time_rows=comparison[len(QUALITY_FIGURES) :][: len(TIME_FIGURES)],
+        miss_rows=comparison[len(QUALITY_FIGURES + TIME_FIGURES) :],
         tiles=_tiles(summary, baselines, names),
-        charts=_charts(summary, names, rows, baselines_rows) + _of_misses([summary, *baselines], names, misses),
+        charts=_charts(summary, names, rows, baselines_rows) + _of_misses(summary, names, misses),
         worst=[_worst(frame, _eye_names(summary)) for frame in worst],
         measured=_measured(summary),
         auto=_auto(summary),
@@ -112,11 +114,8 @@ def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> 
     return tiles
 
 
-def _of_misses(summaries: Sequence[Summary], names: list[str], misses: Sequence[Rows]) -> list[Chart]:
-    if not misses:
-        return []
-    missing = [name for name, one in zip(names, summaries, strict=True) if "miss" in one]
-    return [miss_chart(summaries[0]["miss"]["budget_ms"], list(zip(missing, misses, strict=True)))]
+def _of_misses(summary: Summary, names: list[str], misses: Sequence[Rows]) -> list[Chart]:
+    return [miss_chart(summary["miss"]["budget_ms"], list(zip(names, misses, strict=True)))] if misses else []
 
 
 def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:

@@ -13,8 +13,14 @@ from ..errors import InputError
 
 MEASURED = "measured"
 SHOWS = (TURNED, STANDS) = ("turned", "stands")
-_WANTED = "expected warp=MS, warp=FILE or warp=measured, and where they matter ,budget=MS and ,show=turned or stands"
+GOVERNED = (ON, BOTH) = ("on", "both")
+_WANTED = (
+    "expected warp=MS, warp=FILE or warp=measured, and where they matter ,budget=MS and ,show=turned or stands and "
+    ",governor=on or both"
+)
 _MOST_MS = 60_000.0
+# The share of stale refreshes among the measured ones may differ by so much without a word.
+_ALIKE = 0.05
 # Of a refresh: a time of exactly so many periods, given in decimals, is not one refresh more.
 _ROUNDING = 1e-6
 
@@ -29,6 +35,8 @@ class Misses:
     budget_ms: float | None = None
     # Whether a picture is turned to the newest head at each refresh.
     turns: bool = True
+    # Whether the run is beside one that keeps the warp that it began with.
+    beside: bool = False
 
     def refreshes(self, took_ms: float, period_ms: float) -> int:
         """Return at which refresh a picture is first seen; 1 for the one it was to be made for.
@@ -49,15 +57,16 @@ def parse_misses(text: str) -> Misses | None:
     said: dict[str, str] = {}
     for part in text.split(","):
         name, _, value = (bit.strip() for bit in part.partition("="))
-        if name not in ("warp", "budget", "show") or name in said or not value:
+        if name not in ("warp", "budget", "show", "governor") or name in said or not value:
             raise InputError(f"--miss '{text}': {_WANTED}")
         said[name] = value
-    if "warp" not in said or said.get("show", TURNED) not in SHOWS:
+    show, governor = said.get("show", TURNED), said.get("governor", ON)
+    if "warp" not in said or show not in SHOWS or governor not in GOVERNED:
         raise InputError(f"--miss '{text}': {_WANTED}")
     budget_ms = _milliseconds(said["budget"], text) if "budget" in said else None
     if budget_ms is not None and not 0 < budget_ms <= _MOST_MS:
         raise InputError(f"--miss '{text}': budget {said['budget']}: expected a number above 0, at most {_MOST_MS:g}")
-    return Misses(_times(said["warp"], text), budget_ms, said.get("show", TURNED) == TURNED)
+    return Misses(_times(said["warp"], text), budget_ms, show == TURNED, governor == BOTH)
 
 
 def _times(value: str, text: str) -> tuple[float, ...]:
@@ -100,10 +109,20 @@ def miss_figures(stale: Sequence[bool], off_deg: Sequence[float]) -> dict[str, A
 
 def about_misses(entry: dict[str, Any]) -> str:
     """Return the `miss` of summary.json as a sentence or two."""
-    told = (
-        f"The client misses refreshes: {100 * entry['stale_share']:.1f} % showed a picture again, at most "
-        f"{entry['longest_stale']} in a row; judder {entry['judder_deg']:.3f} deg RMS."
-    )
     how = "was turned to the newest head" if entry["show"] == TURNED else "stood as it was"
     clock = "as measured here, not the same in every run" if entry["times"] == MEASURED else "as given"
-    return f"{told} A late picture {how}; the client's times are {clock}."
+    return f"The client misses refreshes: {_told(entry)}. A late picture {how}; the client's times are {clock}."
+
+
+def about_without(name: str, entry: dict[str, Any]) -> str:
+    """Return the `miss` of a run that kept the warp `name` as a sentence."""
+    return f"Without the governor, with {name} throughout: {_told(entry)}."
+
+
+def _told(entry: dict[str, Any]) -> str:
+    share, measured = entry["stale_share"], entry["stale_share_measured"]
+    of_measured = f" ({100 * measured:.1f} % of the measured ones)" if abs(share - measured) > _ALIKE else ""
+    return (
+        f"{100 * share:.1f} % showed a picture again{of_measured}, at most {entry['longest_stale']} in a row; "
+        f"judder {entry['judder_deg']:.3f} deg RMS"
+    )
