@@ -9,7 +9,7 @@ import numpy as np
 
 from .charts import Series, time_series
 from .parts import Chart, Tile
-from .tables import MISS_FIGURES
+from .tables import MISS_FIGURES, miss_texts
 
 
 def miss_tile(entry: Mapping[str, Any], others: Sequence[tuple[str, Mapping[str, Any]]] = ()) -> Tile:
@@ -17,10 +17,10 @@ def miss_tile(entry: Mapping[str, Any], others: Sequence[tuple[str, Mapping[str,
 
     entry: `miss` of summary.json. others: name and entry of each run beside it.
     """
-    share, longest, judder = MISS_FIGURES
-    beside = "; ".join(f"{name}: {share.text(one[share.name])}" for name, one in others)
-    note = f"at most {longest.text(entry[longest.name])} in a row; judder {judder.text(entry[judder.name])} deg RMS"
-    return Tile(share.label, share.unit, share.text(entry[share.name]), note, beside or None)
+    share, longest, judder = miss_texts(entry)
+    beside = "; ".join(f"{name}: {miss_texts(one)[0]}" for name, one in others)
+    note = f"at most {longest} in a row; judder {judder} deg RMS"
+    return Tile(MISS_FIGURES[0].label, MISS_FIGURES[0].unit, share, note, beside or None)
 
 
 def miss_chart(budget_ms: float, runs: Sequence[tuple[str, Sequence[Mapping[str, Any]]]]) -> Chart:

@@ -134,6 +134,11 @@ def summary_table(summary: Summary, *baselines: Summary) -> Table:
     return table
 
 
+def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the texts of MISS_FIGURES. entry: `miss` of a summary."""
+    return tuple(figure.text(entry[figure.name]) for figure in MISS_FIGURES)
+
+
 def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
     """Return the axes in which each recorded trace was read, by its name."""
     return {str(one["trace"]): str(one["trace_axes"]) for one in summaries if one.get("trace_axes")}

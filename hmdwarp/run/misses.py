@@ -90,21 +90,47 @@ def _milliseconds(value: str, text: str) -> float:
         raise InputError(f"--miss '{text}': {_WANTED}") from None
 
 
-def miss_figures(stale: Sequence[bool], off_deg: Sequence[float]) -> dict[str, Any]:
-    """Return what the misses of a run cost.
+class MissTally:
+    """What the misses of a run cost, in bounded memory."""
 
-    stale: of each refresh, whether it showed a picture again. off_deg: the angle between the head
-    that the picture was shown for and the head at that refresh.
-    stale_share: 0..1. longest_stale: refreshes in a row without a new picture. judder_deg: RMS of
-    the change of that angle from each refresh to the next; 0 for a single refresh.
-    """
-    longest = run = 0
-    for one in stale:
-        run = run + 1 if one else 0
-        longest = max(longest, run)
-    changes = [after - before for before, after in zip(off_deg, off_deg[1:], strict=False)]
-    judder = math.sqrt(math.fsum(change**2 for change in changes) / len(changes)) if changes else 0.0
-    return {"stale_share": sum(stale) / len(stale), "longest_stale": longest, "judder_deg": judder}
+    def __init__(self) -> None:
+        self._refreshes = self._stale = self._longest = self._run = 0
+        self._last_deg, self._squares = 0.0, 0.0
+
+    def add(self, stale: bool, off_deg: float) -> None:
+        """Add the next refresh.
+
+        stale: whether it showed a picture again. off_deg: the angle between the head that the
+        picture was shown for and the head at that refresh.
+        """
+        if self._refreshes:
+            self._squares += (off_deg - self._last_deg) ** 2
+        self._last_deg = off_deg
+        self._refreshes += 1
+        self._stale += stale
+        self._run = self._run + 1 if stale else 0
+        self._longest = max(self._longest, self._run)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return its part of summary.json, of one refresh at least.
+
+        stale_share: 0..1. longest_stale: refreshes in a row without a new picture. judder_deg: RMS
+        of the change of that angle from each refresh to the next; 0 for a single refresh.
+        """
+        judder = math.sqrt(self._squares / max(1, self._refreshes - 1))
+        return {
+            "stale_share": self._stale / self._refreshes,
+            "longest_stale": self._longest,
+            "judder_deg": judder,
+        }
+
+
+def miss_figures(stale: Sequence[bool], off_deg: Sequence[float]) -> dict[str, Any]:
+    """Return what the misses of a run cost: as MissTally of these refreshes."""
+    tally = MissTally()
+    for one, off in zip(stale, off_deg, strict=True):
+        tally.add(one, off)
+    return tally.as_dict()
 
 
 def about_misses(entry: dict[str, Any]) -> str:
