@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import aims
@@ -439,6 +440,27 @@ def depth_codes(folder: Path) -> None:
     replace("depth codes", passes.depth_codes_table(partial(run, folder)))
 
 
+def governors(folder: Path) -> None:
+    """Run a client that is slow for a while with and without its governor: five minutes."""
+    times = folder / "times.csv"
+    times.write_text("14\n" * 120 + "25\n" * 150 + "14\n" * 90, encoding="utf-8")
+    heads = ("recording", "a late picture", "governor", "missed %", "judder deg", "PSNR dB", "FLIP")
+    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * 3 + " ---: |" * 4]
+    for trace, show in product(RECORDINGS, ("turned", "stands")):
+        out = folder / f"governor-{trace}-{show}"
+        miss = f"warp={times},governor=both,show={show}"
+        options = shlex.split("--warp auto --budget 8.3 --seconds 6 --size 160x200 --metrics-every 7")
+        program("replay", trace, *options, "--miss", miss, "--images", "0", *QUIET, str(out))
+        on = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+        (off,) = on["against"]
+        levels = [one["name"] for one in on["auto"]["ladder"] if one["refreshes"]]
+        for named, one in ((f"on: {', '.join(levels)}", on), (f"off: {off['warp']} + {off['fill']}", off)):
+            missed, quality = one["miss"], {name: entry["mean"] for name, entry in one["quality"].items()}
+            cells = (trace, show, named, f"{100 * missed['stale_share']:.1f}", f"{missed['judder_deg']:.3f}")
+            lines.append(f"| {' | '.join(cells)} | {quality['psnr_db']:.2f} | {quality['flip']:.3f} |")
+    replace("governor", "\n".join(lines))
+
+
 def server_rates(folder: Path) -> None:
     """Measure the error over the server's rate, on a display of 60 Hz."""
     options = "--server-rate 10,15,30,60 --warp none,rotation,forward,iterative,backward --fill pyramid"
@@ -661,6 +683,7 @@ PARTS = {
     "layers": layers,
     "depth-code": depth_codes,
     "server-rates": server_rates,
+    "governor": governors,
     "proxy": proxies,
     "views": chosen_views,
     "feed": feed_ways,

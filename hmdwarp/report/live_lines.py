@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from ..metrics import Figure, metrics
 from .source_texts import drawing_text, eyes_text
-from .tables import TIME_FIGURES, Summary
+from .tables import TIME_FIGURES, Summary, miss_texts
 from .words import counted
 
 _MS = Figure("", "", "ms", 2)
@@ -24,7 +23,8 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
     of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
     figures = [
-        ("shown", _shown(live)),
+        ("shown", _shown(summary)),
+        ("judder", _judder(summary)),
         ("frame age at display", _pair(live["age_ms"])),
         ("pose age at hand-over", _pair(live["pose_age_ms"])),
         ("from picture to picture", _pair(live["period_ms"])),
@@ -35,11 +35,6 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
     lines = [f"{label:<24}{text}" for label, text in figures if text]
     lines += [f"note: {note}" for note in summary["notes"]]
     return lines + ([f"report: {folder / 'report.html'}"] if folder is not None else [])
-
-
-def missed_share(live: Mapping[str, Any]) -> float:
-    """Return the share of refreshes without a new picture, 0..1."""
-    return live["missed"] / max(1, live["missed"] + live["refreshes"])
 
 
 def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
@@ -53,10 +48,16 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     return rows
 
 
-def _shown(live: Mapping[str, Any]) -> str:
+def _shown(summary: Summary) -> str:
+    live, (share, longest, _) = summary["live"], miss_texts(summary["miss"])
     rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
-    missed = f"; {live['missed']} missed ({missed_share(live):.1%})" if live["missed"] else "; none missed"
-    return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}{missed}"
+    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
+    return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"
+
+
+def _judder(summary: Summary) -> str:
+    judder = miss_texts(summary["miss"])[-1]
+    return f"{judder} deg RMS" if summary["live"]["missed"] else ""
 
 
 def _pair(entry: Mapping[str, float | None], more: str = "") -> str:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
 from .frame_ways import timeline_svg
-from .live_lines import budget_rows, missed_share
+from .live_lines import budget_rows
+from .miss_parts import miss_tile
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .source_texts import drawing_text, eyes_text, source_facts
 from .tables import TIME_FIGURES, Summary
@@ -64,7 +65,6 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
 def _tiles(summary: Summary) -> list[Tile]:
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
     age, pose_age, time = live["age_ms"], live["pose_age_ms"], TIME_FIGURES[-1]
-    missed = f"{missed_share(live):.1%} of {live['missed'] + live['refreshes']}"
     return [
         Tile("Frame age at display", "ms", _MS.text(age["median"]), _tail(_MS, age, "from drawing to showing")),
         Tile(
@@ -73,7 +73,7 @@ def _tiles(summary: Summary) -> list[Tile]:
             _SHORT_MS.text(pose_age["median"]),
             _tail(_SHORT_MS, pose_age, "from reading the head to submitting the picture"),
         ),
-        Tile("Missed refreshes", "", str(live["missed"]), missed),
+        miss_tile(summary["miss"]),
         Tile("Time per eye", "ms", time.text(total["median"]), _tail(time, total, "all stages")),
         Tile(
             holes.label,

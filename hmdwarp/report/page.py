@@ -11,6 +11,7 @@ import attrs
 from ..metrics import PRIMARY, Kept, metrics_in_order
 from .charts import Series, time_series
 from .frame_ways import timeline_svg
+from .miss_parts import miss_chart, miss_tile
 from .parts import CLOCK_NAMES, Chart, Tile, environment
 from .pictures import Panel, comparison_panels, jpeg_bytes
 from .source_texts import eyes_text, source_facts
@@ -53,6 +54,7 @@ def render_report(
     *,
     rows: Rows,
     baselines_rows: Sequence[Rows] = (),
+    misses: Sequence[Rows] = (),
     worst: Sequence[WorstFrame] = (),
     command: str,
     notes: Sequence[str] = (),
@@ -60,7 +62,9 @@ def render_report(
     """Return the text of report.html; the same arguments give the same text.
 
     summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
-    values. command: as the user typed it. notes: the run's, one sentence each.
+    values. misses: as misses.csv's, of the run and each baseline, empty without `miss` in the
+    summary; none if no one misses any. command: as the user typed it. notes: the run's, one
+    sentence each.
     """
     names = column_names(summary, *baselines)
     comparison = comparison_rows(summary, *baselines)
@@ -75,9 +79,10 @@ def render_report(
         baselines=baselines,
         sure=how_sure(summary, mark="★" if baselines else None),
         quality_rows=comparison[: len(QUALITY_FIGURES)],
-        time_rows=comparison[len(QUALITY_FIGURES) :],
+        time_rows=comparison[len(QUALITY_FIGURES) :][: len(TIME_FIGURES)],
+        miss_rows=comparison[len(QUALITY_FIGURES + TIME_FIGURES) :],
         tiles=_tiles(summary, baselines, names),
-        charts=_charts(summary, names, rows, baselines_rows),
+        charts=_charts(summary, names, rows, baselines_rows) + _of_misses(summary, names, misses),
         worst=[_worst(frame, _eye_names(summary)) for frame in worst],
         measured=_measured(summary),
         auto=_auto(summary),
@@ -103,7 +108,14 @@ def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> 
             for name, one in zip(names[1:], baselines, strict=True)
         )
         tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
+    if "miss" in summary:
+        missing = [(name, one["miss"]) for name, one in zip(names[1:], baselines, strict=True) if "miss" in one]
+        tiles.append(miss_tile(summary["miss"], missing))
     return tiles
+
+
+def _of_misses(summary: Summary, names: list[str], misses: Sequence[Rows]) -> list[Chart]:
+    return [miss_chart(summary["miss"]["budget_ms"], list(zip(names, misses, strict=True)))] if misses else []
 
 
 def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:

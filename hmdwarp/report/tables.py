@@ -19,6 +19,12 @@ Summary = Mapping[str, Any]
 
 QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
 TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
+# Of the `miss` of a summary.
+MISS_FIGURES = (
+    Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
+    Figure("longest_stale", "Most missed in a row", "", 0),
+    Figure("judder_deg", "Judder, RMS", "deg", 3),
+)
 _CONTESTS = frozenset(metric.name for metric in metrics_in_order() if metric.is_contest)
 
 
@@ -34,7 +40,9 @@ class Row:
 
 
 def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
-    """Return the rows of quality, then of time per eye; a cell for the run and each baseline.
+    """Return the rows of quality, then of time per eye, then of a client that misses refreshes.
+
+    Each has a cell for the run and each baseline.
 
     The run is marked if it is better than each baseline, a baseline if it is better than the run
     and no other has a better mean: if the difference over the instants holds. Time and holes are no
@@ -48,6 +56,9 @@ def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
     for figure in TIME_FIGURES:
         times = [s["time_ms"][figure.name] for s in summaries]
         rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
+    if "miss" in summary:
+        entries = [one.get("miss", {}) for one in summaries]
+        rows += [Row(each, tuple((each.text(e.get(each.name)), "") for e in entries), None) for each in MISS_FIGURES]
     return rows
 
 
@@ -111,7 +122,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> Table:
         if number < tails:
             table.add_column("p95", justify="right", style="dim")
     for number, row in enumerate(comparison_rows(summary, *baselines)):
-        if number == len(QUALITY_FIGURES):
+        if number in (len(QUALITY_FIGURES), len(QUALITY_FIGURES + TIME_FIGURES)):
             table.add_section()
         cells: list[Text] = [Text(_head(row.figure))]
         for column, (main, tail) in enumerate(row.cells):
@@ -121,6 +132,11 @@ def summary_table(summary: Summary, *baselines: Summary) -> Table:
                 cells.append(Text(tail))
         table.add_row(*cells)
     return table
+
+
+def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the texts of MISS_FIGURES. entry: `miss` of a summary."""
+    return tuple(figure.text(entry[figure.name]) for figure in MISS_FIGURES)
 
 
 def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:

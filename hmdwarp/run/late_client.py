@@ -120,11 +120,14 @@ class LateClient:
 
     def entry(self) -> dict[str, Any]:
         """Return the `miss` of summary.json."""
+        stale = [row[2] for row in self._rows]
+        measured = stale[:: self._setup.options.metrics_every]
         return {
             "budget_ms": self._misses.budget_ms or self._period_ms,
             "times": "given" if self._misses.times_ms else MEASURED,
             "show": TURNED if self._misses.turns else STANDS,
-            **miss_figures([row[2] for row in self._rows], [row[3] for row in self._rows]),
+            **miss_figures(stale, [row[3] for row in self._rows]),
+            "stale_share_measured": sum(measured) / len(measured),
         }
 
 

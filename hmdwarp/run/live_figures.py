@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..link import ResponseTime, figures_of_parts
 from .frame_rows import STAGE_COLUMNS
 from .garbage import Pauses
+from .misses import MissTally
 from .timeline import Timeline
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ class Events:
 class Counts:
     """How many refreshes there were of each kind."""
 
-    # Passed without a new picture.
+    # Passed without a new picture, after the first one.
     missed: int = 0
     # Before the first frame arrived.
     waiting: int = 0
@@ -205,4 +206,5 @@ class LiveFigures:
     events: Events = attrs.field(factory=Events)
     pauses: Pauses = attrs.field(factory=Pauses)
     counts: Counts = attrs.field(factory=Counts)
+    misses: MissTally = attrs.field(factory=MissTally)
     fates: FrameFates = attrs.field(factory=FrameFates)

@@ -26,7 +26,7 @@ from .live_summary import LiveFacts, live_facts_of, live_summary_of
 from .markers import NoMarkers
 from .options import LiveOptions
 from .run_summary import OWNED
-from .speeds import speeds_between
+from .speeds import angle_between, speeds_between
 from .trace_events import TraceEvents
 
 if TYPE_CHECKING:
@@ -164,7 +164,8 @@ class LiveLog:
             return
         counts = self._figures.counts
         self._settle(refresh)
-        counts.missed += tick.missed
+        if self.count:
+            self._miss(tick, refresh)
         self._running.markers.missed(tick.missed)
         self.status.missed, self.status.notice = counts.missed, notice
         if notice:
@@ -173,8 +174,24 @@ class LiveLog:
             counts.without(tick)
             self._last.submitted_ns = None
             return
+        self._figures.misses.add(False, 0.0)
         self._look_at(refresh, submitted_ns, self._running.host)
         self._running.markers.picture(refresh.shown_ns, self._running.values)
+
+    def _miss(self, tick: Tick, refresh: Refresh | None) -> None:
+        """Count the refreshes before this one that showed the last picture again.
+
+        A runtime turns it to the newest head. In a window it stands; the head is taken to turn as
+        fast as from the last picture to this one.
+        """
+        self._figures.counts.missed += tick.missed
+        off_deg, before, running = 0.0, self._last.refresh, self._running
+        if tick.missed and refresh and before and running and not running.facts.turns:
+            periods = max(1, round((refresh.shown_ns - before.shown_ns) * 1e-6 / running.facts.budget_ms))
+            a, b = (one.head.pose.orientation_xyzw.tolist() for one in (before, refresh))
+            off_deg = math.degrees(angle_between(a, b)) / periods
+        for number in range(1, tick.missed + 1):
+            self._figures.misses.add(True, number * off_deg)
 
     def _look_at(self, refresh: Refresh, submitted_ns: int, host: PipelineHost) -> None:
         status, last = self.status, self._last

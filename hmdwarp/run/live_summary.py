@@ -17,7 +17,8 @@ from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
 from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
-from .options import LiveOptions
+from .misses import MEASURED, STANDS, TURNED
+from .options import OPENXR, LiveOptions
 from .recorded_frames import recorded_entry, recorded_notes
 from .run_summary import Facts, chosen_passes, machine_of, summary_of
 
@@ -43,6 +44,11 @@ class LiveFacts:
     def budget_ms(self) -> float:
         """The period of the display."""
         return 1e3 / self.shared.rate_hz
+
+    @property
+    def turns(self) -> bool:
+        """Whether the display turns a picture that it shows again to the newest head."""
+        return self.source == OPENXR
 
 
 def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) -> LiveFacts:
@@ -84,6 +90,12 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
     more = {
         **aggregate_columns(of_eyes),
         "link": figures.fates.as_dict((frames - 1) / live["seconds"] if live["seconds"] else facts.shared.rate_hz),
+        "miss": {
+            "budget_ms": facts.budget_ms,
+            "times": MEASURED,
+            "show": TURNED if facts.turns else STANDS,
+            **figures.misses.as_dict(),
+        },
         "notes": [*facts.scene_notes, *options.notes, *_notes(figures.events, live, pictures)],
         "live": live,
     }

@@ -87,7 +87,7 @@ class RunOptions(PipelineOptions):
     miss: Misses | None = option(
         None,
         "A client that misses refreshes: its time for a picture, warp=MS, FILE or measured; ,budget=MS (default: a "
-        "refresh) and ,show=turned or stands.",
+        "refresh), ,show=turned or stands and ,governor=both (with warp auto: also run without it).",
         kind=str,
         default="",
         parse=parse_misses,

@@ -20,7 +20,7 @@ from .recorded_frames import about_truth, recorded_entry, truth_offsets
 from .replay_setup import ReplaySetup
 from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names, machine_of, summary_of
 
-_OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference")
+_OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference", "miss")
 
 
 @attrs.frozen(eq=False)
@@ -93,13 +93,18 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], mor
     if auto is not None:
         summary["auto"] = auto_entry(auto, rows)
         summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]
-    against = []
+    result = ReplayResult(options.out, summary, rows, [])
     for pair, its_rows in zip(options.compared, compared, strict=False):
-        against.append(summary_of_rows(setup, (*pair, "none"), its_rows))
-        against[-1]["difference"] = {name: difference(rows, its_rows, name) for name in QUALITY}
-    if against:
-        summary["against"] = [{key: one[key] for key in _OF_COMPARISON} for one in against]
-    return ReplayResult(options.out, summary, rows, against)
+        compare(result, summary_of_rows(setup, (*pair, "none"), its_rows), its_rows)
+    return result
+
+
+def compare(result: ReplayResult, other: dict[str, Any], its_rows: list[Row]) -> None:
+    """Add the summary of another run of the same refreshes to the comparisons."""
+    other["difference"] = {name: difference(result.rows, its_rows, name) for name in QUALITY}
+    result.against.append(other)
+    entry = {key: other[key] for key in _OF_COMPARISON if key in other}
+    result.summary.setdefault("against", []).append(entry)
 
 
 def write_results(
@@ -108,6 +113,7 @@ def write_results(
     result: ReplayResult,
     compared: list[list[Row]],
     pool: QualityPool,
+    misses: list[list[Row]],
     command: str,
 ) -> None:
     """Write everything but the video, which is written during the run.
@@ -122,6 +128,7 @@ def write_results(
             result.against,
             rows=result.rows,
             baselines_rows=compared,
+            misses=misses,
             worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],

@@ -27,10 +27,10 @@ from .guard import settled
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
-from .misses import about_misses
-from .options import RunOptions
+from .misses import Misses, about_misses, about_without
+from .options import MOST_COMPARED, RunOptions
 from .recorded_frames import about_second_eye, second_eye
-from .replay_results import ReplayResult, result_of, write_results
+from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
 from .short_bench import levels_for
@@ -58,6 +58,9 @@ def replay(
 
 
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
+    misses_beside = options.miss if options.miss is not None and options.miss.beside else None
+    if misses_beside is not None:
+        _check_governed(options)
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
     with set_up_replay(options, levels=choice.levels, say=say, alone=True) as setup:
@@ -74,10 +77,12 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+        misses: list[list[Row]] = []
         if late is not None:
             more["miss"] = late.entry()
             setup.notes.append(about_misses(more["miss"]))
-            out.write_csv("misses.csv", late.rows(), MISS_COLUMNS)
+            misses = [list(late.rows()), *([] for _ in compared)]
+            out.write_csv("misses.csv", misses[0], MISS_COLUMNS)
         if probe.clips is not None:
             more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
@@ -87,8 +92,39 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more)
-        write_results(out, log, result, compared, pool, options.command)
+    if misses_beside is not None:
+        ungoverned = _without_governor(options, misses_beside, result, say, progress)
+        compared.append(ungoverned.rows)
+        misses.append(ungoverned.misses)
+    write_results(out, log, result, compared, pool, misses, options.command)
     return result
+
+
+def _check_governed(options: RunOptions) -> None:
+    if not options.chooses_warp:
+        raise InputError(f"--miss with governor=both: expected --warp auto, found --warp {options.warp}")
+    if len(options.compared) == MOST_COMPARED:
+        raise InputError(
+            f"--against {options.against}: expected at most {MOST_COMPARED - 1} warp beside --miss with governor=both, "
+            "which compares with one more"
+        )
+
+
+def _without_governor(
+    options: RunOptions, misses: Misses, result: ReplayResult, say: Callable[[str], None], progress: Progress
+) -> Measured:
+    """Run again with the warp and fill of the first picture throughout, and add the comparison."""
+    warp, fill = result.rows[0]["warp"], result.rows[0]["fill"]
+    name = warp if fill == "none" else f"{warp} + {fill}"
+    say(f"the same without the governor: {name} throughout")
+    alone = attrs.evolve(
+        options.with_pair(warp, fill),
+        miss=attrs.evolve(misses, beside=False), against="", jod_s=0.0, images=0, video=False,
+    )  # fmt: skip
+    other = measured(alone, progress)
+    compare(result, other.summary, other.rows)
+    result.summary["notes"].append(about_without(name, other.summary["miss"]))
+    return other
 
 
 def _note_truth(setup: ReplaySetup, probe: Probe) -> None:
@@ -136,6 +172,9 @@ class Measured:
     kept: list[Kept]
     plan: Plan
     sizes: EyeSizes
+    # As frames.csv's and misses.csv's; no misses of a client that is always in time.
+    rows: list[Row]
+    misses: list[Row]
 
 
 def measured(options: RunOptions, progress: Progress = lambda done, total: None) -> Measured:
@@ -157,8 +196,8 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         more = {} if probe.clips is None else {"jod": _rated(probe.clips)}
         if late is not None:
             more["miss"] = late.entry()
-        summary = result_of(setup, log, [], more).summary
-        return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes)
+        summary, misses = result_of(setup, log, [], more).summary, [] if late is None else list(late.rows())
+        return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes, log.rows, misses)
 
 
 def _run(

@@ -65,6 +65,7 @@ def a_live_summary(**changes) -> dict:
         "clock": "gpu",
         "rate_hz": 80.0,
         "notes": ["A <note>."],
+        "miss": {"stale_share": 9 / 1010, "longest_stale": 4, "judder_deg": 0.0321, "budget_ms": 12.5},
         "live": {**live, **changes},
     }
 
@@ -82,7 +83,8 @@ def test_the_lines_say_what_counts():
     validate_summary(a_live_summary())
     told = live_lines(a_live_summary(), None)
     assert told == [
-        "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9%)",
+        "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9 %, at most 4 in a row)",
+        "judder                  0.032 deg RMS",
         "frame age at display    203.40 ms, p95 211.00",
         "pose age at hand-over   1.25 ms, p95 1.90",
         "from picture to picture 12.50 ms, p95 13.10",
@@ -118,7 +120,7 @@ def test_the_page_says_it_too_and_escapes():
         "A &lt;note&gt;.",
         "latency 200 → 250",
         "60%",
-        "0.9% of 1010",
+        "at most 4 in a row; judder 0.032 deg RMS",
         "tracking lost (12×)",
     ):
         assert text in page, text

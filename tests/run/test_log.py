@@ -23,7 +23,7 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu import download, flip_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
-from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
+from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, miss_figures, replay
 from hmdwarp.run import live_log as log
 from hmdwarp.run.live_figures import Thinned
 
@@ -221,8 +221,38 @@ def test_what_happened_is_told(monkeypatch, tmp_path):
     ages = {float(row["age_ms"]) for row in rows_of(tmp_path / "out")}
     assert result.summary["latency_ms"] == 30.0 and max(ages) == pytest.approx(50.0)
     told = "\n".join(result.describe())
-    assert "; 2 missed (" in told and "Settings were changed 2 times" in told and "the runtime is gone" in told
+    assert (
+        "; 2 missed (" in told
+        and "at most 2 in a row)" in told
+        and "Settings were changed 2 times" in told
+        and "the runtime is gone" in told
+    )
     assert display.statuses[-1].missed == 2
+
+
+def test_misses_are_told_as_a_replay_tells_them(monkeypatch, tmp_path, seen):
+    # Two refreshes pass after the second picture, by the display's time too.
+    gap = [Tick(0, PERIOD_NS), Tick(0, PERIOD_NS, render=False), Tick(0, PERIOD_NS, render=False)]
+    events = {**{10 + k: tick for k, tick in enumerate(gap)}, 13: Tick(0, PERIOD_NS, missed=2), **closed_at(20)}
+    result, _ = go(monkeypatch, tmp_path / "out", events)
+    rows = rows_of(tmp_path / "out")[::2]
+    after = next(k for k in range(1, len(rows)) if float(rows[k]["time_s"]) - float(rows[k - 1]["time_s"]) > 0.02)
+    a, b = (seen.refreshes[k].head.pose for k in (after - 1, after))
+    turn = np.degrees(a.angle_to(b)) / 3
+    stale = [False] * after + [True] * 2 + [False] * (len(rows) - after)
+    off = [0.0] * after + [turn, 2 * turn] + [0.0] * (len(rows) - after)
+    entry = result.summary["miss"]
+    assert {**entry, **miss_figures(stale, off)} == pytest.approx(entry, abs=1e-6)
+    assert entry["judder_deg"] > 0 and entry["longest_stale"] == 2 and entry["show"] == "stands"
+    assert result.summary["live"]["missed"] == 2
+
+
+def test_a_run_that_misses_nothing_has_no_judder(monkeypatch, tmp_path):
+    # What passes before the first picture shows nothing again.
+    result, _ = go(monkeypatch, tmp_path / "out", {0: Tick(0, PERIOD_NS, missed=3), **closed_at(20)})
+    entry = result.summary["miss"]
+    assert (entry["stale_share"], entry["longest_stale"], entry["judder_deg"]) == (0, 0, 0)
+    assert result.summary["live"]["missed"] == 0 and "none missed" in "\n".join(result.describe())
 
 
 def test_a_view_of_one_eye_has_one_row(monkeypatch, tmp_path):

@@ -6,6 +6,7 @@ import csv
 import json
 from pathlib import Path
 
+import attrs
 import pytest
 from bench_files import PAIRS, a_bench, a_row
 from hypothesis import given
@@ -39,9 +40,11 @@ def test_without_a_miss_the_run_is_that_of_a_client_that_is_always_ready(tmp_pat
 
 
 def test_two_and_a_half_budgets_show_each_picture_for_three_refreshes(tmp_path):
-    result = run(tmp_path / "out", miss=parse_misses(f"warp={2.5 * PERIOD_MS},show=stands"))
+    result = run(tmp_path / "out", page=True, miss=parse_misses(f"warp={2.5 * PERIOD_MS},show=stands"))
     rows = cells(tmp_path / "out")
     assert [row["stale"] for row in rows] == (["0", "1", "1"] * len(rows))[: len(rows)]
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "Missed refreshes" in page and "budget" in page
     entry = result.summary["miss"]
     assert entry["stale_share"] == sum(row["stale"] == "1" for row in rows) / len(rows)
     assert entry["longest_stale"] == 2
@@ -111,7 +114,18 @@ def test_a_longer_time_is_seen_no_sooner(took, budget, period):
 
 
 @pytest.mark.parametrize(
-    "text", ["20", "warp", "warp=-1", "warp=nan", "warp=20,warp=3", "budget=5", "warp=2,budget=0", "warp=2,show=none"]
+    "text",
+    [
+        "20",
+        "warp",
+        "warp=-1",
+        "warp=nan",
+        "warp=20,warp=3",
+        "budget=5",
+        "warp=2,budget=0",
+        "warp=2,show=none",
+        "warp=2,governor=off",
+    ],
 )
 def test_what_is_no_miss(text):
     with pytest.raises(InputError, match="expected"):
@@ -133,6 +147,24 @@ def test_options_that_exclude_it(other):
         small(miss=parse_misses("warp=20"), **other)
 
 
+def test_there_is_a_governor_to_run_without(tmp_path):
+    both = parse_misses("warp=20,governor=both")
+    with pytest.raises(InputError, match="governor=both: expected --warp auto, found --warp forward"):
+        run(tmp_path / "out", miss=both)
+    with pytest.raises(InputError, match="expected at most 1 warp beside"):
+        run(tmp_path / "out", miss=both, warp="auto", budget_ms=8.0, against="none,rotation")
+
+
+def test_quality_of_stale_refreshes_alone_is_told(tmp_path):
+    period_two = parse_misses(f"warp={1.5 * PERIOD_MS}")
+    unlucky = run(tmp_path / "out", miss=period_two, metrics_every=2).summary
+    assert unlucky["miss"]["stale_share_measured"] == 0 < unlucky["miss"]["stale_share"]
+    assert any("0.0 % of the measured ones" in note for note in unlucky["notes"])
+    lucky = run(tmp_path / "all", miss=period_two, metrics_every=1).summary
+    assert lucky["miss"]["stale_share_measured"] == lucky["miss"]["stale_share"]
+    assert not any("of the measured ones" in note for note in lucky["notes"])
+
+
 def test_no_misses_unless_asked_for():
     assert RunOptions.of({"trace": "walk"}).miss is None
     assert RunOptions.of({"trace": "walk", "miss": "warp=20"}).miss == Misses((20.0,))
@@ -150,6 +182,13 @@ def test_a_governor_reacts_to_the_given_times(tmp_path):
     fixed = run(tmp_path / "off", miss=slow, seconds=1.5, warp=first["warp"], fill=first["fill"])
     assert changes and changes[0]["from"] != changes[0]["to"]
     assert governed.summary["miss"]["stale_share"] < fixed.summary["miss"]["stale_share"]
+    beside = run(tmp_path / "both", miss=attrs.evolve(slow, beside=True), **auto)
+    assert poses_and_quality(beside.rows) == poses_and_quality(governed.rows)
+    (alone,) = beside.against
+    assert (alone["warp"], alone["fill"], alone["miss"]) == (first["warp"], first["fill"], fixed.summary["miss"])
+    assert alone["quality"] == fixed.summary["quality"] and alone["difference"]["flip"]["mean"] is not None
+    assert beside.summary["against"][0]["miss"] == alone["miss"]
+    assert any("Without the governor" in note for note in beside.summary["notes"])
     # The last picture by the level before is that of the change.
     before = {row["frame"]: (row["warp"], row["fill"]) for row in governed.rows}
     assert before[changes[0]["frame"]] == (first["warp"], first["fill"])

@@ -9,7 +9,7 @@ from ..parts import PageChart, PageTable, Tile, environment
 from ..words import counted, interval, p_text, pair_text, plain, signed
 from .charts import forest_chart, place_chart, ratings_chart, score_chart
 from .prediction import prediction_of
-from .tables import comparison_lines, condition_lines, felt_lines, preference_lines, score_lines
+from .tables import comparison_lines, condition_lines, felt_lines, once_lines, preference_lines, score_lines
 
 Row = Mapping[str, Any]
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
@@ -31,6 +31,7 @@ def render_study_report(data: Row, command: str) -> str:
         cut=data["sittings"]["cut"],
         sickness=[_sickness(one) for one in data["sickness"]],
         questionnaires=_questionnaires(data["questionnaires"]),
+        once=_answered_once(data["asked_once"]),
         seed=data["seed"],
         resamples=f"{data['resamples']:,}",
     )  # fmt: skip
@@ -158,3 +159,7 @@ def _sickness(one: Row) -> PageTable:
 
 def _questionnaires(rows: Sequence[Row]) -> PageTable | None:
     return PageTable.of("Questionnaires, before and after", *felt_lines(rows)) if rows else None
+
+
+def _answered_once(rows: Sequence[Row]) -> PageTable | None:
+    return PageTable.of("Questionnaires, answered once", *once_lines(rows)) if rows else None

@@ -102,6 +102,18 @@ def felt_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     return heads, lines
 
 
+def once_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
+    """Return the heads and cells of the table of questionnaires that were answered once."""
+    names = ("score", "answers", "lower quartile", "median", "upper quartile", "possible")
+    lines = []
+    for row in rows:
+        quartiles = [plain(row[name], 2) for name in ("low_quartile", "median", "high_quartile")]
+        possible = "–" if row["least"] is None else f"{row['least']:g} to {row['most']:g}"
+        name = f"{row['scale']} {row['when']}: {row['score_title']}"
+        lines.append([name, str(row["n"]), *quartiles, possible])
+    return tuple((name, "") for name in names), lines
+
+
 def score_lines(rows: Iterable[Row]) -> tuple[Heads, list[list[str]]]:
     """Return the heads and cells of the table of a part's scores, the best condition first."""
     heads = (

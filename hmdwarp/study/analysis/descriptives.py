@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from scipy.special import stdtrit
 
 from ...errors import InputError
-from ..scales import QUESTIONNAIRE, Scale, load_scale, scored
+from ..scales import QUESTIONNAIRE, Scale, load_scale, score_ranges, scored
 from ..statistics import friedman, kendalls_w, wilcoxon_exact
 from .comparisons import shift_of
 from .ratings import Ratings, ScaleInfo, SurveyAnswer, Table
@@ -179,24 +179,60 @@ def questionnaire_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -
     """Return a row for each score of each questionnaire: medians before and after, and the change.
 
     The change is over those who answered both times. p is of the exact Wilcoxon test of the change,
-    uncorrected: these comparisons are not planned.
+    uncorrected: these comparisons are not planned. Questionnaires that were answered at one time
+    only are left to asked_once_rows.
     """
     out = []
-    for name in dict.fromkeys(one.scale for one in ratings.survey):
-        scale = known(name)
-        if scale is None or scale.kind != QUESTIONNAIRE:
+    for scale, sheets in _questionnaires(ratings, known):
+        if len(sheets) < 2:
             continue
-        before, after = (_scores(ratings.survey, scale, phase) for phase in ("before", "after"))
+        before, after = sheets["before"], sheets["after"]
         for score in dict.fromkeys(key for sheet in [*before.values(), *after.values()] for key in sheet):
             pairs = [(before[who][score], after[who][score]) for who in before if who in after]
             changes = np.array([b - a for a, b in pairs if a is not None and b is not None])
-            row: dict[str, Any] = {"scale": name, "title": scale.title, "score": score, "n": len(changes)}
+            row: dict[str, Any] = {"scale": scale.name, "title": scale.title, "score": score, "n": len(changes)}
             row |= {"before": _median(before, score), "after": _median(after, score)}
             if len(changes):
                 row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True))
                 row["p"] = wilcoxon_exact(changes).p
             out.append(row)
     return out
+
+
+def asked_once_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> list[dict[str, Any]]:
+    """Return a row for each score of each questionnaire that was answered at one time only.
+
+    Median and quartiles over `n` sheets that are complete for the score; "least" and "most" are
+    what it can be. Nothing is compared: there is nothing to compare with.
+    """
+    out = []
+    for scale, by_phase in _questionnaires(ratings, known):
+        if len(by_phase) > 1:
+            continue
+        ((phase, sheets),) = by_phase.items()
+        least, most = score_ranges(scale)
+        for score in scale.scores:
+            values = [value for sheet in sheets.values() if (value := sheet[score.name]) is not None]
+            row: dict[str, Any] = {"scale": scale.name, "title": scale.title, "score": score.name, "when": phase}
+            row |= {"score_title": score.title or score.name, "n": len(values)}
+            row |= {"least": least[score.name], "most": most[score.name]}
+            quartiles = np.percentile(values, (25, 50, 75)).tolist() if values else (None,) * 3
+            out.append(row | dict(zip(("low_quartile", "median", "high_quartile"), quartiles, strict=True)))
+    return out
+
+
+def _questionnaires(
+    ratings: Ratings, known: Callable[[str], Scale | None]
+) -> Iterator[tuple[Scale, dict[str, Sheets]]]:
+    """Yield each questionnaire about a session, with the scores by when it was answered."""
+    for name in dict.fromkeys(one.scale for one in ratings.survey):
+        scale = known(name)
+        if scale is None or scale.kind != QUESTIONNAIRE:
+            continue
+        sheets = {phase: _scores(ratings.survey, scale, phase) for phase in ("before", "after")}
+        answered = {phase: found for phase, found in sheets.items() if found}
+        if answered:
+            yield scale, answered
 
 
 def _scores(answers: tuple[SurveyAnswer, ...], scale: Scale, phase: str) -> Sheets:

@@ -19,6 +19,7 @@ from . import sentences as say
 from .claims import Claims, checked
 from .comparisons import Resampling, compared, families_for
 from .descriptives import (
+    asked_once_rows,
     condition_rows,
     friedman_row,
     missing_rows,
@@ -99,6 +100,7 @@ def analyse(
         "sittings": session_counts(ratings),
         "sickness": sickness_rows(ratings, known),
         "questionnaires": questionnaire_rows(ratings, known),
+        "asked_once": asked_once_rows(ratings, known),
     }
 
 

@@ -17,7 +17,7 @@ from ._scale_model import AnswerRange as AnswerRange
 from ._scale_model import Item as Item
 from ._scale_model import Scale as Scale
 from ._scale_model import Score as Score
-from ._scale_model import most_scored as most_scored
 from ._scale_model import number_text as number_text
 from ._scale_model import range_text as range_text
+from ._scale_model import score_ranges as score_ranges
 from ._scale_model import scored as scored

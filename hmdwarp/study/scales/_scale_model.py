@@ -172,7 +172,9 @@ def _counted(scale: Scale, item: Item, answer: float | None) -> float | None:
     return scale.least + scale.most - answer if item.is_reversed and answer is not None else answer
 
 
-def most_scored(scale: Scale) -> dict[str, float]:
-    """Compute every score for the highest answer to every item."""
-    highest = scored(scale, {item.key: scale.most for item in scale.items})
-    return {name: score for name, score in highest.items() if score is not None}
+def score_ranges(scale: Scale) -> tuple[dict[str, float | None], dict[str, float | None]]:
+    """Return the least and the most that every score can be; None where no answers give it."""
+    items = [item for item in scale.items if not item.answer]
+    low = {item.key: scale.most if item.is_reversed else scale.least for item in items}
+    high = {item.key: scale.least if item.is_reversed else scale.most for item in items}
+    return scored(scale, low), scored(scale, high)

@@ -18,6 +18,7 @@ from hmdwarp.study.analysis import SourceOptions, analyse, from_contents, from_c
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export import ExportOptions, declined, export
 from hmdwarp.study.scales import FOLDER as SCALES
+from hmdwarp.study.scales import load_scale, scored
 from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
@@ -84,7 +85,7 @@ def sit(store, design, code, origin=PERSON, until=99, seed=0, status="complete",
             store.answer(
                 session,
                 step,
-                float(step.trial if step.scale.name == "fms" else step.phase == "after"),
+                float({"fms": step.trial, "ipq": seed}.get(step.scale.name, step.phase == "after")),
                 1.0,
                 "participant",
                 showing if step.about else None,
@@ -269,6 +270,30 @@ def test_sickness_and_questionnaires_are_told(contents, design):
     assert [one["worst"] for one in fms["trials"] if one["trial"]] == [1.0, 2.0, 3.0]
     total = next(row for row in data["questionnaires"] if row["score"] == "total")
     assert total["n"] == 7 and total["before"] == 0.0 and total["change"] == total["after"] > 0
+
+
+def test_a_questionnaire_asked_once_has_quartiles_by_part_of_its_scale(tmp_path):
+    design = design_from_text(TEXT.replace('after = ["vrsq"]', 'after = ["vrsq", "ipq"]'), "late.toml")
+    with Store(tmp_path / "data", create=True) as store:
+        for seed in range(5):
+            sit(store, design, f"p{seed}", seed=seed)
+        stored = store.contents()
+    data = analyse(from_contents(stored, design))
+    assert {row["scale"] for row in data["questionnaires"]} == {"vrsq"}
+    ipq = load_scale("ipq")
+    assert [row["score"] for row in data["asked_once"]] == [score.name for score in ipq.scores]
+    answers: dict[int, dict[str, float | None]] = {}
+    for one in stored.answers:
+        if one.scale == "ipq":
+            answers.setdefault(one.session, {})[one.item] = one.value
+    sheets = [scored(ipq, sheet) for sheet in answers.values()]
+    for row in data["asked_once"]:
+        found = [row[name] for name in ("low_quartile", "median", "high_quartile")]
+        assert found == pytest.approx(np.percentile([sheet[row["score"]] for sheet in sheets], (25, 50, 75)))
+        assert (row["when"], row["n"], row["least"], row["most"]) == ("after", 5, 0, 6)
+    page = render_study_report(data, "").replace("<wbr>", "")
+    assert "Questionnaires, answered once" in page and "ipq after: " in page and "0 to 6" in page
+    assert "Questionnaires, answered once" not in render_study_report({**data, "asked_once": []}, "")
 
 
 def test_a_session_is_read_by_the_plan_it_was_run_by(contents):

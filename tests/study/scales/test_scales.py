@@ -23,8 +23,8 @@ from hmdwarp.study.scales import (
     QUESTIONNAIRE,
     Scale,
     load_scale,
-    most_scored,
     scale_names,
+    score_ranges,
     scored,
 )
 
@@ -89,14 +89,19 @@ def test_the_most_an_ssq_can_come_to():
     All 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x 3.74).
     """
     wanted = {"nausea": 200.34, "oculomotor": 159.18, "disorientation": 292.32, "total": 235.62}
-    assert most_scored(load_scale("ssq")) == pytest.approx(wanted)
+    assert score_ranges(load_scale("ssq"))[1] == pytest.approx(wanted)
 
 
 def test_the_most_a_vrsq_can_come_to():
     """Kim and others 2018: per cent of the most."""
-    assert most_scored(load_scale("vrsq")) == pytest.approx(
+    assert score_ranges(load_scale("vrsq"))[1] == pytest.approx(
         {"oculomotor": 100, "disorientation": 100, "total": 100}, abs=1e-12
     )
+
+
+def test_a_reversed_item_counts_most_for_the_lowest_answer():
+    least, most = score_ranges(load_scale("ipq"))
+    assert set(least.values()) == {0} and set(most.values()) == {6}
 
 
 def test_task_load_is_the_mean_of_six():
