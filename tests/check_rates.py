@@ -1,4 +1,4 @@
-"""Misread frames of a rendered depth camera, and print how often `hmdwarp check` names the fault."""
+"""Misread frames of a rendered depth camera; print how often `hmdwarp check` names the fault."""
 
 from __future__ import annotations
 
