@@ -13,7 +13,7 @@ import attrs
 from .alignment import Alignment, Exchange
 from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Message, Refusal, Stub, decode, encode, token_of
 from .shared_frames import IS_ABLE, read
-from .sockets import SEAL_BYTES, address_of, is_file, zmq_module
+from .sockets import SEAL_BYTES, address_of, is_file, waiting_parts, zmq_module
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
@@ -126,8 +126,7 @@ class Caller:
         try:
             while True:
                 ready = dict(poller.poll())
-                if socket in ready:
-                    parts = socket.recv_multipart()
+                if socket in ready and (parts := waiting_parts(self._zmq, socket)):
                     self._hear(parts, time.monotonic_ns())
                 if failures in ready:
                     failures.recv_multipart()

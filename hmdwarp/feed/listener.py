@@ -15,7 +15,7 @@ from .connection_limits import KERNEL_BYTES, Connections
 from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, OtherVersion, Refusal, decode, encode, token_of
 from .shared_frames import IS_ABLE, SharedFrames
-from .sockets import SEAL_BYTES, address_of, is_file, is_local, zmq_module
+from .sockets import SEAL_BYTES, address_of, is_file, is_local, waiting_parts, zmq_module
 
 # Frames and bytes that a client has been sent and has not said to have: as much as it may lag.
 _MOST_FRAMES, _MOST_BYTES = 64, 256 << 20
@@ -149,7 +149,9 @@ class Listener:
             if not self._socket.poll(wait_ms):
                 return
             wait_ms = 0
-            frames = self._socket.recv_multipart(copy=False)
+            frames = waiting_parts(self._zmq, self._socket, copy=False)
+            if not frames:
+                return
             self._connections.took(frames)
             who, *parts = (frame.bytes for frame in frames)
             try:

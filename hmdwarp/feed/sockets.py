@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import ipaddress
 import re
 from types import ModuleType
+from typing import Any
 
 from ..errors import InputError
 from ..extra import import_extra
@@ -20,6 +22,17 @@ _TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
 def zmq_module() -> ModuleType:
     """Return the library. Errors: MachineError where it is not installed."""
     return import_extra("zmq", "pyzmq", EXTRA)
+
+
+def waiting_parts(zmq: ModuleType, socket: Any, *, copy: bool = True) -> list[Any]:
+    """Return the parts of the next message, [] where there is none.
+
+    A cut connection may take back a message that the library has told of: to wait for it would be
+    to wait for ever.
+    """
+    with contextlib.suppress(zmq.Again):
+        return socket.recv_multipart(zmq.NOBLOCK, copy=copy)
+    return []
 
 
 def address_of(text: str) -> str:

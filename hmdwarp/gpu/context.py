@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
+import functools
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -59,6 +62,12 @@ _RESET_REASONS = {  # GL_GUILTY_CONTEXT_RESET and the two after it
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
 
 
+@functools.cache
+def _heap_trim() -> Callable[[int], int] | None:
+    """Return the C library's function that returns free memory to the system, None without one."""
+    return getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+
+
 class Gpu:
     """A context with its limits and caches; every pass gets this one object.
 
@@ -101,6 +110,17 @@ class Gpu:
                 f"{self.renderer} was reset, and its pictures are lost ({why}): start again; "
                 "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
             )
+
+    def give_back_memory(self) -> None:
+        """Give freed memory, of textures too, back to the system, where the CPU renders.
+
+        It takes a millisecond or two. Otherwise the C library keeps it, between blocks in use.
+        """
+        trim = _heap_trim() if self.is_software else None
+        if trim is not None:
+            # The driver frees a texture once nothing that runs reads it.
+            self.gl.finish()
+            trim(0)
 
     @contextmanager
     def current(self) -> Iterator[Gpu]:

@@ -108,7 +108,7 @@ def upload(texture: moderngl.Texture, image: NDArray) -> None:
         image = np.concatenate([image, np.full((height, width, 1), opaque, image.dtype)], axis=2)
     if image.shape[2:] != (texture.components,) and not (texture.components == 1 and image.ndim == 2):
         raise InputError(f"picture has shape {image.shape}, texture {texture.components} components")
-    texture.write(np.ascontiguousarray(flip_rows(image), dtype=dtype).tobytes(), alignment=1)
+    texture.write(np.ascontiguousarray(flip_rows(image), dtype=dtype), alignment=1)
 
 
 def download(texture: moderngl.Texture) -> NDArray:

@@ -206,7 +206,7 @@ class Server:
     def _pool(self, size: Size, kind: tuple[int, str], *, depth: bool) -> TargetPool:
         key = (size, kind, depth)
         if key not in self._pools:
-            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth)
+            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth, forget=self._framebuffers.forget)
         return self._pools[key]
 
     def close(self) -> None:

@@ -23,6 +23,8 @@ class Relay:
         self.is_stalled = self.is_down = False
         # What went by, both ways, where it is a bytearray.
         self.seen: bytearray | None = None
+        # How many connections there were.
+        self.accepted = 0
         self._port, self._random, self._ended = port, random.Random(seed), False
         # Which ways each connection still has.
         self._ways: dict[tuple[socket.socket, socket.socket], int] = {}
@@ -49,6 +51,7 @@ class Relay:
                 continue
             with self._lock:
                 self._ways[here, there] = 2
+            self.accepted += 1
             for source, target in ((here, there), (there, here)):
                 waiting: queue.Queue[tuple[float, bytes]] = queue.Queue(64)
                 self._start(self._read, source, waiting)

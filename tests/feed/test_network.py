@@ -1,11 +1,13 @@
 """What a network does to the feed: each of it is told, taken up again, and bounded."""
 
+import itertools
 import json
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import attrs
@@ -119,6 +121,35 @@ def test_a_cut_within_a_frame_leaves_nothing_of_it(relay, listener, caller):
 
 
 _LATE = iter(range(20_000, 30_000))
+
+
+def test_a_frame_that_a_cut_takes_back_does_not_end_the_session(relay, listener, monkeypatch):
+    """The library has told of a frame, and the link is cut before it is read."""
+    told, cut = threading.Event(), threading.Event()
+    # Before each hundredth message the library looks at what has happened to the connection.
+    frames = itertools.count(1)
+
+    class Slow(zmq.Poller):
+        def poll(self, timeout=None):
+            ready = super().poll(timeout)
+            if any(socket.type == zmq.DEALER for socket, _ in ready) and next(frames) == 100:
+                told.set()
+                cut.wait()
+            return ready
+
+    monkeypatch.setattr(zmq, "Poller", Slow)
+    caller = Caller(relay.address)
+    while not told.is_set():
+        caller.ask(attrs.evolve(ASK, number=next(_LATE), token=bytes(32)))
+        answered(listener)
+    connections = relay.accepted
+    relay.cut()
+    # The library has called again, and forgotten what it had from before.
+    while relay.accepted == connections:
+        time.sleep(0.01)
+    cut.set()
+    exchanged(caller, listener)
+    caller.close()
 
 
 def test_a_stall_is_told_and_frames_come_again(relay, listener):
