@@ -147,7 +147,10 @@ class Gpu:
             return
         before = getattr(_thread, "gpu", None)
         _make_current(self)
+        trim = _heap_trim() if self.is_software else None
         self._release()
+        if trim is not None:
+            trim(0)
         self._closed, _thread.gpu = True, None
         _make_current(self._before if before is self else before)
 

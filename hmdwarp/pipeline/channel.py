@@ -209,5 +209,8 @@ class Channel:
         return {"resolution": {"frames": scales, "changes": self._overload.changes}}
 
     def close(self) -> None:
-        """Recycle every frame still held; the statistics stay readable."""
+        """Recycle every frame still held, and free the codecs; the statistics stay readable."""
         self.link.close()
+        if self._coder is not None:
+            # Not left to the channel: a cycle holds it until garbage is collected.
+            self._coder.close()

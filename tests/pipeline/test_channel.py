@@ -5,6 +5,8 @@ What the client warps is what has arrived, and every frame is accounted for.
 
 from __future__ import annotations
 
+import gc
+
 import attrs
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from hmdwarp.frames.layers import VIDEO
 from hmdwarp.gpu import download
 from hmdwarp.link import LinkOptions, ResponseTime
 from hmdwarp.link.codec import Coding
+from hmdwarp.link.codec.stream import VideoDecoder, VideoEncoder
 from hmdwarp.run import set_up_replay
 
 NETWORKS = {
@@ -45,6 +48,18 @@ def test_every_frame_is_accounted_for(tmp_path, network, codec):
     parts = {name: told["link"]["response_ms"][name] for name in ResponseTime().parts()}
     assert parts["round_trip_ms"] > 0 and parts["render_ms"] > 0 and parts["warp_ms"] > 0
     assert told["link"]["response_ms"]["total_ms"] == pytest.approx(sum(parts.values()))
+
+
+def test_a_run_that_has_ended_keeps_no_codec(tmp_path):
+    """Each holds MBs: a sweep would grow by them until garbage happens to be collected."""
+    gc.collect()
+    gc.disable()
+    try:
+        run(tmp_path, coding=Coding("h264"), seconds=0.2)
+        left = [one for one in gc.get_objects() if isinstance(one, VideoEncoder | VideoDecoder)]
+    finally:
+        gc.enable()
+    assert left == []
 
 
 HALF_LATE = {"latency_ms": 50.0, "rate_hz": 30.0, "size": (160, 120)}
