@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis import SourceOptions, families_for, from_csv
+from hmdwarp.study.analysis import SourceOptions, analyse, families_for, from_csv
 
 from .tables import PUBLISHED, written
 
@@ -152,6 +152,9 @@ def test_families_may_be_asked_for():
     families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
     (only,) = families[0].comparisons
     assert (only.part, only.baseline, only.better) == ("run 1", "none, 200 ms", "none, 800 ms")
+    each = "run 1/none, 200 ms:none, 400 ms", "run 1/none, 400 ms:none, 800 ms"
+    rows = [analyse(found, families=asked)["scales"][0]["comparisons"] for asked in (each, each[:1], each[1:])]
+    assert [(row["holm"], row["holm_of"]) for row in rows[0]] == [(row["p"], 1) for row in rows[1] + rows[2]]
     with pytest.raises(InputError, match="no part has both 'a' and 'b'"):
         families_for(found, ["a:b"])
     with pytest.raises(InputError, match="expected pairs of conditions"):
