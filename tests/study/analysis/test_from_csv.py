@@ -147,6 +147,14 @@ def test_conditions_of_settings_are_named_and_compared_at_each_latency():
     assert "at each latency" in why
 
 
+def test_a_scale_with_two_directions_is_refused(tmp_path):
+    path = tmp_path / "joined.csv"
+    path.write_text("person,condition,rating,low_is_good\n1,late,5,true\n2,late,1,false\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"joined.csv:3: low_is_good 'false'.*'true' in line 2"):
+        from_csv(path)
+    assert from_csv(path, SourceOptions(low_is_good=True)).scale_info["rating"].low_is_good
+
+
 def test_families_may_be_asked_for():
     found = from_csv(PUBLISHED)
     families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
