@@ -20,6 +20,7 @@ from ..poses import load_trace
 from ..report import SCHEMA, OutputFolder
 from ..run.combinations import Case
 from ..run.recorded_frames import about, own_trace
+from ..run.recordings import refuse_one_name, refuse_traces_of_one_name
 from ..scenes import load_scene
 from ..sequences import Sequence as RecordedFrames
 from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
@@ -168,33 +169,17 @@ def _checked(
         combinations_of(options, scene)
         called[name] = scene.name
         notes += scene.notes
-    _refuse_one_name("scenes", called)
+    refuse_one_name("scenes", called)
     traces = (
         {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
         if sequence is None
         else {"": own_trace(sequence)}
     )
-    _refuse_one_name(
-        "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
-    )
+    refuse_traces_of_one_name(traces)
     starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = [prepared(options_of_case(options, case, starts[case.recording])) for case in cases_of(options)]
     notes += [] if sequence is None else [about(sequence, works[0].run)]
     return works, notes
-
-
-def _refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
-    """Raise InputError if two share a name: rows, tables and charts distinguish cases by it.
-
-    called: name by option.
-    """
-    found: dict[str, str] = {}
-    for asked, name in called.items():
-        first = found.setdefault(name, asked)
-        if first != asked:
-            raise InputError(
-                f"{kind} '{first}' and '{asked}' are both called '{name}': leave one out, or rename a file"
-            )
 
 
 def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:

@@ -38,6 +38,7 @@ def merge(options: MergeOptions) -> BenchResult:
         check_parquet()
     benches = [_read(folder) for folder in options.folders]
     _check_programs(options.folders, benches)
+    _tell_apart(benches)
     rows = _joined([row for bench in benches for row in bench["rows"]])
     machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
     data = {
@@ -76,6 +77,17 @@ def _check_programs(folders: Sequence[Path], benches: Sequence[Mapping[str, Any]
                 f"{folder} and {folders[0]} were made by different programs (hmdwarp {bench['hmdwarp']} and "
                 f"{benches[0]['hmdwarp']}), so their pictures may differ: run one of them again"
             )
+
+
+def _tell_apart(benches: Sequence[Mapping[str, Any]]) -> None:
+    """Name machines of one host that draw with different GPUs by their GPUs too."""
+    machines = [one["machine"] for bench in benches for one in (bench, *bench["rows"])]
+    gpus: dict[str, set[str]] = {}
+    for machine in machines:
+        gpus.setdefault(machine["host"], set()).add(machine["gl_renderer"])
+    for machine in machines:
+        if len(gpus[machine["host"]]) > 1:
+            machine["host"] += f" ({machine['gl_renderer']})"
 
 
 def _joined(rows: Sequence[Row]) -> list[Row]:

@@ -24,6 +24,7 @@ from ..report import SCHEMA, OutputFolder
 from ..run.host import refuse_one_eye
 from ..run.options import RunOptions
 from ..run.recorded_frames import ONE_EYE, own_trace
+from ..run.recordings import refuse_traces_of_one_name
 from ..run.replay_setup import schedule_for
 from ..run.schedule import first_shown_s
 from ..strategies import strategies
@@ -159,6 +160,7 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
         recording: load_trace(recording, options.trace_options) if sequence is None else own_trace(sequence)
         for recording in options.recordings
     }
+    refuse_traces_of_one_name(traces)
     for run in runs:
         codecs.get(run.coding.codec)
         schedule_for(run, sequence, traces[run.trace], rate_hz)

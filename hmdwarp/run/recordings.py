@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from ..errors import InputError
 from ..options import Option, several
 from .options import RunOptions
+
+if TYPE_CHECKING:
+    from ..poses import LoadedTrace
 
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
@@ -29,3 +33,24 @@ def recordings_field() -> Any:
 def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
     """Return what was said, with the recordings of both ways together."""
     return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
+
+
+def refuse_traces_of_one_name(traces: Mapping[str, LoadedTrace]) -> None:
+    """Raise InputError if two traces have one name. traces: by option."""
+    refuse_one_name(
+        "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
+    )
+
+
+def refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
+    """Raise InputError if two share a name: rows, tables and charts distinguish cases by it.
+
+    called: name by option.
+    """
+    found: dict[str, str] = {}
+    for asked, name in called.items():
+        first = found.setdefault(name, asked)
+        if first != asked:
+            raise InputError(
+                f"{kind} '{first}' and '{asked}' are both called '{name}': leave one out, or rename a file"
+            )

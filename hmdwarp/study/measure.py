@@ -179,8 +179,9 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
 
 
 def _name(showing: Showing, session: Session) -> str:
-    """Name a showing, not its condition: the experimenter may be blind too."""
-    return f"{session.sub} session {session.number} trial {showing.trial}"
+    """Name a showing, not its condition: the experimenter may be blind too. Each has its own."""
+    again = f" showing {showing.presentation}" if showing.presentation > 1 else ""
+    return f"{session.sub} session {session.number} {showing.key.replace('/', ' ')}{again}"
 
 
 def _figures_text(data: Mapping[str, Any]) -> str:

@@ -7,8 +7,10 @@ import functools
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import attrs
 
@@ -19,7 +21,8 @@ from ..version import __version__
 _NOT_OF_RESULTS = ("cli", "display", "doctor", "report", "study", "sweep", "thesis")
 # Fields of options that say where results go and how they are made, but not what they are.
 HOW = ("out", "force", "command", "workers", "parquet", "sweep")
-_MANY_FILES = (".gltf", ".obj")  # of a scene: buffers and textures lie beside it
+# What begins the lines of a scene's files that name another file.
+_NAMING = {".obj": "mtllib", ".mtl": "map_kd", ".ply": "comment texturefile"}
 _CHUNK = 1 << 20
 
 
@@ -60,18 +63,47 @@ def whole_program_hash() -> str:
 
 
 def files_at(place: str | Path) -> list[Path]:
-    """Return the files that a place stands for: one, those beside a scene, those of a folder."""
+    """Return the files that a place stands for: one, those that a scene names, those of a folder.
+
+    What a scene names outside its folder is left out.
+    """
     path = Path(place)
     if path.is_dir():
-        return _files_in(path)
-    return _files_in(path.parent) if path.suffix.lower() in _MANY_FILES else [path]
+        return sorted(one for one in path.rglob("*") if one.is_file())
+    found = [path]
+    for one in found:  # it grows: the materials of a scene name its pictures
+        names = (name for name in _named_by(*_state(one)) if not {"..", "/"} & {*Path(name).parts})
+        beside = dict.fromkeys(path.parent / name for name in names)
+        found += [other for other in beside if other not in found and is_place(other) and other.is_file()]
+    return sorted(found)
+
+
+def _state(path: Path) -> tuple[Path, int, int]:
+    """Return what changes with a file's content: so that no case reads it again."""
+    about = path.stat()
+    return path, about.st_size, about.st_mtime_ns
+
+
+@functools.lru_cache(maxsize=256)
+def _named_by(path: Path, size: int, mtime_ns: int) -> list[str]:
+    """Return the names of files in a file of a scene, relative to the scene's folder."""
+    kind, uris = path.suffix.lower(), list[Any]()
+    if kind == ".gltf":
+        with suppress(ValueError, RecursionError):
+            json.loads(path.read_bytes(), object_hook=lambda table: uris.append(table.get("uri")))
+        return [unquote(uri) for uri in uris if isinstance(uri, str) and not uri.startswith("data:")]
+    if (begins := _NAMING.get(kind)) is None:
+        return []
+    with path.open(encoding="utf-8", errors="replace") as lines:
+        stripped = (line.strip() for line in lines)
+        return [line[len(begins) :].strip() for line in stripped if line[: len(begins)].lower() == begins]
 
 
 def hash_of_files(place: str | Path) -> str:
     """Return a hash of the names and contents of files_at(place)."""
     path = Path(place)
     base = path if path.is_dir() else path.parent
-    return _hash_of_files(tuple((one, one.stat().st_size, one.stat().st_mtime_ns) for one in files_at(path)), base)
+    return _hash_of_files(tuple(map(_state, files_at(path))), base)
 
 
 @functools.lru_cache(maxsize=256)
@@ -83,10 +115,6 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
             while chunk := stream.read(_CHUNK):
                 found.update(chunk)
     return found.hexdigest()
-
-
-def _files_in(folder: Path) -> list[Path]:
-    return sorted(one for one in folder.rglob("*") if one.is_file())
 
 
 def _content(value: Any) -> Any:

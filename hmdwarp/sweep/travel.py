@@ -57,8 +57,8 @@ def bytes_of(place: Path) -> bytes:
     files = files_at(place)
     if (total := sum(one.stat().st_size for one in files)) > MOST_BYTES:
         raise InputError(
-            f"{place}: {total / 1e6:.0f} MB with all files of its folder, at most {MOST_BYTES / 1e6:.0f} cross to "
-            "other machines: put it into a folder of its own, or pack the scene as .glb"
+            f"{place}: {total / 1e6:.0f} MB with the files that it names, at most {MOST_BYTES / 1e6:.0f} cross to "
+            "other machines: use a smaller one"
         )
     return pickle.dumps({one.relative_to(place.parent).as_posix(): one.read_bytes() for one in files})
 

@@ -74,6 +74,18 @@ def test_each_machine_has_its_times_and_a_front_of_its_own(benches, tmp_path):
     assert any(note.startswith("other: ") for note in data["notes"])
 
 
+def test_two_gpus_of_one_machine_have_their_own_times(benches, tmp_path):
+    """The second was left out without a word, as if it had been measured twice."""
+    both = [elsewhere(benches[0], tmp_path / name) for name in ("first", "second")]
+    data = read(both[1])
+    for about in (data, *data["rows"]):
+        about["machine"]["gl_renderer"] = "another GPU"
+    (both[1] / "bench.json").write_text(json.dumps(data), encoding="utf-8")
+    rows = merge(MergeOptions(folders=tuple(both), out=tmp_path / "merged")).data["rows"]
+    assert len(rows) == 2 * len(read(both[0])["rows"])
+    assert {row["machine"]["host"] for row in rows[len(rows) // 2 :]} == {"other (another GPU)"}
+
+
 def test_a_picture_that_one_machine_rated_is_rated(benches, tmp_path):
     rated = {"mean": 8.25, "truth_preferred": 0.88, "display": {}}
     data = read(benches[0])

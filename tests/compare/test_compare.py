@@ -18,6 +18,7 @@ from replays import scene_for
 from hmdwarp.client import build_plan
 from hmdwarp.clients import client_names, load_client
 from hmdwarp.compare import start_bytes, unfit
+from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, first_cases, render_compare_page
 from hmdwarp.strategies import strategies
@@ -53,6 +54,18 @@ def compared(out: Path, *options: str) -> tuple[dict, str]:
     done = hmdwarp("compare", "look-around", *TINY, "--headset", "flat-90", "--workers", "0", "--out", out, *options)
     assert done.returncode == 0, done.stderr
     return json.loads((out / "compare.json").read_text(encoding="utf-8")), " ".join(done.stdout.split())
+
+
+def test_two_recordings_of_one_name_are_refused(tmp_path):
+    """Tables, charts and fronts tell recordings apart by their names, and would mix the two."""
+    files = [tmp_path / person / "head.csv" for person in ("anna", "ben")]
+    for file, name in zip(files, ("walk", "look-around"), strict=True):
+        file.parent.mkdir()
+        shutil.copy(Path(__file__).parents[2] / "recordings" / f"{name}.csv", file)
+    chosen = "--strategy", "imposter", *TINY, "--headset", "flat-90", "--workers", "0", "--out", tmp_path / "out"
+    done = hmdwarp("compare", *files, *chosen)
+    assert done.returncode == InputError.exit_status
+    assert "are both called 'head': leave one out, or rename a file" in " ".join(done.stderr.split())
 
 
 @pytest.mark.slow(5)

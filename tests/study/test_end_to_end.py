@@ -171,8 +171,9 @@ def test_what_predicts_is_told_of_one_study_and_of_several(study, tmp_path):
     assert both["studies"] == [str(study.file), str(copy)] and alone["scale"] == both["scale"] == "grade"
     said = tiny.ran("study", "predict", study.file, "--simulated")
     assert "What goes with the ratings" in said and alone["measures"][0]["title"] in said
-    twice = tiny.program("study", "predict", study.file, study.file, "--simulated")
-    assert twice.returncode == 2 and "given twice" in twice.stderr
+    for again in (study.file, f"{study.file.parent}/../{study.file.parent.name}/{study.file.name}"):
+        twice = tiny.program("study", "predict", study.file, again, "--simulated")
+        assert twice.returncode == 2 and "given twice" in twice.stderr
 
 
 def test_a_pilot_stays_apart(study):

@@ -143,6 +143,18 @@ def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_f
     assert {name: of["late"][name] for name in QUALITY} == {name: quality[name]["mean"] for name in QUALITY}
 
 
+def test_both_showings_of_a_trial_are_measured_and_each_has_its_own_figures(tmp_path):
+    text = TEXT.replace('scales = ["grade"]', 'scales = ["dcr"]\nshows = "reference first"')
+    with shown(
+        tmp_path, text[: text.index('[[condition]]\nname = "warped"')] + text[text.rindex("[[condition]]") :]
+    ) as store:
+        said: list[str] = []
+        assert measure_study(store, OPTIONS, say=said.append).measured == 4
+        assert len({line.partition(":")[0] for line in said}) == 4
+        found = [(one.condition, one.measured.get("flip") == 0) for one in store.contents().showings if one.complete]
+        assert sorted(found) == [("late", False), *[("reference", True)] * 3]
+
+
 def test_what_is_known_is_not_measured_again_unless_otherwise_or_asked_for(store):
     measure_study(store, OPTIONS)
     before = [one.measured for one in store.contents().showings]

@@ -325,6 +325,14 @@ def test_people_and_conditions_of_two_studies_are_never_one():
     assert found.measures[0].name == FLIP and found.measures[0].r > 0.4
 
 
+def test_studies_whose_scale_has_another_good_end_are_refused():
+    """Their correlations would cancel each other."""
+    first = made_up(1, {FLIP: 0.6})
+    second = [one | {"low_is_good": False, "value": -one["value"]} for one in made_up(2, {FLIP: 0.6})]
+    with pytest.raises(InputError, match="'grade' is not the same .*: low is good in 'a' and high is good in 'b'"):
+        pooled({"a": first, "b": second})
+
+
 def test_studies_without_a_common_scale_are_refused_with_what_they_have():
     first = made_up(1, {FLIP: 0.6})
     second = [one | {"scale": "acr"} for one in made_up(2, {FLIP: 0.6})]

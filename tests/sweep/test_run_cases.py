@@ -85,6 +85,28 @@ def test_what_is_timed_on_one_runs_on_one(tmp_path):
     assert order == [str(number) for number in range(12)]
 
 
+@pytest.mark.parametrize(
+    ("scene", "texture"),
+    [
+        ({"room.gltf": '{"images": [{"uri": "a%20wall.png"}]}', "a wall.png": "red"}, "a wall.png"),
+        ({"room.obj": "mtllib it.mtl", "it.mtl": " map_Kd wood/oak.png", "wood/oak.png": "red"}, "wood/oak.png"),
+        ({"room.ply": "ply\ncomment TextureFile oak.png", "oak.png": "red"}, "oak.png"),
+    ],
+)
+def test_a_scene_is_the_files_that_it_names_and_not_what_lies_beside(tmp_path, scene, texture):
+    """Results are often written beside it: a run would not know its own cases again."""
+    for name, text in scene.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    room = str(tmp_path / next(iter(scene)))
+    before = identity_of("kind", room)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "bench.json").write_text("{}", encoding="utf-8")
+    assert identity_of("kind", room) == before
+    (tmp_path / texture).write_text("green", encoding="utf-8")
+    assert identity_of("kind", room) != before
+
+
 def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
     plain = identity_of("kind", 1)
     assert len({plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("thesis/facts.py",))}) == 3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -40,7 +41,8 @@ def predict(said: Said) -> None:
     from ...study.prediction import pooled, prediction_data
 
     options = PredictOptions.of(said)
-    if doubled := [name for name in dict.fromkeys(options.studies) if options.studies.count(name) > 1]:
+    places = [Path(name).resolve() for name in options.studies]
+    if doubled := [name for name, place in zip(options.studies, places, strict=True) if places.count(place) > 1]:
         raise InputError(f"{doubled[0]} is given twice: its people would count twice")
     source = SourceOptions({}, "", None, origin_of(options.pilot, options.simulated))
     found = {name: ratings_from(name, None, source).long for name in options.studies}

@@ -91,8 +91,10 @@ def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, 
     if row is None:
         return found | {"follows": False, "why_not": _no_comparison(claim, ratings)}
     found |= {"baseline": row["baseline"], "condition": row["condition"], "data": row["mean"], "n": row["n"]}
-    if claim.difference is None or row["mean"] is None:
-        return found | {"follows": True if claim.difference is None else None}
+    if claim.difference is None:
+        return found | {"follows": True}
+    if row["mean"] is None:
+        return found | {"follows": None, "why_not": f"nobody rated both '{row['baseline']}' and '{row['condition']}'"}
 
     def is_near(value: float) -> bool:
         return abs(value - found["difference"]) <= claim.step + _LEAST

@@ -145,7 +145,9 @@ def families_for(ratings: Ratings, requested: Sequence[str] = ()) -> tuple[tuple
     Errors: InputError for names without ratings.
     """
     if requested:
-        found = tuple(family for text in requested for family in _requested(text, ratings))
+        names = ["as requested"] if len(requested) == 1 else [f"as requested, {k + 1}" for k in range(len(requested))]
+        asked = zip(requested, names, strict=True)
+        found = tuple(family for text, name in asked for family in _requested(text, name, ratings))
         return found, "Compared: the pairs of --family."
     if ratings.families:
         return ratings.families, "Compared: what the study's file plans."
@@ -161,7 +163,7 @@ def families_for(ratings: Ratings, requested: Sequence[str] = ()) -> tuple[tuple
     return tuple(families), f"Compared: {which}. The data come without a plan; --family chooses other pairs."
 
 
-def _requested(text: str, ratings: Ratings) -> list[Family]:
+def _requested(text: str, name: str, ratings: Ratings) -> list[Family]:
     part, slash, rest = text.partition("/")
     in_part = bool(slash) and part in ratings.parts()
     parts = [part] if in_part else list(ratings.parts())
@@ -175,7 +177,7 @@ def _requested(text: str, ratings: Ratings) -> list[Family]:
         known = ratings.conditions(one)
         here = [Comparison(one, a, b) for a, b in pairs if a in known and b in known]
         if here:
-            found.append(Family(f"{one}: as requested" if one else "as requested", tuple(here)))
+            found.append(Family(f"{one}: {name}" if one else name, tuple(here)))
     named = {(c.baseline, c.better) for family in found for c in family.comparisons}
     for pair in pairs:
         if pair not in named:

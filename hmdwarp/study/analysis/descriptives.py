@@ -178,7 +178,8 @@ def sickness_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> lis
 def questionnaire_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> list[dict[str, Any]]:
     """Return a row for each score of each questionnaire: medians before and after, and the change.
 
-    The change is over those who answered both times. p is of the exact Wilcoxon test of the change,
+    The change is over those who answered both times, each of them once: a person's sessions are
+    averaged, as ratings are. p is of the exact Wilcoxon test of the change,
     uncorrected: these comparisons are not planned. Questionnaires that were answered at one time
     only are left to asked_once_rows.
     """
@@ -188,8 +189,12 @@ def questionnaire_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -
             continue
         before, after = sheets["before"], sheets["after"]
         for score in dict.fromkeys(key for sheet in [*before.values(), *after.values()] for key in sheet):
-            pairs = [(before[who][score], after[who][score]) for who in before if who in after]
-            changes = np.array([b - a for a, b in pairs if a is not None and b is not None])
+            by_person: dict[str, list[float]] = {}
+            for who, sheet in before.items():
+                a, b = sheet[score], after.get(who, {}).get(score)
+                if a is not None and b is not None:
+                    by_person.setdefault(who[0], []).append(b - a)
+            changes = np.array([sum(own) / len(own) for own in by_person.values()])
             row: dict[str, Any] = {"scale": scale.name, "title": scale.title, "score": score, "n": len(changes)}
             row |= {"before": _median(before, score), "after": _median(after, score)}
             if len(changes):

@@ -11,6 +11,7 @@ from .ratings import Ratings, Table
 
 _LEAST_CONDITIONS = 2  # equal ratings of one condition say nothing
 _DRAWS = 20_000
+_MISSING = -np.inf  # equal to itself, and no rating
 
 
 def copied_rows(ratings: Ratings, scale: str, seed: int) -> list[dict[str, Any]]:
@@ -66,17 +67,17 @@ def _shared(ratings: Ratings, first: str, second: str) -> list[tuple[str, str]]:
 
 
 def _columns(table: Table, names: list[str]) -> np.ndarray:
-    """Return ratings (participants, conditions), missing ones as -1, equal to each other."""
+    """Return ratings (participants, conditions), missing ones as _MISSING, equal to each other."""
     values = np.stack([table.column(name) for name in names], axis=1)
-    return np.where(np.isfinite(values), np.round(values, 6), -1.0)
+    return np.where(np.isfinite(values), np.round(values, 6), _MISSING)
 
 
 def _plain(row: np.ndarray) -> list[float | None]:
-    return [None if value == -1.0 else float(value) for value in row]
+    return [None if value == _MISSING else float(value) for value in row]
 
 
 def _equal(first: np.ndarray, second: np.ndarray) -> list[tuple[int, int]]:
-    same = (first[:, None] == second[None]).all(axis=2) & (first != -1.0).any(axis=1)[:, None]
+    same = (first[:, None] == second[None]).all(axis=2) & (first != _MISSING).any(axis=1)[:, None]
     return [(int(a), int(b)) for a, b in np.argwhere(same)]
 
 
@@ -94,6 +95,6 @@ def _by_chance(first: np.ndarray, second: np.ndarray, people: int, seed: int) ->
         count = min(2000, _DRAWS - start)
         drawn = pool[random.integers(0, n, (count, n, pool.shape[1])), columns]
         a, b = drawn[:, : len(first)], drawn[:, len(first) :]
-        same = (a[:, :, None] == b[:, None]).all(axis=3) & (a != -1.0).any(axis=2)[:, :, None]
+        same = (a[:, :, None] == b[:, None]).all(axis=3) & (a != _MISSING).any(axis=2)[:, :, None]
         hits += int((same.any(axis=1).sum(axis=1) >= people).sum())
     return hits / (_DRAWS + 1)

@@ -99,10 +99,7 @@ def _scale_info(
         _check_range(own, scale, path)
         return ScaleInfo.of(scale)
     values = [value for _, value in own if value is not None]
-    column = own[0][0].fields.get("low_is_good", "").lower()
-    low = {"true": True, "1": True, "false": False, "0": False}.get(column)
-    if options.low_is_good is not None:
-        low = options.low_is_good
+    low = _low_is_good(own, path) if options.low_is_good is None else options.low_is_good
     if low is not None:
         return ScaleInfo(name or "rating", name or "Rating", low)
     grade = load_scale("grade")
@@ -120,6 +117,20 @@ def _scale_info(
         f"{path}: the direction of the ratings is unknown: use --low-is-good, --high-is-good, or --scale with one of "
         f"{', '.join(scale_names())}"
     )
+
+
+def _low_is_good(own: list[tuple[Line, float | None]], path: Path) -> bool | None:
+    """Return what the table says of the scale's direction, None where it says nothing."""
+    words = {"true": True, "1": True, "false": False, "0": False}
+    said = [(words[text], line) for line, _ in own if (text := line.fields.get("low_is_good", "").lower()) in words]
+    for low, line in said:
+        if low != said[0][0]:
+            first, text = said[0][1], line.fields["low_is_good"]
+            raise InputError(
+                f"{path}:{line.number}: low_is_good '{text}', and '{first.fields['low_is_good']}' in line "
+                f"{first.number}: expected one direction for all ratings on a scale"
+            )
+    return said[0][0] if said else None
 
 
 def _check_range(own: list[tuple[Line, float | None]], scale: Scale, path: Path) -> None:

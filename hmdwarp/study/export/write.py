@@ -33,6 +33,7 @@ from .table_columns import Column, columns_for
 EXTRA = ("phase", "kind", "text")
 OWNED = (
     "ratings.*",
+    "sessions/*.csv",
     "preferences.csv",
     "sickness.tsv",
     "questionnaires.tsv",

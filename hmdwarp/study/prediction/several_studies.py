@@ -14,7 +14,7 @@ def pooled(studies: Mapping[str, Sequence[Row]], scale: str = "") -> tuple[str, 
     """Return the scale, and the rows of all studies on it; people count from their own mean anyway.
 
     studies: rows as export.long_rows gives, by name. scale: by default the first that all have.
-    Errors: InputError for a study without ratings on it.
+    Errors: InputError for a study without ratings on it, and where it has another good end.
     """
     scales = {name: tuple(dict.fromkeys(row["scale"] for row in rows)) for name, rows in studies.items()}
     common = [one for one in next(iter(scales.values()), ()) if all(one in found for found in scales.values())]
@@ -25,6 +25,10 @@ def pooled(studies: Mapping[str, Sequence[Row]], scale: str = "") -> tuple[str, 
     if lacking:
         wanted = f"on scale '{chosen}'" if chosen else "on one scale"
         raise InputError(f"expected ratings {wanted} in every study, and these have others: {listed(lacking)}")
+    good = {name: bool(row["low_is_good"]) for name, rows in studies.items() for row in rows if row["scale"] == chosen}
+    if len(set(good.values())) > 1:
+        ways = listed([f"{'low' if low else 'high'} is good in '{name}'" for name, low in good.items()])
+        raise InputError(f"the scale '{chosen}' is not the same in all studies: {ways}; predict each alone")
     return chosen, [_apart(name, row) for name, rows in studies.items() for row in rows if row["scale"] == chosen]
 
 

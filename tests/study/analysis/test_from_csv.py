@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis import SourceOptions, families_for, from_csv
+from hmdwarp.study.analysis import SourceOptions, analyse, families_for, from_csv
 
 from .tables import PUBLISHED, written
 
@@ -147,11 +147,22 @@ def test_conditions_of_settings_are_named_and_compared_at_each_latency():
     assert "at each latency" in why
 
 
+def test_a_scale_with_two_directions_is_refused(tmp_path):
+    path = tmp_path / "joined.csv"
+    path.write_text("person,condition,rating,low_is_good\n1,late,5,true\n2,late,1,false\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"joined.csv:3: low_is_good 'false'.*'true' in line 2"):
+        from_csv(path)
+    assert from_csv(path, SourceOptions(low_is_good=True)).scale_info["rating"].low_is_good
+
+
 def test_families_may_be_asked_for():
     found = from_csv(PUBLISHED)
     families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
     (only,) = families[0].comparisons
     assert (only.part, only.baseline, only.better) == ("run 1", "none, 200 ms", "none, 800 ms")
+    each = "run 1/none, 200 ms:none, 400 ms", "run 1/none, 400 ms:none, 800 ms"
+    rows = [analyse(found, families=asked)["scales"][0]["comparisons"] for asked in (each, each[:1], each[1:])]
+    assert [(row["holm"], row["holm_of"]) for row in rows[0]] == [(row["p"], 1) for row in rows[1] + rows[2]]
     with pytest.raises(InputError, match="no part has both 'a' and 'b'"):
         families_for(found, ["a:b"])
     with pytest.raises(InputError, match="expected pairs of conditions"):

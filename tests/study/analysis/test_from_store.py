@@ -272,6 +272,22 @@ def test_sickness_and_questionnaires_are_told(contents, design):
     assert total["n"] == 7 and total["before"] == 0.0 and total["change"] == total["after"] > 0
 
 
+def test_a_change_counts_each_person_once_however_many_sessions_they_had(contents, design):
+    """Five people with one change in each of two sessions are five, and their p is 2 / 2^5."""
+    ratings = from_contents(contents, design)
+    ask = attrs.evolve(ratings.survey[0], scale="vrsq", trial=0)
+    survey = [
+        attrs.evolve(ask, participant=f"p{who}", session=session, phase=phase, item=item.key, value=value)
+        for who in range(5)
+        for session in (1, 2)
+        for phase, value in (("before", 0.0), ("after", float(session)))
+        for item in load_scale("vrsq").items
+    ]
+    rows = analyse(attrs.evolve(ratings, survey=tuple(survey)))["questionnaires"]
+    assert [(row["n"], row["p"]) for row in rows] == [(5, 2 / 2**5)] * 3
+    assert [row["change"] for row in rows] == pytest.approx([50.0] * 3)
+
+
 def test_a_questionnaire_asked_once_has_quartiles_by_part_of_its_scale(tmp_path):
     design = design_from_text(TEXT.replace('after = ["vrsq"]', 'after = ["vrsq", "ipq"]'), "late.toml")
     with Store(tmp_path / "data", create=True) as store:

@@ -83,6 +83,16 @@ def test_exactly_four_figures_of_the_thesis_do_not_follow(whole):
     assert any("nothing was rated at 600 ms: the latencies are 200, 400, 800 ms" in one["sentence"] for one in claims)
 
 
+def test_a_claim_about_conditions_that_nobody_rated_both_says_so(tmp_path):
+    table, path = tmp_path / "ratings.csv", tmp_path / "claims.toml"
+    table.write_text("person,part,condition,rating\n1,run,late,5.5\n2,run,warped,2\n", encoding="utf-8")
+    said = 'title = "the paper"\n[[claim]]\npart = "run"\nbaseline = "late"\nbetter = "warped"\ndifference = 0.4\n'
+    path.write_text(said, encoding="utf-8")
+    (claim,) = analyse(from_csv(table), claims=load_claims(path))["scales"][0]["claims"]
+    assert claim["follows"] is None
+    assert claim["sentence"] == "run: the paper says +0.400; nobody rated both 'late' and 'warped'."
+
+
 def test_the_step_of_the_figures_is_the_largest_that_holds_them_all():
     claims = load_claims(SHIPPED / "thesis_claims.toml").claims
     thousandths = [round(1000 * one.difference) for one in claims if one.difference is not None]

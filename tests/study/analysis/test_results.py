@@ -239,6 +239,18 @@ def two_parts(second: list[list[float]]) -> Ratings:
     return Ratings(tuple(row for ratings in made for row in ratings.rows), {"grade": GRADE})
 
 
+def test_a_rating_of_minus_one_is_not_a_missing_one():
+    """On a scale from -3 to 3, as that of comparison category rating."""
+
+    def copies(*second: float | None) -> list[dict]:
+        first = ratings_of({"late": [-1], "warped": [-1], "other": [2]}, part="1")
+        again = ratings_of({"late": [second[0]], "warped": [second[1]], "other": [second[2]]}, part="2")
+        return copied_rows(Ratings((*first.rows, *again.rows), {"grade": GRADE}), "grade", 1)
+
+    assert copies(None, None, 2) == []
+    assert copies(-1, -1, 2)[0]["rows"][0]["ratings"] == [-1, -1, 2]
+
+
 def test_copied_rows_are_found_and_others_are_not():
     free = (np.random.default_rng(6).integers(4, 24, (6, 3)) / 4).tolist()
     assert copied_rows(two_parts(free), "grade", 1) == []

@@ -258,6 +258,15 @@ def test_an_older_export_is_not_written_over(store, design, tmp_path):
     assert before == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
 
 
+def test_a_forced_export_leaves_no_file_of_somebody_who_withdrew_since(store, design, tmp_path):
+    first = store.contents().sessions[0]
+    out = export(store.contents(), design, tmp_path / "out").folder
+    store.withdraw(first.code)
+    export(store.contents(), design, out, ExportOptions(force=True))
+    files = [path for path in out.rglob("*") if path.is_file()]
+    assert not [path for path in files if first.sub in path.name or first.sub.encode() in path.read_bytes()]
+
+
 def test_another_plan_is_refused(store, design, tmp_path):
     other = design_from_text(TEXT.replace('name = "warped"', 'name = "renamed"'), "late.toml")
     with pytest.raises(InputError, match="this plan lacks"):
