@@ -292,3 +292,22 @@ def test_scaled_positions_are_metres_again(tmp_path):
             row[3] *= 0.25
     file.write_text(json.dumps({**data, "applied_scale": 0.25}))
     assert sequences.open(tmp_path).frames[1].pose.isclose(taken(2)[1].pose, 1e-9)
+
+
+def test_an_npz_file_may_say_where_its_first_pixel_has_its_middle(tmp_path):
+    views = []
+    for at, centre in enumerate((0.0, 0.5)):
+        stated = {"intrinsics": [40, 42, 17.3 + centre, 11.1 + centre], "centre": centre}
+        views.append(sequences.open(written_npz(tmp_path / str(at), **stated)).frames[0].fov)
+    assert views[0].tangents == pytest.approx(views[1].tangents, abs=1e-12)
+
+
+def written_npz(folder: Path, times: tuple[float, ...] = (0.0, 0.1), **stated: object) -> Path:
+    """A folder of .npz files that state this too."""
+    folder.mkdir(parents=True)
+    facts = {"position_m": [0, 1.6, 0], "orientation_xyzw": [0, 0, 0, 1.0], **stated}
+    facts |= {} if "intrinsics" in stated else {"fov": [-0.5, 0.5, -0.4, 0.4]}
+    pictures = {"colour": np.full((24, 36, 3), 0.5), "depth_m": np.full((24, 36), 2)}
+    for number, time_s in enumerate(times):
+        np.savez(folder / f"{number}.npz", **{"depth_scale": 1.0, "time_s": time_s, **pictures, **facts})
+    return folder
