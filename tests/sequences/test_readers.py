@@ -311,3 +311,16 @@ def written_npz(folder: Path, times: tuple[float, ...] = (0.0, 0.1), **stated: o
     for number, time_s in enumerate(times):
         np.savez(folder / f"{number}.npz", **{"depth_scale": 1.0, "time_s": time_s, **pictures, **facts})
     return folder
+
+
+@pytest.mark.parametrize(
+    "stated", [{"depth_scale": scale} for scale in (0.0, -0.001, np.nan, 1000.0)] + [{"encoding": "rec709"}]
+)
+def test_a_folder_says_nothing_that_would_be_read_as_something_else(stated, tmp_path):
+    """A scale of 0 was metres, one of 1000 units a metre kilometres, an unknown encoding light."""
+    written_npz(tmp_path / "npz", **stated)
+    refused(tmp_path / "npz", "0.npz: ", next(iter(stated)))
+    if "depth_scale" in stated:
+        write_numbered(tmp_path, taken(2))
+        (tmp_path / "camera.json").write_text(json.dumps({"intrinsics": [40, 42, 17.3, 11.1], **stated}))
+        refused(tmp_path, "camera.json: depth_scale is", options=attrs.evolve(MILLIMETRES, depth_scale=None))

@@ -60,7 +60,8 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
     camera = options.intrinsics or camera_of(folder / CAMERA, stated) or camera
-    scale = options.depth_scale or stated.get("depth_scale") or depth_scale
+    own = stated.get("depth_scale")
+    scale = options.depth_scale or (depth_scale if own is None else own)
     if camera is None:
         raise InputError(
             f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
@@ -71,11 +72,14 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
-        raise InputError(
-            f"{folder / CAMERA}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1"
-        )
+    check_scale(folder / CAMERA, scale)
     return Facts(camera, float(scale))
+
+
+def check_scale(where: Path, scale: Any) -> None:
+    """Raise InputError for what are no metres per unit."""
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
+        raise InputError(f"{where}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1")
 
 
 @attrs.frozen(eq=False)
