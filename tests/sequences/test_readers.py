@@ -324,3 +324,11 @@ def test_a_folder_says_nothing_that_would_be_read_as_something_else(stated, tmp_
         write_numbered(tmp_path, taken(2))
         (tmp_path / "camera.json").write_text(json.dumps({"intrinsics": [40, 42, 17.3, 11.1], **stated}))
         refused(tmp_path, "camera.json: depth_scale is", options=attrs.evolve(MILLIMETRES, depth_scale=None))
+
+
+@pytest.mark.parametrize("unit", [1e9, 1e-6])
+def test_instants_in_another_unit_are_refused(unit, tmp_path):
+    """Nanoseconds in place of seconds were frames a year apart."""
+    folder = written_npz(tmp_path / "npz", tuple(unit * (number / 30) for number in range(3)))
+    refused(folder, "s apart", "unit")
+    assert len(sequences.open(folder, SequenceOptions(frames_rate_hz=30)).frames) == 3

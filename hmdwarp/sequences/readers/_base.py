@@ -28,6 +28,8 @@ OPTICAL, OPTICAL_UP = "opencv", "unity"
 CAMERA = "camera.json"
 DEPTHS = (*PICTURES, EXR, NPY)
 _ROTATION_WITHIN = 1e-3
+# Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
+_LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
 
 
 class SequenceReader:
@@ -148,6 +150,12 @@ def made(
         if before.size != after.size:
             sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
             raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
+    apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
+    if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
+        raise InputError(
+            f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write instants "
+            "in their unit, or give --frames-rate"
+        )
     name = (path if path.is_dir() else path.parent).resolve().name
     begins_ns = frames[0].time_ns
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
