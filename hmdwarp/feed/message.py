@@ -253,7 +253,8 @@ def pieces_of(message: Message) -> list[Piece]:
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
     if isinstance(message, Stub):
         return _framed(STUB, [_STUB.pack(message.number, message.length, message.name.encode())])
-    text = message.text.encode()[:MOST_TEXT]
+    # Whole letters of it.
+    text = message.text.encode(errors="replace")[:MOST_TEXT].decode(errors="ignore").encode()
     return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
 
 

@@ -313,7 +313,7 @@ def _proxy(
     # What it shows is for the head that it was asked for; what the server draws is seen later.
     request = PoseRequest(
         known,
-        lambda now_ns, later_ns: requested.for_server(now_ns, age_ns + later_ns),
+        requested.for_server,
         made.shown,
         asked.guard,
         plan.needs,

@@ -263,14 +263,16 @@ class Remote:
     def _tell(self) -> None:
         for line in self._caller.lines():
             self._say(line)
-        silent_ns = time.monotonic_ns() - self._heard_ns
-        if self._lost_ns is not None and silent_ns < _TELL_NS:
+        # Nothing is missed before it was asked for: while a pipeline is built nothing is.
+        since_ns = max(self._heard_ns, next((one.sent_ns for one in self._pending.values()), 0))
+        silent_ns = time.monotonic_ns() - since_ns
+        if self._lost_ns is not None and self._heard_ns > self._lost_ns:
             self._say(f"{self._caller.address}: frames come again")
             self._away_ns += self._heard_ns - self._lost_ns
             self._lost_ns = None
         elif self._lost_ns is None and self._pending and silent_ns >= _TELL_NS:
             self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.0f} s; the last one stays")
-            self._lost_ns = self._heard_ns
+            self._lost_ns = since_ns
             self._losses += 1
 
     @property

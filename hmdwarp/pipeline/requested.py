@@ -14,13 +14,12 @@ if TYPE_CHECKING:
     from ..poses import PoseSample, PoseSource
 
 
-@attrs.frozen(eq=False)
+@attrs.define(eq=False)
 class PoseRequest:
     """Head poses for the server and the display, and the format of the pictures to draw."""
 
     source: PoseSource
-    # Predicts the head for so long after the instant when a frame drawn now is seen; None for no
-    # prediction.
+    # Predicts the head at an instant for so long after it; None for no prediction.
     predicted: Callable[[int, int], PoseSample] | None
     # (w, h) of one eye.
     size: tuple[int, int]
@@ -30,7 +29,8 @@ class PoseRequest:
     needs: Needs
     # Time from the first row of the display to its last.
     scanout_ns: int = 0
-    # From drawing a frame to showing it, as far as that is known beforehand.
+    # From drawing a frame to showing it, as far as that is known beforehand; set anew where the
+    # latency changes during a run.
     age_ns: int = 0
     # Whether the eyes' pictures are drawn.
     pictures: bool = True
@@ -40,7 +40,7 @@ class PoseRequest:
 
         later_ns: how much later than a frame of this request it is seen.
         """
-        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, later_ns)
+        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, self.age_ns + later_ns)
 
     def for_display(self, shown_ns: int) -> PoseSample:
         """Return the head pose at the instant when the picture is seen."""

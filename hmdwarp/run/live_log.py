@@ -30,6 +30,7 @@ from .speeds import angle_between, speeds_between
 from .trace_events import TraceEvents
 
 if TYPE_CHECKING:
+    from ..auto.adaptive import AdaptiveCompensator
     from ..pipeline.loop import Refresh
     from .host import PipelineHost
 
@@ -78,7 +79,8 @@ class _Running:
     values: dict[str, object]
     events: TraceEvents | None
     markers: LiveMarkers
-    # How many switches of warp "auto" are logged.
+    # What chose warps last, and how many of its switches are logged.
+    auto: AdaptiveCompensator | None = None
     auto_changes: int = 0
 
 
@@ -143,7 +145,7 @@ class LiveLog:
         now = values(host.options, host.pipeline.sizes.shown)
         what = self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
         self._running.markers.changed(what, "")
-        self._running.values, self._running.auto_changes = now, 0
+        self._running.values = now
 
     def on_display_lost(self, why: str) -> None:
         """Log the loss of the display."""
@@ -251,6 +253,8 @@ class LiveLog:
     def _notice_auto(self) -> None:
         running = self._running
         auto = running.host.pipeline.auto if running is not None else None
+        if running is not None and auto is not running.auto:  # the pipeline was built anew
+            running.auto, running.auto_changes = auto, 0
         if running is not None and auto is not None and len(auto.changes) > running.auto_changes:
             for change in auto.changes[running.auto_changes :]:
                 before, after = ({"warp": one.warp, "fill": one.fill} for one in (change.before, change.after))

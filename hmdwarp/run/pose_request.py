@@ -53,8 +53,8 @@ def pose_request(
     showing it. size: (w, h) of one eye. pictures: whether any plan reads pictures of frames.
     """
 
-    def predicted(now_ns: int, later_ns: int) -> PoseSample:
-        return predict(known(now_ns), now_ns, now_ns + age_ns + later_ns, options.predict, options.horizon_ns)
+    def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
+        return predict(known(now_ns), now_ns, now_ns + ahead_ns, options.predict, options.horizon_ns)
 
     predicts = predicted if options.predict != "none" else None
     # What has moved since a frame was sent is known from its picture.

@@ -179,7 +179,7 @@ def is_depth(path: Path) -> bool:
 def _in_npz(path: Path, shared: Mapping[str, Any]) -> FoundFrame:
     facts, names, size = _from_npz(path, _head_of_npz)
     _check_keys(path, {**shared, **names}, _KEYS)
-    plain = {name: value.tolist() if name == INTRINSICS else value for name, value in facts.items()}
+    plain = {name: value.tolist() if name in (INTRINSICS, "centre") else value for name, value in facts.items()}
     return FoundFrame(path, path, {**shared, **plain}, size, lambda: _from_npz(path, _arrays_of_npz))
 
 

@@ -164,6 +164,8 @@ def test_a_request_in_another_version_is_told_with_its_id_and_a_refusal_is_read_
 def test_a_refusal_is_one_printable_line():
     back = decode(encode(Refusal(3, "no\n\x1b[31m room" + "é" * 10)))
     assert back == Refusal(3, "no  [31m room" + "é" * 10)
+    # Too long a one ends with a whole letter.
+    assert decode(encode(Refusal(3, "a" + "é" * 300))) == Refusal(3, "a" + "é" * 249)
 
 
 @pytest.mark.parametrize(

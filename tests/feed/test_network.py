@@ -178,6 +178,17 @@ def test_a_stall_is_told_and_frames_come_again(relay, listener):
     remote.close()
 
 
+def test_a_client_that_asks_for_nothing_for_a_while_misses_nothing(relay, listener):
+    """As while a pipeline is built, at the start and after a change."""
+    lines: list[str] = []
+    remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
+    time.sleep(2.1)
+    remote.ask(PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, (4, 3), 0)
+    remote.arrived(0)
+    assert not remote.notice and not lines and remote.summary()["lost"] == 0
+    remote.close()
+
+
 def test_a_clock_that_jumps_is_told_and_followed(relay, listener, caller):
     """The server's clock is set back by an hour while it serves."""
     hour_ns, numbers = 3_600_000_000_000, iter(range(40_000, 50_000))

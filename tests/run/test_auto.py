@@ -18,12 +18,15 @@ from replays import contents, rows_of, run, small, suited
 from hmdwarp.auto import QualityLevel
 from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.effects import effects
+from hmdwarp.display import Command
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.pipeline import build_plan_for
 from hmdwarp.report import validate_summary
-from hmdwarp.run import levels_by_short_bench, levels_from_file, set_up_replay
+from hmdwarp.run import LiveOptions, levels_by_short_bench, levels_from_file, set_up_replay
 from hmdwarp.run.bench_levels import read_rows
 from hmdwarp.run.short_bench import FILLS, candidates, lens_ms
+
+from .offscreen import OffscreenDisplay, run_on
 
 CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
 
@@ -241,6 +244,20 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
         assert ran[at + 1] != ran[at + 2]
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "<h2>Chosen warps</h2>" in page and "over the budget" in page
+
+
+def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
+    """Also where only the latency is changed, so that the same governor goes on; and one that
+    begins anew, by another guard band, has its switches logged too.
+    """
+    rows = [a_row("none", "none", 1e-4, 0.3), a_row("forward", "interpolate", 2e-4, 0.1)]
+    asked = {20: [Command("latency", 60.0)], 30: [Command("guard", 1.25)]}
+    options = {"warp": "auto", "budget_ms": 1e-3, "bench": a_bench(tmp_path / "b.json", rows)}
+    live = LiveOptions(scene="planes", latency_ms=50.0, pictures=50, **options)
+    summary = run_on(monkeypatch, OffscreenDisplay(gpu=gpu, asked=asked), live).summary
+    told = [(*one["what"], "over the budget" in one["reason"]) for one in summary["live"]["changes"]]
+    down = ("warp", "fill", True)
+    assert told == [down, ("latency", False), ("guard", False), down]
 
 
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):

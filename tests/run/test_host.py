@@ -89,6 +89,19 @@ def test_frames_under_way_arrive_as_they_would_have(gpu, latency_ms):
         assert running.ages_ms[-1] == max(20.0, -(-latency_ms // 10) * 10)
 
 
+def test_the_server_predicts_for_the_new_latency(gpu):
+    """As a run that began with it."""
+
+    def ahead_ms(running: Running) -> float:
+        running.go(40)
+        frame = running.host.loop.show(running.display.wait().shown_ns).frame
+        return (frame.head.time_ns - frame.drawn_ns) / MS
+
+    with Running(gpu, predict="constant_velocity") as running:
+        assert ahead_ms(running) == LATENCY_MS
+        assert ahead_ms(running.set(latency_ms=150.0)) == 150.0
+
+
 def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
     """2 GB of frames, on a machine that has 0.1."""
     if not gpu.is_software:

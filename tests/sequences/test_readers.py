@@ -292,3 +292,43 @@ def test_scaled_positions_are_metres_again(tmp_path):
             row[3] *= 0.25
     file.write_text(json.dumps({**data, "applied_scale": 0.25}))
     assert sequences.open(tmp_path).frames[1].pose.isclose(taken(2)[1].pose, 1e-9)
+
+
+def test_an_npz_file_may_say_where_its_first_pixel_has_its_middle(tmp_path):
+    views = []
+    for at, centre in enumerate((0.0, 0.5)):
+        stated = {"intrinsics": [40, 42, 17.3 + centre, 11.1 + centre], "centre": centre}
+        views.append(sequences.open(written_npz(tmp_path / str(at), **stated)).frames[0].fov)
+    assert views[0].tangents == pytest.approx(views[1].tangents, abs=1e-12)
+
+
+def written_npz(folder: Path, times: tuple[float, ...] = (0.0, 0.1), **stated: object) -> Path:
+    """A folder of .npz files that state this too."""
+    folder.mkdir(parents=True)
+    facts = {"position_m": [0, 1.6, 0], "orientation_xyzw": [0, 0, 0, 1.0], **stated}
+    facts |= {} if "intrinsics" in stated else {"fov": [-0.5, 0.5, -0.4, 0.4]}
+    pictures = {"colour": np.full((24, 36, 3), 0.5), "depth_m": np.full((24, 36), 2)}
+    for number, time_s in enumerate(times):
+        np.savez(folder / f"{number}.npz", **{"depth_scale": 1.0, "time_s": time_s, **pictures, **facts})
+    return folder
+
+
+@pytest.mark.parametrize(
+    "stated", [{"depth_scale": scale} for scale in (0.0, -0.001, np.nan, 1000.0)] + [{"encoding": "rec709"}]
+)
+def test_a_folder_says_nothing_that_would_be_read_as_something_else(stated, tmp_path):
+    """A scale of 0 was metres, one of 1000 units a metre kilometres, an unknown encoding light."""
+    written_npz(tmp_path / "npz", **stated)
+    refused(tmp_path / "npz", "0.npz: ", next(iter(stated)))
+    if "depth_scale" in stated:
+        write_numbered(tmp_path, taken(2))
+        (tmp_path / "camera.json").write_text(json.dumps({"intrinsics": [40, 42, 17.3, 11.1], **stated}))
+        refused(tmp_path, "camera.json: depth_scale is", options=attrs.evolve(MILLIMETRES, depth_scale=None))
+
+
+@pytest.mark.parametrize("unit", [1e9, 1e-6])
+def test_instants_in_another_unit_are_refused(unit, tmp_path):
+    """Nanoseconds in place of seconds were frames a year apart."""
+    folder = written_npz(tmp_path / "npz", tuple(unit * (number / 30) for number in range(3)))
+    refused(folder, "s apart", "unit")
+    assert len(sequences.open(folder, SequenceOptions(frames_rate_hz=30)).frames) == 3

@@ -28,6 +28,8 @@ OPTICAL, OPTICAL_UP = "opencv", "unity"
 CAMERA = "camera.json"
 DEPTHS = (*PICTURES, EXR, NPY)
 _ROTATION_WITHIN = 1e-3
+# Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
+_LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
 
 
 class SequenceReader:
@@ -60,7 +62,8 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
     camera = options.intrinsics or camera_of(folder / CAMERA, stated) or camera
-    scale = options.depth_scale or stated.get("depth_scale") or depth_scale
+    own = stated.get("depth_scale")
+    scale = options.depth_scale or (depth_scale if own is None else own)
     if camera is None:
         raise InputError(
             f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
@@ -71,11 +74,14 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
-        raise InputError(
-            f"{folder / CAMERA}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1"
-        )
+    check_scale(folder / CAMERA, scale)
     return Facts(camera, float(scale))
+
+
+def check_scale(where: Path, scale: Any) -> None:
+    """Raise InputError for what are no metres per unit."""
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
+        raise InputError(f"{where}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1")
 
 
 @attrs.frozen(eq=False)
@@ -144,6 +150,12 @@ def made(
         if before.size != after.size:
             sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
             raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
+    apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
+    if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
+        raise InputError(
+            f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write instants "
+            "in their unit, or give --frames-rate"
+        )
     name = (path if path.is_dir() else path.parent).resolve().name
     begins_ns = frames[0].time_ns
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]

@@ -15,7 +15,10 @@ from ..options import SequenceOptions
 from ..picture_files import EXR, PICTURES
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in
+from ._base import CAMERA, SequenceReader, at_rate, check_scale, made, pictures_in
+
+
+_ENCODINGS = ("srgb", "linear")  # of float colour
 
 
 class FolderReader(SequenceReader):
@@ -67,6 +70,10 @@ def _time_ns(found: FoundFrame) -> int:
 
 def _frame(found: FoundFrame, time_ns: int, options: SequenceOptions) -> RecordedFrame:
     view, scale = found.view, options.depth_scale or found.depth_scale
+    if scale is not None:
+        check_scale(found.where, scale)
+    if found.encoding not in (None, *_ENCODINGS):
+        raise InputError(f"{found.where}: encoding is {found.encoding!r}; expected {' or '.join(_ENCODINGS)}")
     fov: Fov = view.fov if options.intrinsics is None else options.intrinsics.fov(found.size, str(found.path))
 
     def read() -> Pictures:
