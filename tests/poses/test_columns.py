@@ -287,6 +287,17 @@ def test_matrices_are_read(tmp_path, numbers, timed):
     assert timed or "--trace-rate" in refusal(path)
 
 
+def test_rows_without_a_turn_among_matrices_are_dropped(tmp_path):
+    turns = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
+    turns[20:23], turns[40] = 0.0, np.diag([1.0, 1.0, -1.0])
+    rows_of = np.concatenate([turns, TRACK.position_m[:, :, None]], axis=2).reshape(-1, 12)
+    table = [[r[0], *map(repr, numbers)] for r, numbers in zip(TABLE, rows_of.tolist(), strict=True)]
+    loaded = load_trace(write(tmp_path / "m.txt", table, header="", separator=" "))
+    (defect,) = (d for d in loaded.defects if d.kind == "zero-quaternion")
+    assert defect.count == 4 and "matrix that is no rotation" in defect.what
+    assert len(loaded.track) == len(TRACK) - 4
+
+
 def test_numbers_that_are_no_rotations_are_refused(tmp_path):
     table = [[r[0], *"123456789"[:9], *"123"] for r in TABLE]
     path = write(tmp_path / "m.txt", table, header="", separator=" ")
