@@ -168,6 +168,21 @@ def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
     assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
 
 
+def test_a_json_list_of_the_head_is_not_taken_from_a_hand(tmp_path):
+    path = tmp_path / "poses.json"
+    hand = {"position": [0, 1, 0], "rotation": [0, 0, 0, 1]}
+    lines = []
+    for row in TABLE:
+        place, turn = ([float(f) for f in part] for part in (row[1:4], row[4:]))
+        lines.append(
+            json.dumps({"time": float(row[0]), "head": {"position": place, "rotation": turn}, "left_hand": hand})
+        )
+    path.write_text("\n".join(lines))
+    loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
+    assert same_motion(loaded.track, TRACK)
+    assert "head.rotation.q0" in loaded.columns
+
+
 def test_json_matrices_are_read_with_their_columns_named(tmp_path):
     poses = np.tile(np.eye(4), (len(TRACK), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()

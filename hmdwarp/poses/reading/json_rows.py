@@ -15,7 +15,7 @@ def table_of_json(raw: bytes) -> bytes | None:
     """Return comma-separated rows below a header for JSON lines, or for a document with a list.
 
     Names of nested objects are joined by a dot; three numbers in a list become x, y and z, and four
-    of a rotation q0 to q3. None where the bytes are no JSON with records.
+    of a rotation its q0 to q3. None where the bytes are no JSON with records.
     """
     try:
         text = raw.decode("utf-8-sig")
@@ -65,5 +65,5 @@ def _names_in(values: list[Any], name: str) -> list[str]:
     if len(values) == 3 and not any(isinstance(one, list) for one in values):
         return [f"{name}.{axis}" for axis in _XYZ]
     if len(values) == 4 and names_rotation(name):
-        return [f"q{i}" for i in range(4)]
+        return [f"{name}.q{i}" for i in range(4)]
     return [f"{name}.{i}" for i in range(len(values))]
