@@ -20,7 +20,8 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import load_scene, only_light, unlit
+from hmdwarp.scenes import Material, Scene, Texture, load_scene, only_light, unlit
+from hmdwarp.scenes.shapes import Quad
 from hmdwarp.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
@@ -80,6 +81,21 @@ def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
     assert np.array_equal(got[..., 3], light[..., 3])
     assert (got[light[..., 3] == 0] == 0).all()
     one.close()
+    server.close()
+
+
+def test_a_fence_of_alpha_is_in_the_light(gpu):
+    laths = np.zeros((8, 8, 4), np.uint8)
+    laths[:, 4:] = 255
+    rows = Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), 0, (1, 1, 1)).mesh("fence")
+    fence = attrs.evolve(rows, material=Material(see_through=True))
+    server = Server(gpu, Scene("fence", "", (fence,), (Texture("laths", laths, repeat=False),)))
+    depths = []
+    for needs in (Needs(), Needs(light=True)):
+        frame = server.draw_frame((VIEW,), 0, SIZE, needs=needs)
+        depths.append(read(frame.eyes[0].inverse_depth))
+        server.recycle(frame)
+    assert (depths[0] > 0).any() and np.array_equal(*depths)
     server.close()
 
 

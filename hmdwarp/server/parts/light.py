@@ -20,7 +20,7 @@ class Light(Part):
     """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
 
     name = "light"
-    order = 1
+    order = -1  # before cut-outs, which it would draw over
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
