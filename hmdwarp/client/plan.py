@@ -321,13 +321,21 @@ def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) ->
 
 
 def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Choice[Fill]]) -> None:
-    drawn = [str(fill) for fill in chain if CLIENT_MODEL in fill.entry.reads]
     light = [effect.name for one in passes if one.made_by.of_light for effect in one.effects]
-    if drawn and light:
-        raise PlanError(
-            f"fill '{drawn[0]}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
-            "textures once more: use a fill from pictures, such as pyramid"
-        )
+    if not light:
+        return
+    for fill in chain:
+        if CLIENT_MODEL in fill.entry.reads:
+            raise PlanError(
+                f"fill '{fill}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
+                "textures once more: use a fill from pictures, such as pyramid"
+            )
+    for one in passes:
+        if CLIENT_SOFT_BODIES in one.reads:
+            raise PlanError(
+                f"--effects {one.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
+                "pictures have none: leave one of them out"
+            )
 
 
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:

@@ -180,6 +180,13 @@ def test_a_fill_that_draws_colours_is_refused(fill):
         build_plan((NAME,), "backward", fill, "none", client_geometry=True, named=(NAME,), forced=(NAME,))
 
 
+def test_soft_bodies_are_refused_beside_it():
+    """They divide the late picture by the albedo, and here it is light."""
+    both = (NAME, "soft_bodies")
+    with pytest.raises(PlanError, match="leave one of them out"):
+        build_plan(both, "backward", "none", "none", client_geometry=True, named=both, forced=both)
+
+
 def test_no_scene_asks_for_it_and_its_reason_is_the_name():
     assert effects.get(NAME).by_name_only
     plan = build_plan((NAME,), "backward", "pyramid", "none", client_geometry=True, named=(NAME,), forced=(NAME,))
