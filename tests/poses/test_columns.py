@@ -159,6 +159,13 @@ def test_json_records_are_read(tmp_path, form):
     assert same_motion(load_trace(path).track, TRACK)
 
 
+def test_json_lists_have_no_header_that_would_be_a_row(tmp_path):
+    path = tmp_path / "poses.json"
+    path.write_text(json.dumps([list(map(float, row)) for row in TABLE]))
+    loaded = load_trace(path, TraceOptions(columns="t=1,p=2+3+4,q=5+6+7+8"))
+    assert same_motion(loaded.track, TRACK) and "duplicate-stamp" not in kinds(loaded)
+
+
 def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
     path = tmp_path / "poses.json"
     path.write_text(

@@ -26,7 +26,8 @@ def table_of_json(raw: bytes) -> bytes | None:
         return None
     rows = [_flat(record) for record in records]
     names = list(dict.fromkeys(name for row in rows[:100] for name in row))
-    lines = [",".join(names)] if any(names) else []
+    named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
+    lines = [",".join(names)] if named else []
     lines += [",".join(str(row.get(name, "")) for name in names) for row in rows]
     return "\n".join([*lines, ""]).encode()
 
