@@ -208,6 +208,7 @@ def build_plan(
     rendered, shown = (
         [one for one in passes if issubclass(one.made_by, RenderedPass) is before] for before in (True, False)
     )
+    _refuse_colour_in_light(passes, chain)
     _plan_taken_out(shown, forced, draft)
     for one in rendered:
         draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
@@ -317,6 +318,24 @@ def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) ->
     if effect.made_by.carries and not warp.carries:
         return f"warp '{warp.name}' carries nothing along: {effect.without}"
     return ""
+
+
+def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Choice[Fill]]) -> None:
+    light = [effect.name for one in passes if one.made_by.of_light for effect in one.effects]
+    if not light:
+        return
+    for fill in chain:
+        if CLIENT_MODEL in fill.entry.reads:
+            raise PlanError(
+                f"fill '{fill}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
+                "textures once more: use a fill from pictures, such as pyramid"
+            )
+    for one in passes:
+        if CLIENT_SOFT_BODIES in one.reads:
+            raise PlanError(
+                f"--effects {one.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
+                "pictures have none: leave one of them out"
+            )
 
 
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:

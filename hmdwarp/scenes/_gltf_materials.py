@@ -17,6 +17,7 @@ from ._mesh import Texture
 from ._notes import Notes
 
 Array = NDArray[np.float64]
+_REPEAT, _CLAMP = 10497, 33071  # wrapS and wrapT of a sampler
 
 
 @attrs.frozen(eq=False)
@@ -43,6 +44,11 @@ class Looks:
             self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
         return self._made[key]
 
+    def has_alpha(self, primitive: dict) -> bool:
+        """Return whether alpha counts in a primitive's material."""
+        number = primitive.get("material")
+        return number is not None and self._file.items("materials")[number].get("alphaMode", "OPAQUE") != "OPAQUE"
+
     def _look(self, gltf: dict, name: str, head_locked: bool) -> Look | None:
         plain = gltf.get("pbrMetallicRoughness") or {}
         factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
@@ -65,7 +71,7 @@ class Looks:
             alpha < 1 or (image is not None and image.shape[2] == 4 and int(image[..., 3].min()) < 255)
         )
         material = self._material(gltf, name, _Blend(alpha, see_through, head_locked, factor[:3]))
-        texture = self._add(name, image, srgb=True)
+        texture = self._add(name, image, srgb=True, repeat=self._repeats(base, name))
         colour = np.clip(factor[:3], 0, None)
         transform = (base.get("extensions") or {}).get("KHR_texture_transform") or {}
         return Look(
@@ -99,9 +105,15 @@ class Looks:
             return Material(see_through=True, opacity=blend.alpha, transmission=passes)
         if not reflectivity:
             return Material()
-        image = self._image(gltf.get("normalTexture") or {}, name, channels=3)
-        normal_map = self._add(f"{name}-normal", image, srgb=False)
-        return Material(reflectivity=reflectivity, normal_map=normal_map, curved=bool(extras.get("curved", False)))
+        bumps = gltf.get("normalTexture") or {}
+        image = self._image(bumps, name, channels=3)
+        normal_map = self._add(f"{name}-normal", image, srgb=False, repeat=self._repeats(bumps, name))
+        return Material(
+            reflectivity=reflectivity,
+            normal_map=normal_map,
+            normal_scale=float(bumps.get("scale", 1.0)),
+            curved=bool(extras.get("curved", False)),
+        )
 
     def _transmission(self, gltf: dict, name: str, glass: dict) -> float:
         """Return the share of light that passes where the surface covers: none of what is metal.
@@ -149,10 +161,19 @@ class Looks:
             self._notes.add("images cannot be read, drawn plain", str(error).removeprefix(f"{self._file.path}: "))
             return None
 
-    def _add(self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool) -> int:
+    def _repeats(self, info: dict[str, Any], name: str) -> bool:
+        """Return whether a texture wraps around; else its border is continued."""
+        texture = self._file.item("textures", info["index"], name) if "index" in info else {}
+        sampler = self._file.item("samplers", texture["sampler"], name) if "sampler" in texture else {}
+        ways = {sampler.get(key, _REPEAT) for key in ("wrapS", "wrapT")}
+        if not ways <= {_REPEAT, _CLAMP} or len(ways) > 1:
+            self._notes.add("textures that are mirrored, or wrap on one axis alone, wrap on both", name)
+        return ways != {_CLAMP}
+
+    def _add(self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool, repeat: bool) -> int:
         if image is None:
             return -1
-        self.textures.append(Texture(name, image, srgb=srgb))
+        self.textures.append(Texture(name, image, srgb=srgb, repeat=repeat))
         return len(self.textures) - 1
 
 

@@ -131,7 +131,10 @@ class GltfContent:
         if look is None or not len(triangles):
             return None
         uv = _uv(file, attributes, look, user, len(rest))
-        colour = look.colour * _vertex_colours(file, attributes, user, len(rest))
+        colours = _vertex_colours(file, attributes, user, len(rest))
+        if self._looks.has_alpha(primitive) and colours.shape[1] == 4 and (colours[:, 3] < 1).any():
+            self.notes.add("the alpha of vertex colours is left out, drawn as 1", user)
+        colour = look.colour * np.clip(np.nan_to_num(colours[:, :3]), 0, None)
         skin, instances = nodes[node].get("skin"), instances_of(file, nodes[node], user)
         if instances is not None and skin is None:
             if len(instances) * len(triangles) > MOST_TRIANGLES:
@@ -223,12 +226,13 @@ def _uv(file: GltfFile, attributes: dict, look: Look, user: str, count: int) -> 
 
 
 def _vertex_colours(file: GltfFile, attributes: dict, user: str, count: int) -> Array:
+    """Return (n, 3) or, with alpha, (n, 4) as they are in the file."""
     if "COLOR_0" not in attributes:
         return np.ones((count, 3))
     colours = _as_shares(file.numbers(attributes["COLOR_0"], user))
     if len(colours) != count or colours.shape[1] < 3:
         raise file.error(f"{user}: {count} positions and {colours.shape} colours; export it again")
-    return np.clip(np.nan_to_num(colours[:, :3]), 0, None)
+    return colours
 
 
 def _as_shares(values: NDArray) -> Array:

@@ -165,6 +165,8 @@ def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
             weights, texels = (texels[inside] + 0.5 - places[0]) @ inverse.T, texels[inside]
             corner = mesh.positions[triangle].astype(np.float64)
             sides = np.stack([corner[1] - corner[0], corner[2] - corner[0]], axis=1)
+            if np.linalg.norm(np.cross(*sides.T)) <= _LEAST_AREA:
+                raise SceneError(f"mesh '{mesh.name}': a triangle has no area, but a place in the light atlas")
             full = np.concatenate([1 - weights.sum(axis=1, keepdims=True), weights], axis=1)
             normals = full @ mesh.normals[triangle].astype(np.float64)
             found = (

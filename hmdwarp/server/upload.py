@@ -91,6 +91,8 @@ class SceneBuffers:
 
     def move_to(self, positions: NDArray) -> None:
         """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
+        if not self._order:
+            return
         rows = _vertex_rows(self.meshes)
         rows[:, :3] = positions
         self._vertices.write(rows.tobytes())

@@ -20,7 +20,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import load_scene, only_light, unlit
+from hmdwarp.scenes import Material, Quad, Scene, Texture, load_scene, only_light, unlit
 from hmdwarp.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
@@ -83,6 +83,39 @@ def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
     server.close()
 
 
+def test_a_fence_of_alpha_is_in_the_light(gpu):
+    laths = np.zeros((8, 8, 4), np.uint8)
+    laths[:, 4:] = 255
+    rows = Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), 0, (1, 1, 1)).mesh("fence")
+    fence = attrs.evolve(rows, material=Material(see_through=True))
+    server = Server(gpu, Scene("fence", "", (fence,), (Texture("laths", laths, repeat=False),)))
+    depths = []
+    for needs in (Needs(), Needs(light=True)):
+        frame = server.draw_frame((VIEW,), 0, SIZE, needs=needs)
+        depths.append(read(frame.eyes[0].inverse_depth))
+        server.recycle(frame)
+    assert (depths[0] > 0).any() and np.array_equal(*depths)
+    server.close()
+
+
+@pytest.mark.parametrize("scene", ["planes", "lantern"])
+def test_further_pictures_hold_light_too(gpu, scene):
+    """What a client multiplies with albedo, wherever it comes from."""
+    server = Server(gpu, load_scene(scene))
+    view = View(VIEW.pose, Fov.from_tangents([-1.0, 1.0, -1.0, 1.0]))
+    frame = server.draw_frame((view,), 0, (64, 64), needs=Needs(light=True, wide=True, peeled=1, cube=True, views=1))
+    eye = frame.eyes[0]
+    side = eye["cube"].size[0] // 3
+    front = read(eye["cube"])[:side, side : 2 * side][1:-1, 1:-1]
+    assert front.shape[:2] == (64, 64) and np.abs(front[..., :3] - read(eye.colour)[..., :3]).max() < 2e-3
+    if scene == "planes":  # all of its light is 1
+        for one in (eye, eye["wide"], *eye["views"], *eye["peeled"]):
+            colour = read(one.colour)
+            assert colour[..., 3].any() and np.abs(colour[colour[..., 3] == 1] - 1).max() <= HALF
+    server.recycle(frame)
+    server.close()
+
+
 @pytest.mark.parametrize("scene", ["planes", "room", "lantern", "doorway"])
 def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
     """At no latency nothing is lost.
@@ -138,6 +171,20 @@ def test_without_latency_the_replay_is_the_truth():
 def test_a_client_without_the_scene_is_refused():
     with pytest.raises(PlanError, match="geometry on the client"):
         build_plan((NAME,), "forward", "none", "none", client_geometry=False, named=(NAME,))
+
+
+@pytest.mark.parametrize("fill", ["model", "memory+relight", "composite"])
+def test_a_fill_that_draws_colours_is_refused(fill):
+    """They would be multiplied with the albedo once more."""
+    with pytest.raises(PlanError, match="draws the scene in its colours"):
+        build_plan((NAME,), "backward", fill, "none", client_geometry=True, named=(NAME,), forced=(NAME,))
+
+
+def test_soft_bodies_are_refused_beside_it():
+    """They divide the late picture by the albedo, and here it is light."""
+    both = (NAME, "soft_bodies")
+    with pytest.raises(PlanError, match="leave one of them out"):
+        build_plan(both, "backward", "none", "none", client_geometry=True, named=both, forced=both)
 
 
 def test_no_scene_asks_for_it_and_its_reason_is_the_name():

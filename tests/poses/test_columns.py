@@ -159,6 +159,13 @@ def test_json_records_are_read(tmp_path, form):
     assert same_motion(load_trace(path).track, TRACK)
 
 
+def test_json_lists_have_no_header_that_would_be_a_row(tmp_path):
+    path = tmp_path / "poses.json"
+    path.write_text(json.dumps([list(map(float, row)) for row in TABLE]))
+    loaded = load_trace(path, TraceOptions(columns="t=1,p=2+3+4,q=5+6+7+8"))
+    assert same_motion(loaded.track, TRACK) and "duplicate-stamp" not in kinds(loaded)
+
+
 def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
     path = tmp_path / "poses.json"
     path.write_text(
@@ -166,6 +173,21 @@ def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
     )
     assert "--quat-order" in refusal(path)
     assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
+
+
+def test_a_json_list_of_the_head_is_not_taken_from_a_hand(tmp_path):
+    path = tmp_path / "poses.json"
+    hand = {"position": [0, 1, 0], "rotation": [0, 0, 0, 1]}
+    lines = []
+    for row in TABLE:
+        place, turn = ([float(f) for f in part] for part in (row[1:4], row[4:]))
+        lines.append(
+            json.dumps({"time": float(row[0]), "head": {"position": place, "rotation": turn}, "left_hand": hand})
+        )
+    path.write_text("\n".join(lines))
+    loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
+    assert same_motion(loaded.track, TRACK)
+    assert "head.rotation.q0" in loaded.columns
 
 
 def test_json_matrices_are_read_with_their_columns_named(tmp_path):
@@ -285,6 +307,17 @@ def test_matrices_are_read(tmp_path, numbers, timed):
     loaded = load_trace(path, TraceOptions() if timed else TraceOptions(rate=60))
     assert loaded.format == "matrices" and same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=ROUNDED)
     assert timed or "--trace-rate" in refusal(path)
+
+
+def test_rows_without_a_turn_among_matrices_are_dropped(tmp_path):
+    turns = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
+    turns[20:23], turns[40] = 0.0, np.diag([1.0, 1.0, -1.0])
+    rows_of = np.concatenate([turns, TRACK.position_m[:, :, None]], axis=2).reshape(-1, 12)
+    table = [[r[0], *map(repr, numbers)] for r, numbers in zip(TABLE, rows_of.tolist(), strict=True)]
+    loaded = load_trace(write(tmp_path / "m.txt", table, header="", separator=" "))
+    (defect,) = (d for d in loaded.defects if d.kind == "zero-quaternion")
+    assert defect.count == 4 and "matrix that is no rotation" in defect.what
+    assert len(loaded.track) == len(TRACK) - 4
 
 
 def test_numbers_that_are_no_rotations_are_refused(tmp_path):

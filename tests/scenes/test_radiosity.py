@@ -122,6 +122,9 @@ def test_scenes_that_lamps_cannot_light_are_refused():
         Scene("trial", "for tests", [], lamps=[lamp] * 5)
     with pytest.raises(SceneError, match="outside the light atlas of 64x64"):
         transport_of(scene_of([wall((0, 0, 0), (9, 0, 0), (0, 0, -9), GREY)], 0.2))
+    flat = attrs.evolve(plain, positions=np.zeros_like(plain.positions))
+    with pytest.raises(SceneError, match=f"mesh '{flat.name}': a triangle has no area"):
+        transport_of(Scene("trial", "for tests", [flat], lamps=[lamp]))
 
 
 def test_stopped_lamps_stay_where_they_were():

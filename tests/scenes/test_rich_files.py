@@ -57,6 +57,31 @@ def test_a_normal_map_on_a_mirror_makes_it_glossy_and_a_bent_one_is_curved(tmp_p
     assert effects.of(Glb(BENT).material(**metal()).load(tmp_path)) == ("curved_reflections",)
 
 
+def test_a_normal_map_is_as_strong_as_its_scale_says(tmp_path):
+    glb = Glb()
+    scene = glb.material(**metal(normalTexture=glb.texture(rgba(255)) | {"scale": 0.25})).load(tmp_path)
+    assert scene.mirrors[0].normal_scale == 0.25
+
+
+@pytest.mark.parametrize(
+    ("ways", "repeats", "told"),
+    [
+        ({}, True, False),
+        ({"wrapS": 33071, "wrapT": 33071}, False, False),
+        ({"wrapS": 33071}, True, True),
+        ({"wrapS": 33648, "wrapT": 33648}, True, True),
+    ],
+)
+def test_a_sampler_says_whether_a_picture_wraps_around(tmp_path, ways, repeats, told):
+    glb = Glb()
+    picture = glb.texture(rgba(255)[..., :3])
+    glb.header["samplers"] = [ways]
+    glb.header["textures"][0]["sampler"] = 0
+    scene = glb.material(pbrMetallicRoughness={"baseColorTexture": picture}).load(tmp_path)
+    assert scene.textures[scene.meshes[0].texture].repeat is repeats
+    assert any("wrap on both" in note for note in scene.notes) is told
+
+
 def test_extras_say_how_much_something_mirrors(tmp_path):
     assert Glb().material(extras={"reflectivity": 0.3}).load(tmp_path).meshes[0].material.reflectivity == 0.3
     with pytest.raises(
@@ -100,6 +125,14 @@ def test_what_is_blended_or_transmits_is_see_through(tmp_path):
     assert glass.material.opacity == 1 and glass.material.transmission == pytest.approx(0.9)
     assert np.allclose(glass.albedo, (0.2, 1.0, 0.4))
     assert not effects.of(Glb().material(alphaMode="BLEND").load(tmp_path, "opaque.glb"))  # lets nothing pass
+
+
+@pytest.mark.parametrize(("mode", "told"), [("BLEND", True), ("MASK", True), ("OPAQUE", False)])
+def test_alpha_of_vertex_colours_is_told_where_it_counts(tmp_path, mode, told):
+    glb = Glb()
+    glb.primitive["attributes"]["COLOR_0"] = glb.numbers(np.tile([1.0, 1.0, 1.0, 0.3], (4, 1)))
+    scene = glb.material(alphaMode=mode).load(tmp_path)
+    assert any("the alpha of vertex colours is left out" in note for note in scene.notes) is told
 
 
 @pytest.mark.parametrize("picture", [None, (200, 120, 250, 128)])

@@ -214,6 +214,13 @@ def test_a_scene_of_moving_things_alone_can_be_drawn(gpu):
     server.close()
 
 
+def test_what_deforms_without_triangles_is_nothing_to_draw(gpu):
+    bare = attrs.evolve(quad("bare", 0, 0.3, (1, 0, 0)), triangles=np.empty((0, 3), np.uint32))
+    server = Server(gpu, Scene("bare", "", [attrs.evolve(bare, deformation=Breathing(bare.positions))]))
+    assert (read(server.draw(EYE, SIZE).inverse_depth) == 0).all()
+    server.close()
+
+
 def test_a_plain_scene_has_nothing_to_tell_and_pays_nothing(gpu):
     server = Server(gpu, load_scene("planes"))
     before = gpu.shaders.compiled

@@ -75,6 +75,7 @@ class EffectPass(ABC):
     # Whether it warps pictures along with the colour, which some warps cannot.
     carries: ClassVar[bool] = False
     needs_compute: ClassVar[bool] = True  # As a warp's.
+    of_light: ClassVar[bool] = False  # Whether pictures hold light alone until it has run.
 
     def __init__(
         self, gpu: Gpu, parts: frozenset[str], rendered_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools

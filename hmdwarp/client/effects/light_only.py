@@ -19,6 +19,7 @@ class LightPass(ShownPass):
 
     name = "light times albedo"
     reads = ("shown.colour", "rendered.light", "client.model")
+    of_light = True
 
     def prepare(self) -> None:
         geometry = self.tools.geometry

@@ -214,7 +214,7 @@ class Cleaner:
         self.rows.device = None
 
     def drop_zero_quaternions(self) -> None:
-        """Drop rows with a zero quaternion, which marks lost tracking."""
+        """Drop rows with a zero quaternion, or a matrix without a turn: a mark of lost tracking."""
         zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
         count = int(zero.sum())
         if not count:
@@ -223,7 +223,8 @@ class Cleaner:
             raise TraceError(
                 f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
             )
-        what = f"{counted(count, 'row')} with a zero quaternion, a marker for no tracking"
+        found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
+        what = f"{counted(count, 'row')} with a {found}, a marker for no tracking"
         self.note("zero-quaternion", what, "dropped", count, self._line(int(zero.argmax())))
         self.rows.keep(~zero)
 

@@ -14,7 +14,7 @@ import attrs
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
 _CELL = re.compile(r"(.*?)[._]([0-3])[._]([0-3])$")
-_NUMBERED = re.compile(r"q_?([0-3])$", re.IGNORECASE)
+_NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
 
 _ROTATION = {"q", "quat", "quaternion", "quaternions", "orientation", "orient", "rot", "rotation", "attitude"}
 _POSITION = {"p", "pos", "position", "t", "trans", "translation", "loc", "location"}
@@ -184,8 +184,13 @@ def find_columns(names: list[str]) -> Columns:
         turn = groups[orientation_key]
         orientation = turn["x"], turn["y"], turn["z"], turn["w"]
     else:
-        order = {m.group(1): i for i, n in enumerate(names) if (m := _NUMBERED.match(n.strip()))}
-        if len(order) == 4:
+        orders: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
+        for i, name in enumerate(names):
+            if found_number := _NUMBERED.match(name.strip()):
+                orders[tuple(words(found_number[1] or ""))].setdefault(found_number[2], i)
+        order_key = _best([key for key, order in orders.items() if len(order) == 4])
+        if order_key is not None:
+            order = orders[order_key]
             orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
     clocks, nanoseconds = _find_clocks(split)
     matrix, translation = _find_matrix(names)

@@ -15,7 +15,7 @@ def table_of_json(raw: bytes) -> bytes | None:
     """Return comma-separated rows below a header for JSON lines, or for a document with a list.
 
     Names of nested objects are joined by a dot; three numbers in a list become x, y and z, and four
-    of a rotation q0 to q3. None where the bytes are no JSON with records.
+    of a rotation its q0 to q3. None where the bytes are no JSON with records.
     """
     try:
         text = raw.decode("utf-8-sig")
@@ -26,7 +26,8 @@ def table_of_json(raw: bytes) -> bytes | None:
         return None
     rows = [_flat(record) for record in records]
     names = list(dict.fromkeys(name for row in rows[:100] for name in row))
-    lines = [",".join(names)] if any(names) else []
+    named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
+    lines = [",".join(names)] if named else []
     lines += [",".join(str(row.get(name, "")) for name in names) for row in rows]
     return "\n".join([*lines, ""]).encode()
 
@@ -65,5 +66,5 @@ def _names_in(values: list[Any], name: str) -> list[str]:
     if len(values) == 3 and not any(isinstance(one, list) for one in values):
         return [f"{name}.{axis}" for axis in _XYZ]
     if len(values) == 4 and names_rotation(name):
-        return [f"q{i}" for i in range(4)]
+        return [f"{name}.q{i}" for i in range(4)]
     return [f"{name}.{i}" for i in range(len(values))]

@@ -394,7 +394,10 @@ class RowReader:
 
 
 def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
-    """Return (n, 4) quaternions xyzw of what the file holds. Errors: TraceError."""
+    """Return (n, 4) quaternions xyzw of what the file holds; zeros for a matrix without a turn.
+
+    Errors: TraceError.
+    """
     if not layout.matrix and layout.euler is None:
         return numbers
     from scipy.spatial.transform import Rotation
@@ -408,7 +411,10 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
             f"{head.path}: half of its matrices are no rotations (off by {np.median(off):.3g} from orthonormal, "
             f"determinant {np.median(np.linalg.det(matrices)):.3g}): were the wrong columns read?"
         )
-    return Rotation.from_matrix(matrices).as_quat()
+    out = np.zeros((len(matrices), 4))
+    turns = np.linalg.det(matrices) > 0.1  # lost tracking writes zeros
+    out[turns] = Rotation.from_matrix(matrices[turns]).as_quat()
+    return out
 
 
 def _taken(parts: list[Rows], get) -> NDArray:
