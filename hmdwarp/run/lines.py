@@ -31,7 +31,7 @@ class Lines:
         self.written = 0
         refuse_existing(path, force=force)
         try:
-            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if force else os.O_EXCL), 0o666)
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | (0 if force else os.O_EXCL), 0o666)
         except OSError as error:
             raise write_error(error, path) from error
         self._waiting: deque[str] = deque()
@@ -111,6 +111,8 @@ class Lines:
 
     def _put(self, data: bytes) -> None:
         done = 0
+        if not self._bytes:  # only now: a run that never begins leaves the old file
+            self._cut(0)
         try:
             while done < len(data):
                 done += os.write(self._file, memoryview(data)[done:])

@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
+from pathlib import Path
 
 from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions
 from ..errors import MachineError
 from ..pipeline.loop import Refresh
 from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
 from ..poses import load_trace
+from ..report import refuse_source
 from .commands import CommandHandler, choices, values
 from .driver import AfterRefresh, Driver, FrameHandler, Say
 from .ending import Ending
@@ -38,6 +40,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     """
     if options.lsl:
         load_lsl()  # refuses a machine without it, before anything is opened
+    for written in (options.record, options.trace_events):
+        if written is not None and options.trace:
+            refuse_source(written, Path(options.trace))
     scene = checked_scene(options)
     options = fitted(options, scene)
     with ExitStack() as stack:

@@ -124,7 +124,8 @@ class Recorder:
             return True
         if self.count < LEAST or self._lines.failed:  # else a slow disk may still take them
             with suppress(OSError):
-                self.path.unlink()
+                if self._begun or not self.path.stat().st_size:  # else an old file that was to be overwritten
+                    self.path.unlink()
         return False
 
     def describe(self) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -21,7 +22,7 @@ from ..pipeline.build import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.remote import Remote
 from ..pipeline.remote_server import RemoteServer
-from ..report import OutputFolder, VideoWriter
+from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
 from .guard import settled
 from .late_client import MISS_COLUMNS, LateClient, Seen
@@ -263,6 +264,8 @@ def _events(setup: ReplaySetup, out: OutputFolder | None):
     if options.trace_events is None or out is None:
         return nullcontext()
     scanout_ns = round(options.scanout_ms * 1e6)
+    if options.trace:
+        refuse_source(options.trace_events, Path(options.trace))
     return TraceEvents(options.trace_events, setup.schedule.rate_hz, scanout_ns, force=options.force)
 
 

@@ -64,6 +64,17 @@ def test_an_existing_file_is_never_touched(tmp_path):
     assert (tmp_path / "a.csv").read_text() == "precious"
 
 
+def test_a_forced_recording_that_never_begins_leaves_the_old_one(tmp_path):
+    """As where no headset answers."""
+    (tmp_path / "a.csv").write_text("precious " * 1000)
+    with pytest.raises(MachineError), Recorder(tmp_path / "a.csv", force=True):
+        raise MachineError("no headset")
+    assert (tmp_path / "a.csv").read_text() == "precious " * 1000
+    record(tmp_path / "a.csv", samples(2), force=True)
+    assert len(load_trace(tmp_path / "a.csv").track) == 2
+    assert "precious" not in (tmp_path / "a.csv").read_text()
+
+
 def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path):
     with pytest.raises(InputError, match="cannot write"):
         Recorder(tmp_path / "nowhere" / "a.csv")

@@ -14,13 +14,30 @@ from replays import run
 from hmdwarp.errors import InputError
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run import LiveOptions
+from hmdwarp.poses import synthesise
+from hmdwarp.poses.formats.native import write_native
+from hmdwarp.run import LiveOptions, live
 
 from .offscreen import OffscreenDisplay, closed_at, run_on
 
 # ts and dur are microseconds with three decimals, sums of them floats: below a nanosecond.
 SAME_US = 5e-4
 ROWS = {"frames": 1, "server": 2, "client": 3, "display": 4}
+
+
+@pytest.mark.parametrize("name", ["record", "trace_events"])
+def test_the_recording_that_is_read_is_not_written_over(name, tmp_path):
+    """Forced or not: it was emptied before it was read."""
+    trace = tmp_path / "mine.csv"
+    with trace.open("w") as stream:
+        write_native(synthesise("look-around", seconds=0.5), stream)
+    before = trace.read_bytes()
+    with pytest.raises(InputError, match="is the input itself"):
+        live(LiveOptions(source="offscreen", trace=str(trace), force=True, pictures=1, **{name: trace}))
+    if name == "trace_events":
+        with pytest.raises(InputError, match="is the input itself"):
+            run(tmp_path / "out", trace=str(trace), trace_events=trace, force=True, seconds=0.1)
+    assert trace.read_bytes() == before
 
 
 def events_of(path: Path) -> list[dict[str, Any]]:

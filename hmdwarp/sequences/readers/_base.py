@@ -153,8 +153,8 @@ def made(
     apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
     if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
         raise InputError(
-            f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write instants "
-            "in their unit, or give --frames-rate"
+            f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
+            "instants in their unit, or give --frames-rate"
         )
     name = (path if path.is_dir() else path.parent).resolve().name
     begins_ns = frames[0].time_ns

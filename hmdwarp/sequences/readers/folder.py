@@ -17,7 +17,6 @@ from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
 from ._base import CAMERA, SequenceReader, at_rate, check_scale, made, pictures_in
 
-
 _ENCODINGS = ("srgb", "linear")  # of float colour
 
 
