@@ -80,8 +80,7 @@ class ScenePasses:
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
         """Return passes of the same light that peel, with these moving parts alone."""
-        gpu, buffers, lighting = self._gpu, self.buffers, self.lighting
-        return ScenePasses(gpu, self.scene, buffers, colour=True, peel=True, moving=moving, lighting=lighting)
+        return ScenePasses(self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving)
 
     @property
     def revision(self) -> int:

@@ -69,7 +69,7 @@ class Layer:
     builds_on_frames: ClassVar[bool] = False
     # Whether it is made from the picture: that must be the one which its plan alone would get.
     made_from_picture: ClassVar[bool] = False
-    # Whether it says how the picture is lit: so are all further pictures of the frame.
+    # Whether it only says how the picture is lit: no pass reads it.
     lights: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
     nothing: ClassVar[Any] = 0

@@ -24,7 +24,6 @@ class Light(Layer):
     summary = "the picture holds light alone, as if every surface were white; it is sent instead of the colour"
     drawn_by = "light"
     apart = True
-    lights = True
 
     @classmethod
     def bytes(cls, amount: Any, sizes: EyeSizes) -> int:

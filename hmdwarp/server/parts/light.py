@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 @parts.register
 class Light(Part):
-    """Draws the plain surfaces itself; their depth stays the same."""
+    """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
 
     name = "light"
-    order = -1  # before voxels, whose light is that of coloured surfaces
+    order = -1  # before cut-outs, which it would draw over
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -33,11 +33,12 @@ class Light(Part):
         lighting = context.colour.lighting
         self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
 
-    def passes_for(self, drawing: Drawing) -> ScenePasses | None:
-        return self._passes if "light" in drawing.needs else None
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        return eye.having(light=True) if "light" in drawing.needs else eye
+        if "light" not in drawing.needs:
+            return eye
+        into = self.context.framebuffers.over(eye.colour, eye.inverse_depth)
+        self._passes.draw(eye.view, into, eye.drawn_ns)
+        return eye.having(light=True)
 
     def close(self) -> None:
         self._passes.close()
