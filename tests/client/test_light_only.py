@@ -20,8 +20,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import Material, Scene, Texture, load_scene, only_light, unlit
-from hmdwarp.scenes.shapes import Quad
+from hmdwarp.scenes import Material, Quad, Scene, Texture, load_scene, only_light, unlit
 from hmdwarp.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
