@@ -23,7 +23,7 @@ from hmdwarp.metrics import near_discontinuity, psnr_db
 from hmdwarp.poses import load_trace
 from hmdwarp.run.replay_setup import placed
 from hmdwarp.scenes import Scene, load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 RECORDINGS = ("look-around", "walk")
 SIZE = (480, 600)

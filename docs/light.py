@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from hmdwarp.compare import start_bytes
+from hmdwarp.experiments.compare import start_bytes
 
 SCENES = ("lantern", "sunroom", "doorway")
 LATENCIES = ("200", "400", "800")

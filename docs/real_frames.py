@@ -24,12 +24,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp import InputError, Warper, sequences
+from hmdwarp import InputError, Warper
 from hmdwarp.client.fills import fills
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.metrics import flip, psnr_db
-from hmdwarp.repairs import parse_repairs
-from hmdwarp.sequences import Sequence, SequenceOptions
+from hmdwarp.sources import sequences
+from hmdwarp.sources.repairs import parse_repairs
+from hmdwarp.sources.sequences import Sequence, SequenceOptions
 
 COMMIT = "e62d9cd1f95bab337fb4251608543b71d004c420"
 SOURCE = f"https://raw.githubusercontent.com/gaoxiang12/slambook2/{COMMIT}"

@@ -39,15 +39,15 @@ import users as user_tables
 from pages import DOCS, ROOT, replace
 from PIL import Image, ImageDraw
 
-from hmdwarp.bench.cases import WITH_COMPLETE_FILLS
-from hmdwarp.clients import client_names
+from hmdwarp.client.classes import client_names
+from hmdwarp.client.strategies import strategies as every_strategy
+from hmdwarp.experiments.bench.cases import WITH_COMPLETE_FILLS
 from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import PipelineOptions
 from hmdwarp.report import summary_markdown
 from hmdwarp.report.bench import cases, markdown_table, pareto_plot_png
 from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
 from hmdwarp.run.outside import OUTSIDE
-from hmdwarp.strategies import strategies as every_strategy
 
 FIGURES = (*QUALITY, "mismatch")
 # What a table varies comes after it, and wins.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from hmdwarp.bench import BenchOptions, bench
+from hmdwarp.experiments.bench import BenchOptions, bench
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/read_bench")
 

@@ -12,6 +12,6 @@ from .image.warper import Warper as Warper
 from .image.warping import warp_image as warp_image
 from .poses import PoseTrack as PoseTrack
 from .poses import load_trace as load_trace
+from .resources import __version__ as __version__
 from .run import RunOptions as RunOptions
 from .run import replay as replay
-from .version import __version__ as __version__

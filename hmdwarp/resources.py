@@ -1,8 +1,28 @@
-"""Locate non-Python files: beside the package in a checkout, inside it in an installed wheel."""
+"""What this installation has: its version, its non-Python files, the optional packages."""
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
+from types import ModuleType
+
+from .errors import MachineError
+
+__version__ = "0.1.0"
+
+# What each optional package is for. Which packages they are, pyproject.toml says.
+EXTRAS = {
+    "bench": "cv2.warpFrame among the warps of bench",
+    "cluster": "--cluster",
+    "draco": "glTF scenes compressed with Draco",
+    "exr": "frames in OpenEXR",
+    "feed": "serve and --connect",
+    "jod": "--jod",
+    "lsl": "--lsl of live and study run",
+    "mcap": "head traces in MCAP",
+    "panel": "the controls in the window of live; without them there are keys",
+    "study": "study analyse and study power, Parquet files, the full-screen console of study run, also in a browser",
+}
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -10,6 +30,7 @@ _PACKAGE = Path(__file__).resolve().parent
 def folder(name: str) -> Path:
     """Return the folder `name` (shaders, recordings) of this installation.
 
+    In a checkout it lies beside the package, in an installed wheel inside it.
     Errors: FileNotFoundError if it was not shipped.
     """
     for place in (_PACKAGE / "_data" / name, _PACKAGE.parent / name):
@@ -21,3 +42,19 @@ def folder(name: str) -> Path:
 def recording_names() -> list[str]:
     """Return the names of the shipped head traces, without the ending."""
     return sorted(p.stem for p in folder("recordings").glob("*.csv"))
+
+
+def install_line(extra: str) -> str:
+    """Return the line that installs the packages of an extra."""
+    return f"pip install 'hmdwarp[{extra}]'"
+
+
+def import_extra(module: str, package: str, extra: str) -> ModuleType:
+    """Import a module of an optional package.
+
+    Errors: MachineError with the line that installs the package, where it is missing.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MachineError(f"this needs {package}, which is not installed: {install_line(extra)}") from error

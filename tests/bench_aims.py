@@ -17,7 +17,7 @@ from bench_quick import Case
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import SCALAR, Gpu, allocate
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (1280, 800)
 # (what, over what, at most, what it is over)

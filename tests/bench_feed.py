@@ -18,10 +18,10 @@ from contextlib import closing
 import attrs
 import numpy as np
 
-from hmdwarp.feed.caller import Caller
-from hmdwarp.feed.listener import Listener
-from hmdwarp.feed.message import Ask, FrameMessage
 from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.listener import Listener
+from hmdwarp.sources.feed.message import Ask, FrameMessage
 
 SIZES = ((640, 400), (1344, 1600))
 WAYS = ("tcp", "ipc", "shared memory")

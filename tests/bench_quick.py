@@ -33,7 +33,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
 from hmdwarp.run.outside import opencv_camera, opencv_depth, opencv_motion
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 # OpenCV's threads spin for a few milliseconds after their work, on the cores that the next method
 # needs; so it comes last.

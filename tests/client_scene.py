@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hmdwarp.pipeline.client_scene
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 
 class ClientScene(hmdwarp.pipeline.client_scene.ClientScene):

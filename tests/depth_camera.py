@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View, metres_from_inverse_depth
 from hmdwarp.gpu import download
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 EDGE = 0.05  # second difference of the inverse depth, over it: more is an edge
 

@@ -21,7 +21,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 # By name: what is asked for beside the defaults.
 CHAINS = {

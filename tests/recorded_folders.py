@@ -17,7 +17,7 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.sequences import SequenceOptions, parse_intrinsics
+from hmdwarp.sources.sequences import SequenceOptions, parse_intrinsics
 
 SIZE = (36, 24)
 FX, FY, CX, CY = 40.0, 42.0, 17.3, 11.1

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from hmdwarp.client import parse_indirect, parse_warp
 from hmdwarp.client.effects import effects
+from hmdwarp.client.strategies import options_of_strategy
 from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.pipeline import Refresh
@@ -23,7 +24,6 @@ from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
 from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
 from hmdwarp.scenes import load_scene
-from hmdwarp.strategies import options_of_strategy
 
 SMALL = {
     "trace": "look-around",

@@ -9,7 +9,7 @@ from depth_camera import DepthCamera
 
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import scenes
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 CLEAN = DepthCamera(size=(48, 36))
 

@@ -26,29 +26,24 @@ PACKAGE = ROOT / "hmdwarp"
 
 # From the ground up; a module imports from floors below its own, or from its own unit.
 FLOORS = [
-    {"errors", "version"},
-    {"registry", "resources", "colour", "extra", "geometry"},
-    {"tables", "options"},
-    {"gpu", "poses", "headsets", "clients", "repairs"},
-    {"scenes", "sequences"},
+    {"errors"},
+    {"resources", "colour", "geometry"},
+    {"registry"},
+    {"options"},
+    {"gpu", "poses", "headsets"},
+    {"scenes"},
     {"frames"},
-    {"server"},
     {"link"},
-    {"feed"},
+    {"sources"},
     {"client"},
-    {"strategies"},
-    {"auto"},
     {"metrics"},
     {"report"},
     {"pipeline"},
     {"image"},
     {"check"},
     {"display"},
-    {"doctor"},
     {"run"},
-    {"sweep"},
-    {"bench"},
-    {"compare"},
+    {"experiments"},
     {"study"},
     {"thesis"},
     {"cli"},
@@ -56,18 +51,15 @@ FLOORS = [
 ]
 # What the order of the floors alone would allow, and the house does not.
 APART = {
-    "geometry": {"registry", "resources", "colour", "version"},
+    "geometry": {"registry", "resources", "colour"},
     "gpu": {"geometry", "colour"},
     "scenes": {"poses", "headsets"},
-    "sequences": {"gpu", "headsets", "clients"},
-    "server": {"poses", "headsets", "sequences"},
-    "frames": {"gpu", "poses", "sequences"},
-    "link": {"gpu", "server", "headsets", "scenes", "sequences", "poses", "frames"},
-    "feed": {"server", "link", "gpu", "scenes", "poses", "headsets", "frames", "sequences"},
-    "client": {"server", "link", "poses", "sequences", "feed"},
-    "metrics": {"client", "server", "link"},
-    "report": {"client", "server", "link", "gpu"},
-    "doctor": {"client", "server", "scenes", "poses"},
+    "sources": {"headsets", "link"},
+    "frames": {"gpu", "poses"},
+    "link": {"gpu", "headsets", "scenes", "poses", "frames"},
+    "client": {"link", "poses", "sources"},
+    "metrics": {"client", "sources", "link"},
+    "report": {"client", "link", "gpu"},
 }
 CLOCK_READERS = {
     "gpu/timers.py",
@@ -75,11 +67,11 @@ CLOCK_READERS = {
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
     "pipeline/remote.py",
-    "doctor/checks.py",
+    "cli/machine/checks.py",
     "study/store/clock.py",
 }
 # Display: its clock is the one all live times are on.
-CLOCK_FOLDERS = ("cli/", "feed/", "run/", "bench/", "compare/", "display/", "thesis/")
+CLOCK_FOLDERS = ("cli/", "sources/feed/", "run/", "experiments/", "display/", "thesis/")
 HEAVY = (
     "scipy",
     "moderngl",
@@ -180,11 +172,11 @@ ENTRIES = (
     "metrics/library",
     "poses/formats",
     "poses/predictors",
-    "repairs",
+    "sources/repairs",
     "scenes/library",
-    "sequences/readers",
-    "server/parts",
-    "strategies",
+    "sources/sequences/readers",
+    "sources/server/parts",
+    "client/strategies",
 )
 COMMANDS = "cli"  # a command's file carries the name of the command
 # Names of modules or packages that stand in several places, with the reason.
@@ -200,6 +192,7 @@ SAME_NAME = {
     "power": "of a study, and its page in the report",
     "prediction": "of a head; of ratings, and its page in the report",
     "rows": "of a trace file; of an export",
+    "sources": "of frames; of a study's analysis",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
     "tables": "TOML tables; tables of a report",
@@ -207,9 +200,8 @@ SAME_NAME = {
 }
 # Names that differ by an s.
 APART_BY_S = {
-    "check": "the command and its package, of frames; checks are those of the machine, by doctor",
-    "client": "what runs at the head; clients are what such machines can do, as data",
     "codec": "the package of coding, with the registry of codecs in it",
+    "experiment": "of the thesis; experiments over many cases",
     "frame": "the class, in its package",
     "metric": "the class, in its package",
     "pose": "the class; the package of poses over time",
@@ -271,7 +263,7 @@ def test_import_rules_notice_what_they_forbid():
         "if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frames import Frame", ("hmdwarp", "link")
     ) == {"frames"}
     assert forbidden("geometry", {"errors", "gpu", "registry"}) == {"gpu", "registry"}
-    assert forbidden("server", {"gpu", "client"}) == {"client"}
+    assert forbidden("sources", {"gpu", "client"}) == {"client"}
     assert forbidden("metrics", {"geometry", "client", "cli"}) == {"client", "cli"}
 
 

@@ -13,7 +13,7 @@ from hmdwarp.check import LEFT, RIGHT, StatedFrame
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_metres
 from hmdwarp.gpu import Gpu
 from hmdwarp.scenes import scenes
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 FRAMES, INTERVAL_NS = 12, 10**8
 EYES_APART_M = 0.064

@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 
 from hmdwarp import Fov, View, Warper, load_trace
-from hmdwarp.feed.viewer import Viewer
+from hmdwarp.sources.feed.viewer import Viewer
 
 SIZE, FOV = (480, 360), Fov.symmetric(np.deg2rad(90), np.deg2rad(73.74))
 PAGE = b"""<!doctype html><html lang="en"><meta charset="utf-8"><title>hmdwarp feed</title>

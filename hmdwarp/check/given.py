@@ -9,11 +9,11 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from .. import sequences
 from ..colour import srgb8_from_linear
 from ..errors import InputError
-from ..sequences import RecordedFrame, SequenceOptions
-from ..sequences.recorded import in_metres
+from ..sources import sequences
+from ..sources.sequences import RecordedFrame, SequenceOptions
+from ..sources.sequences.recorded import in_metres
 from .stated_frames import LEFT, RIGHT, StatedFrame
 
 MOST = 24  # frames that are compared

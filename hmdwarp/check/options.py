@@ -8,7 +8,7 @@ import attrs
 
 from ..errors import InputError
 from ..options import Declared, force_field, group, option, out_field
-from ..sequences.options import SequenceOptions
+from ..sources.sequences.options import SequenceOptions
 
 
 def _paths(texts: list[str]) -> tuple[Path, ...]:

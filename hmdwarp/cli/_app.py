@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..options import Option
-from ..version import __version__
+from ..resources import __version__
 from . import bench, check, compare, doctor, listing, live, plan, record, replay, serve, study, thesis, trace, warp
 from ._help import Group
 from ._options import commands

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from ..bench import BenchOptions, MergeOptions
+from ..experiments.bench import BenchOptions, MergeOptions
 from ._options import QUIET, Said, command_line, takes
 
 
@@ -23,7 +23,7 @@ def merge(said: Said) -> None:
 
     Fails where two machines showed different pictures.
     """
-    from ..bench import merge as run
+    from ..experiments.bench import merge as run
 
     result = run(MergeOptions.of(said, command=command_line()))
     if not said["quiet"]:
@@ -31,9 +31,9 @@ def merge(said: Said) -> None:
 
 
 def _run(options: BenchOptions, quiet: bool) -> None:
-    from ..bench import bench as run
     from ..errors import InputError
-    from ..sweep import raise_failures
+    from ..experiments.bench import bench as run
+    from ..experiments.sweep import raise_failures
     from ._show import sayer, steps
 
     with steps("instants", quiet=quiet) as (progress, _):
@@ -47,8 +47,8 @@ def _run(options: BenchOptions, quiet: bool) -> None:
 
 
 def _tell(result) -> None:
-    from ..bench import MOST_SHOWN
-    from ..bench.answer import answer
+    from ..experiments.bench import MOST_SHOWN
+    from ..experiments.bench.answer import answer
     from ..report import axes_of_traces
     from ..report.bench import bench_table, first_cases
     from ._show import console, paragraph

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import attrs
 
 if TYPE_CHECKING:
+    from ..client.classes import Client
     from ..client.fills import Fill
+    from ..client.strategies import Strategy
     from ..client.warps import Warp
-    from ..clients import Client
     from ..frames.layers import EyeSizes, Layer
     from ..headsets import Headset
     from ..options import Option
     from ..poses import PoseTrack
-    from ..strategies import Strategy
     from ..study.design import Design
     from ..study.scales import Scale
 
@@ -37,7 +37,7 @@ def entries(kind: str) -> list[dict[str, str]]:
 
 
 def _strategies() -> list[dict[str, str]]:
-    from ..strategies import strategies
+    from ..client.strategies import strategies
 
     return [_strategy_row(strategy) for strategy in strategies]
 
@@ -127,7 +127,7 @@ def _fill_row(fill: type[Fill]) -> dict[str, str]:
 
 
 def _repairs() -> list[dict[str, str]]:
-    from ..repairs import repairs
+    from ..sources.repairs import repairs
 
     return [
         {
@@ -178,7 +178,7 @@ def _axes() -> list[dict[str, str]]:
 
 
 def _clients() -> list[dict[str, str]]:
-    from ..clients import client_names, load_client
+    from ..client.classes import client_names, load_client
 
     return [_client_row(load_client(name)) for name in client_names()]
 
@@ -222,7 +222,7 @@ def _formats() -> list[dict[str, str]]:
 
 
 def _layouts() -> list[dict[str, str]]:
-    from ..sequences import readers
+    from ..sources.sequences import readers
 
     return [{"name": reader.name, "summary": reader.summary} for reader in readers]
 

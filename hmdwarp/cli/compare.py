@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from ..compare.options import CompareOptions
+from ..experiments.compare.options import CompareOptions
 from ._options import QUIET, Said, command_line, takes
 
 
@@ -18,8 +18,8 @@ def compare(said: Said) -> None:
 
 
 def _run(options: CompareOptions, quiet: bool) -> None:
-    from ..compare import compare as run
-    from ..sweep import raise_failures
+    from ..experiments.compare import compare as run
+    from ..experiments.sweep import raise_failures
     from ._show import sayer, steps
 
     with steps("runs", quiet=quiet) as (progress, _):
@@ -30,7 +30,7 @@ def _run(options: CompareOptions, quiet: bool) -> None:
 
 
 def _tell(result) -> None:
-    from ..compare import MOST_SHOWN
+    from ..experiments.compare import MOST_SHOWN
     from ..report.compare_page import compare_table, first_cases
     from ._show import console, paragraph
 

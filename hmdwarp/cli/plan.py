@@ -147,7 +147,7 @@ def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[s
 def _auto_from_file(
     bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]
 ) -> _About:
-    from ..auto.levels import best_within
+    from ..pipeline.auto.levels import best_within
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
 

@@ -18,7 +18,7 @@ def thesis(said: Said) -> None:
 
 
 def _run(options: ThesisOptions, quiet: bool) -> None:
-    from ..sweep import raise_failures
+    from ..experiments.sweep import raise_failures
     from ..thesis import run_thesis
     from ._show import in_columns, sayer, steps
 

@@ -9,7 +9,7 @@ import typer
 
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
-from ..sequences.options import repair_field
+from ..sources.sequences.options import repair_field
 from ._options import Said, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
@@ -80,9 +80,9 @@ def warp(said: Said) -> None:
     from ..client.plan import PICTURE
     from ..image.usable import plan_of
     from ..image.warping import warp_image
-    from ..repairs import parse_repairs
     from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
-    from ..sequences import read_frame, read_view
+    from ..sources.repairs import parse_repairs
+    from ..sources.sequences import read_frame, read_view
 
     options = WarpOptions.of(said)
     for source in filter(None, (options.frame, options.depth, options.camera, options.to)):

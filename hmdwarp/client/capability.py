@@ -10,7 +10,7 @@ from ..options import Choice
 from .plan import CLIENT_DEPTH, CLIENT_MODEL, CLIENT_SOFT_BODIES, Plan
 
 if TYPE_CHECKING:
-    from ..clients import Client
+    from .classes import Client
 
 
 def scene_drawn(plan: Plan) -> str:

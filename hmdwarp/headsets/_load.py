@@ -10,8 +10,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..geometry import Fov
+from ..options.tables import Table
 from ..registry import unknown_name
-from ..tables import Table
 from ._model import COLOURS, Headset, RadialLens
 
 _FOLDER = Path(__file__).parent

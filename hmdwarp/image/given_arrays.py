@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..colour import linear_from_srgb, srgb_from_linear
 from ..errors import InputError
 from ..geometry import Fov, Pose, View, inverse_depth_from_metres
-from ..repairs import RepairChain
+from ..sources.repairs import RepairChain
 
 NO_DEPTH = -1.0
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.

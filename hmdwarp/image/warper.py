@@ -24,7 +24,7 @@ from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, check_size, download, upload
-from ..repairs import parse_repairs
+from ..sources.repairs import parse_repairs
 from .given_arrays import LINEAR, SRGB, SRGB8, GivenPicture, checked, checked_size, checked_view, encoding_of
 from .given_layers import GivenLayers
 from .given_textures import INVERSE, GivenTextures

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import numpy as np
 
-from ..extra import import_extra
+from ..resources import import_extra
 from .figure import Figure
 
 if TYPE_CHECKING:

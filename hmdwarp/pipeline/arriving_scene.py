@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..frames.deliveries import Inbox
-from ..server import ArrivingLight, Server, Target
+from ..sources.server import ArrivingLight, Server, Target
 
 if TYPE_CHECKING:
     from ..client import ShownPicture
     from ..geometry import View
     from ..gpu.context import Gpu
     from ..scenes import Mesh, Pieces, Scene
-    from ..server import SceneBuffers
+    from ..sources.server import SceneBuffers
 
 
 class ArrivingScene:

@@ -9,13 +9,10 @@ from contextlib import ExitStack
 
 import attrs
 
-from ..auto.adaptive import AdaptiveCompensator
-from ..auto.governor import Governor
-from ..auto.levels import QualityLevel
+from ..client.classes import load_client
 from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import Plan, needs_of
-from ..clients import load_client
 from ..errors import InputError
 from ..frames import EyeSizes, Frame, Needs, frame_bytes, video_pixels
 from ..geometry import Eyes, GuardBand, Pose
@@ -25,7 +22,10 @@ from ..link import CHANGES, RESOLUTION, LinkOptions
 from ..link.codec import Coding, codecs
 from ..poses.looped import Moment
 from ..scenes import Scene
-from ..server import Server
+from ..sources.server import Server
+from .auto.adaptive import AdaptiveCompensator
+from .auto.governor import Governor
+from .auto.levels import QualityLevel
 from .changes import Changes
 from .channel import Channel
 from .client_scene import ClientScene

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..feed.message import request_bytes
 from ..link import SCALES, Pacer
+from ..sources.feed.message import request_bytes
 from .frame_coder import CodedFrame, Coder
 from .layers_read import Reads
 

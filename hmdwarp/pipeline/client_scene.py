@@ -11,7 +11,7 @@ import moderngl
 from ..gpu.scopes import drawing_into
 from ..gpu.textures import SCALAR, allocate
 from ..scenes import Pieces, partial_scene, pieces_of, reduced, unlit, with_lamps_stopped
-from ..server import (
+from ..sources.server import (
     Framebuffers,
     SceneBuffers,
     ScenePasses,

@@ -12,7 +12,7 @@ import numpy as np
 from ..gpu.scopes import drawing_into
 from ..gpu.textures import release_all
 from ..scenes import unlit
-from ..server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
+from ..sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
 
 if TYPE_CHECKING:
     from ..geometry import View

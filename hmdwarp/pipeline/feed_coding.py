@@ -10,18 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import srgb8_from_linear
-from ..feed.message import (
-    DEPTH_EXACT,
-    DEPTH_VIDEO,
-    H264,
-    HEVC,
-    INVERSE_DEPTH,
-    RGBA8,
-    RGBA16F,
-    Ask,
-    FrameMessage,
-    Wish,
-)
 from ..geometry import View
 from ..link.codec import (
     AS_VIDEO,
@@ -38,6 +26,18 @@ from ..link.codec import (
     Undecodable,
     codecs,
     depth_step,
+)
+from ..sources.feed.message import (
+    DEPTH_EXACT,
+    DEPTH_VIDEO,
+    H264,
+    HEVC,
+    INVERSE_DEPTH,
+    RGBA8,
+    RGBA16F,
+    Ask,
+    FrameMessage,
+    Wish,
 )
 from .feed_layers import unpacked
 from .frame_coder import pixels_per_tangent

@@ -11,18 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..feed.message import FrameMessage
-from ..feed.parts import BadPart, Layers, Packed, Wanted, packed
 from ..frames import EyeSizes, Needs
 from ..frames.layers import OWN, Layer, layers
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
+from ..sources.feed.message import FrameMessage
+from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed
 from .motion_vectors import velocity_of
 
 if TYPE_CHECKING:
     from ..frames import EyeImage
     from ..geometry import View
-    from ..server import Server
+    from ..sources.server import Server
 
 Array = NDArray[Any]
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}

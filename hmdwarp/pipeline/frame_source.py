@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..frames import Frame
     from ..geometry import Eyes, Guard
     from ..poses import PoseSample
-    from ..server import Server
+    from ..sources.server import Server
     from .requested import PoseRequest
 
 

@@ -11,7 +11,6 @@ from ..link import ResponseTime
 from .changes import SEEN_PX
 
 if TYPE_CHECKING:
-    from ..auto.adaptive import AdaptiveCompensator
     from ..client.compensator import Compensator, EyeResult
     from ..client.history import History
     from ..client.plan import Plan
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from ..gpu.timers import Lap, Stages
     from ..link import TransitStats
     from ..poses import PoseSample
+    from .auto.adaptive import AdaptiveCompensator
     from .changes import Changes
     from .channel import Channel
     from .frame_source import FrameSource

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import attrs
 
-from ..clients import PICTURE_CLIENT, load_client
+from ..client.classes import PICTURE_CLIENT, load_client
+from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
@@ -33,8 +34,7 @@ from ..options import (
     rendered_size_field,
 )
 from ..scenes.options import SceneOptions
-from ..sequences.options import SequenceOptions, repair_field
-from ..strategies import options_of_strategy, with_strategy
+from ..sources.sequences.options import SequenceOptions, repair_field
 from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
 from .proxy_options import ProxyOptions
 from .recorded_options import refuse_set, with_frames
@@ -112,14 +112,14 @@ class PipelineOptions(Declared):
     # "" for a client that can do all that is asked of it; warp "auto" takes the client "picture".
     client: str = option(
         "",
-        f"What the client can do: {names_in('clients', '*.toml')}, or a .toml file; what it lacks is refused, and "
-        "never chosen. By default all, and picture where --warp auto chooses.",
+        f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file; what it lacks is refused, "
+        "and never chosen. By default all, and picture where --warp auto chooses.",
     )
     # With settings after a colon; "" for none by name. It sets other options, see values_of.
     strategy: str = option(
         "",
-        f"What crosses the link, and what the client does with it: {names_in('strategies')}. Sets the warp and what "
-        "else it takes.",
+        f"What crosses the link, and what the client does with it: {names_in('client/strategies')}. Sets the warp and "
+        "what else it takes.",
     )
     warp: str = option(
         DEFAULT_WARP,

@@ -6,17 +6,17 @@ from typing import Any
 
 import attrs
 
-from ..auto.levels import QualityLevel
 from ..client.capability import check_client
+from ..client.classes import load_client
 from ..client.effects import effects
 from ..client.plan import OTHERS, PICTURE, Plan, build_plan
 from ..client.variants import CONVERGED, parse_indirect
 from ..client.warps import Warp
-from ..clients import load_client
 from ..errors import InputError, PlanError
 from ..headsets import Headset
 from ..options import Choice
 from ..scenes import Scene
+from .auto.levels import QualityLevel
 from .options import PipelineOptions
 from .proxy_options import ProxyOptions
 

@@ -10,11 +10,11 @@ import numpy as np
 from ..errors import InputError
 from ..geometry import Fov, GuardBand
 from ..headsets import CameraDisplay, Headset, camera_display, load_headset
-from ..repairs import parse_repairs
 from ..scenes import Scene, load_scene
+from ..sources.repairs import parse_repairs
 
 if TYPE_CHECKING:
-    from ..sequences import Sequence
+    from ..sources.sequences import Sequence
     from .options import PipelineOptions
 
 Size = tuple[int, int]
@@ -51,7 +51,7 @@ def scene_of(options: PipelineOptions) -> Scene:
     """
     if options.frames is None:
         return load_scene(options.scene, options.scene_options)
-    from .. import sequences
+    from ..sources import sequences
 
     opened = sequences.open(options.frames, options.sequence_options)
     return recorded_scene(opened.repaired(parse_repairs(options.repair)))

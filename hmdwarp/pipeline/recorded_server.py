@@ -18,9 +18,9 @@ from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
 from ..poses.looped import Moment
-from ..repairs import RepairChain
-from ..sequences import RecordedFrame
-from ..server import Server, Target
+from ..sources.repairs import RepairChain
+from ..sources.sequences import RecordedFrame
+from ..sources.server import Server, Target
 from .recorded_scene import RecordedScene
 
 Size = tuple[int, int]

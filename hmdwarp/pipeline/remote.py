@@ -15,18 +15,18 @@ import attrs
 
 from ..client.plan import needs_of
 from ..errors import InputError, MachineError
-from ..feed.caller import Arrival, Caller
-from ..feed.key_pairs import public_key
-from ..feed.message import ANY, Ask, FrameMessage, Wish, length_of
-from ..feed.options import FeedOptions, secret_in
-from ..feed.parts import Wanted
-from ..feed.parts import length_of as part_bytes
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import layers
 from ..geometry import guarded_eyes
 from ..link import LinkOptions
 from ..link.codec import Undecodable, check_codec
 from ..link.options import ALL, DROP
+from ..sources.feed.caller import Arrival, Caller
+from ..sources.feed.key_pairs import public_key
+from ..sources.feed.message import ANY, Ask, FrameMessage, Wish, length_of
+from ..sources.feed.options import FeedOptions, secret_in
+from ..sources.feed.parts import Wanted
+from ..sources.feed.parts import length_of as part_bytes
 from .channel import Channel
 from .feed_coding import FeedDecoder, codec_of, depth_error
 from .feed_layers import made, misfit, wanted_of
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from ..client.plan import Plan
     from ..geometry import Eyes, Guard, View
     from ..poses import PoseSample
-    from ..server import Server
+    from ..sources.server import Server
     from .options import PipelineOptions
     from .requested import PoseRequest
 

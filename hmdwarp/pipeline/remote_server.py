@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import HmdwarpError, counted
-from ..feed.key_pairs import public_key
-from ..feed.message import FrameMessage
-from ..feed.options import FeedOptions, secret_in
-from ..feed.viewer import Viewer
 from ..frames import EyeImage
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..scenes import Scene
-from ..server import Server, Target
+from ..sources.feed.key_pairs import public_key
+from ..sources.feed.message import FrameMessage
+from ..sources.feed.options import FeedOptions, secret_in
+from ..sources.feed.viewer import Viewer
+from ..sources.server import Server, Target
 from .views_apart import ViewsApart
 
 # The scene's name where the server's own is shown, whatever it is.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..gpu.textures import COLOUR, allocate
 from ..scenes import kernel_factors, transport_of
-from ..server import (
+from ..sources.server import (
     Framebuffers,
     Indirect,
     SceneBuffers,

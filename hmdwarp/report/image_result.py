@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..colour import srgb8_from_linear
 from ..errors import InputError, listed
-from ..extra import import_extra
 from ..geometry import View
+from ..resources import import_extra
 from .files import atomic, write_bytes
 from .pictures import jpeg_bytes, png_bytes
 
@@ -59,7 +59,7 @@ def _jpeg(path: Path, image: ImageResult) -> None:
 
 
 def _exr(path: Path, image: ImageResult) -> None:
-    from ..sequences.exr import write_exr
+    from ..sources.sequences.exr import write_exr
 
     assert image.depth_m is not None  # TAKES_DEPTH
     with atomic(path) as temporary:

@@ -18,7 +18,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
-from ..version import __version__
+from ..resources import __version__
 from .files import lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
 STAGING = ".partial-"

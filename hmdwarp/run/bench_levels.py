@@ -9,9 +9,9 @@ from typing import Any
 
 import attrs
 
-from ..auto.levels import QualityLevel, levels_from
 from ..errors import InputError
 from ..headsets import Headset, load_headset
+from ..pipeline.auto.levels import QualityLevel, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
 from ..report import SCHEMA, summary_faults

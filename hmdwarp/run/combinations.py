@@ -9,10 +9,10 @@ import attrs
 
 from ..client.history import History
 from ..client.plan import Plan
+from ..client.strategies import has_own_link
 from ..frames import Needs
 from ..frames.layers import Layer, layers
 from ..link import Link, LinkOptions, Pacer
-from ..strategies import has_own_link
 from .outside import OUTSIDE
 from .schedule import Schedule
 

@@ -30,7 +30,7 @@ from .speeds import angle_between, speeds_between
 from .trace_events import TraceEvents
 
 if TYPE_CHECKING:
-    from ..auto.adaptive import AdaptiveCompensator
+    from ..pipeline.auto.adaptive import AdaptiveCompensator
     from ..pipeline.loop import Refresh
     from .host import PipelineHost
 

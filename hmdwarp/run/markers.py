@@ -16,7 +16,7 @@ import attrs
 
 from ..display import Display
 from ..errors import MachineError
-from ..extra import import_extra
+from ..resources import import_extra
 from .options import OFFSCREEN
 
 Say = Callable[[str], None]

@@ -10,7 +10,6 @@ from typing import Any, ClassVar
 import attrs
 
 from ..errors import InputError
-from ..feed.options import FeedOptions
 from ..options import (
     DISPLAY,
     PICTURE,
@@ -27,6 +26,7 @@ from ..options import (
 from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
+from ..sources.feed.options import FeedOptions
 from .misses import Misses, parse_misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")

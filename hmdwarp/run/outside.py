@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..client.compensator import EyeResult
 from ..colour import linear_from_srgb, picture_from_linear
-from ..extra import install_line
 from ..gpu.textures import Canvas, download, upload
+from ..resources import install_line
 
 if TYPE_CHECKING:
     from ..client.inputs import PassInputs

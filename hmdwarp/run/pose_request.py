@@ -17,7 +17,7 @@ from ..poses import PoseSample, PoseSource, PoseTrack
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
 from ..registry import unknown_name
-from ..server.draw import MIRRORS
+from ..sources.server.draw import MIRRORS
 
 KEPT_NS = 1_000_000_000
 

@@ -23,7 +23,7 @@ from .schedule import Schedule
 if TYPE_CHECKING:
     from ..pipeline.options import PipelineOptions
     from ..pipeline.recorded_server import RecordedServer
-    from ..sequences import Sequence
+    from ..sources.sequences import Sequence
     from .log import ReplayLog
 
 ONE_EYE = "recorded frames have one eye", "multi:eye=own looks into older frames alone"

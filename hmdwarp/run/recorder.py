@@ -11,7 +11,7 @@ from pathlib import Path
 from ..poses import Origin, PoseSample
 from ..poses.formats.native import header_text, row_text
 from ..report import counted
-from ..version import __version__
+from ..resources import __version__
 from .lines import Lines
 
 LEAST = 2  # one pose is no motion, and no trace reader accepts it

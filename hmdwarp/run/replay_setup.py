@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 
-from ..auto.levels import QualityLevel
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import Needs
 from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
+from ..pipeline.auto.levels import QualityLevel
 from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
 from ..pipeline.feed_coding import wish_of
 from ..pipeline.layers_read import Reads
@@ -36,11 +36,11 @@ from .recorded_frames import ONE_EYE, beside, own_trace, recorded_notes, schedul
 from .schedule import Schedule, schedule_of
 
 if TYPE_CHECKING:
-    from ..auto.adaptive import AdaptiveCompensator
     from ..client.compensator import Compensator
+    from ..pipeline.auto.adaptive import AdaptiveCompensator
     from ..pipeline.channel import Channel
-    from ..sequences import Sequence
-    from ..server import Server
+    from ..sources.sequences import Sequence
+    from ..sources.server import Server
 
 
 @attrs.frozen(eq=False)

@@ -12,13 +12,13 @@ from typing import Any
 
 import attrs
 
-from ..auto.adaptive import AdaptiveCompensator
 from ..frames import EyeSizes
 from ..gpu.context import Gpu
+from ..pipeline.auto.adaptive import AdaptiveCompensator
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..report import SCHEMA
-from ..version import __version__
+from ..resources import __version__
 
 _MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 

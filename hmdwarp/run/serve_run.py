@@ -10,10 +10,6 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ..errors import InputError, MachineError
-from ..feed.key_pairs import key_pair
-from ..feed.listener import Asked, Listener
-from ..feed.message import ANY, MOST_BYTES, Ask, FrameMessage
-from ..feed.options import secret_in
 from ..frames import Needs
 from ..frames.layers import layers
 from ..gpu.context import Gpu
@@ -21,7 +17,11 @@ from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..scenes import load_scene
-from ..server import Server
+from ..sources.feed.key_pairs import key_pair
+from ..sources.feed.listener import Asked, Listener
+from ..sources.feed.message import ANY, MOST_BYTES, Ask, FrameMessage
+from ..sources.feed.options import secret_in
+from ..sources.server import Server
 from .serve_options import ServeOptions
 
 if TYPE_CHECKING:

@@ -9,13 +9,13 @@ from typing import Any
 
 import attrs
 
-from ..auto.levels import best_within, levels_from
 from ..client.plan import needs_of
 from ..client.variants import every_warp
 from ..errors import PlanError
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import QualityPool, worker_count
+from ..pipeline.auto.levels import best_within, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
 from ..pipeline.sizes import guarded_size, memory_bytes

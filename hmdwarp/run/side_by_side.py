@@ -17,7 +17,7 @@ from ..geometry import View
 from ..gpu.textures import download
 from ..metrics import Compared
 from ..pipeline.loop import Refresh
-from ..server.targets import TargetPool
+from ..sources.server.targets import TargetPool
 from .combinations import Combination, frames_used
 from .outside import OpenCvWarp
 from .read_back import shown_picture

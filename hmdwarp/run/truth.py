@@ -18,7 +18,7 @@ from ..gpu.textures import download
 
 if TYPE_CHECKING:
     from ..client.inputs import PassInputs
-    from ..server import Server
+    from ..sources.server import Server
 
 # Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
 # drawn separately.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..client.plan import Plan
     from ..frames import EyeImage, Frame
     from ..pipeline.loop import Loop, Refresh
-    from ..server import Server
+    from ..sources.server import Server
 
 
 class WholePictures:

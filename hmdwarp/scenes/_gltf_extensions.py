@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
-from ..extra import install_line
+from ..resources import install_line
 from ._gltf_file import GltfFile
 from ._notes import Notes
 

@@ -16,14 +16,14 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
+from ..experiments.sweep import Failure, Result, Separate, SweepCase, outcomes
 from ..headsets import load_headset
 from ..metrics import QUALITY
 from ..options import parse_size
 from ..pipeline.options import PipelineOptions
 from ..report import counted
+from ..resources import __version__
 from ..run import RunOptions, figures
-from ..sweep import Failure, Result, Separate, SweepCase, outcomes
-from ..version import __version__
 from .design import live_options
 from .measure_options import MeasureOptions
 from .store import Session, Showing, Store

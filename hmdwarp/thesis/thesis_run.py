@@ -12,9 +12,9 @@ from typing import Any
 import attrs
 import numpy as np
 
+from ..experiments.sweep import SweepCase, Swept, raise_failures, run_cases
 from ..report import OutputFolder, jpeg_bytes, plain, render_thesis_page
-from ..sweep import SweepCase, Swept, raise_failures, run_cases
-from ..version import __version__
+from ..resources import __version__
 from .experiment import Experiment
 from .library import EXPERIMENTS, experiments_named
 from .options import QUICK_SCALE, ThesisOptions

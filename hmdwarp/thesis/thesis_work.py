@@ -12,10 +12,10 @@ from typing import Any
 
 import attrs
 
+from ..experiments.sweep import Result, SweepCase
 from ..gpu import Gpu
 from ..report import jpeg_bytes
 from ..run.run_summary import machine_of
-from ..sweep import Result, SweepCase
 from .facts import fact, ratings
 from .picture_runs import Looked, Thoroughness, look
 from .run_kinds import FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun

@@ -18,7 +18,7 @@ from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View, inverse_depth_from_clip
 from hmdwarp.scenes import scenes
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 # Random cases; docs/check.md has the figures of 1000.
 CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "32"))

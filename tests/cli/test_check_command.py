@@ -13,7 +13,7 @@ from wrong_frames import MISREADINGS, Recording, hand_held, right_frames
 
 from hmdwarp.check import StatedFrame
 from hmdwarp.scenes import scenes
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 CAMERA = DepthCamera(noise=0.001, near_m=0.2, far_m=8.0, edge_gaps=0.3)
 

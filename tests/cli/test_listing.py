@@ -15,17 +15,16 @@ import pytest
 import trimesh
 import typer
 
-from hmdwarp.bench.cases import baselines
 from hmdwarp.cli._app import app
 from hmdwarp.cli._options import commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
+from hmdwarp.experiments.bench.cases import baselines
 from hmdwarp.frames.layers import layers
-from hmdwarp.resources import recording_names
+from hmdwarp.resources import __version__, recording_names
 from hmdwarp.run.outside import OUTSIDE, missing
-from hmdwarp.version import __version__
 
 from .conftest import ROOT
 

@@ -7,7 +7,7 @@ import json
 import pytest
 from scenes.glb import boxes, cube
 
-from hmdwarp.bench import BenchOptions
+from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.options import PICTURE, options_of
 from hmdwarp.pipeline import PipelineOptions
 from hmdwarp.run import LiveOptions, RecordOptions, RunOptions

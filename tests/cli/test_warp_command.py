@@ -17,7 +17,7 @@ from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
 from hmdwarp.image import usable_fills, usable_warps
-from hmdwarp.sequences import read_frame, read_view
+from hmdwarp.sources.sequences import read_frame, read_view
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}

@@ -12,7 +12,7 @@ from PIL import Image
 from recorded_folders import CX, CY, FX, FY, HAS_EXR, SIZE, taken, write_exrs, write_npz, write_pictures
 
 from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.sequences import read_frame
+from hmdwarp.sources.sequences import read_frame
 
 NEEDS_EXR = pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed (pip install 'hmdwarp[exr]')")
 CAMERA = {"intrinsics": [FX, FY, CX, CY], "depth_scale": 0.001}

@@ -12,9 +12,9 @@ from replays import run
 from hmdwarp import warp_image
 from hmdwarp.client import PassInputs, ShownPicture, build_plan, parse_warp
 from hmdwarp.client.capability import lacking
+from hmdwarp.client.classes import load_client
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from hmdwarp.client.warps import Output
-from hmdwarp.clients import load_client
 from hmdwarp.colour import picture_from_linear, srgb_from_linear
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Needs
@@ -23,7 +23,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.link.codec import Coding
 from hmdwarp.scenes import load_scene, scenes
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (52, 41)
 FOV = Fov(-0.7, 0.6, -0.55, 0.5)

@@ -21,7 +21,7 @@ from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.gpu import COLOUR, Canvas, allocate
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (61, 53)
 FOV = Fov.symmetric(1.4, 1.3)

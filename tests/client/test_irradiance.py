@@ -17,7 +17,7 @@ from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import scenes, with_lamps_stopped
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (64, 56)
 FOV = Fov(-0.8, 0.75, -0.7, 0.65)

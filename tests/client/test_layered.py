@@ -17,7 +17,7 @@ from hmdwarp.frames import Needs, Surface
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Scene, load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (120, 96)
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))

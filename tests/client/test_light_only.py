@@ -21,7 +21,7 @@ from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import Material, Quad, Scene, Texture, load_scene, only_light, unlit
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
 VIEW = View(Pose((0.1, 1.5, 0.2), (0.1, 0.2, 0, 1)), Fov.from_tangents([-0.8, 0.8, -0.6, 0.6]))

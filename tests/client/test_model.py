@@ -20,7 +20,7 @@ from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import load_scene, scenes
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
 FOV = Fov(-0.7, 0.6, -0.55, 0.5)

@@ -23,7 +23,7 @@ from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, allocate
 from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Texture, Thrown
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 MS = 1_000_000
 

@@ -17,7 +17,7 @@ from hmdwarp.frames import EyeImage, Needs, Others
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
-from hmdwarp.server import Server, Target
+from hmdwarp.sources.server import Server, Target
 
 SIZE = (120, 96)
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))

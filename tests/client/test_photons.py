@@ -29,7 +29,7 @@ from hmdwarp.pipeline import ClientScene as PlainClientScene
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import ATLAS, Lamp, kernel_factors, lamps_at, load_scene, scenes, transport_of, with_lamps_stopped
 from hmdwarp.scenes.radiosity import direct_light
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
 FOV = Fov(-0.8, 0.75, -0.7, 0.65)

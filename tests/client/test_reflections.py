@@ -17,7 +17,7 @@ from hmdwarp.client.effects import effects
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.gpu import COLOUR, allocate
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (160, 144)
 EVERY = ("planar_reflections", "glossy_reflections", "curved_reflections")

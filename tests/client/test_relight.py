@@ -19,7 +19,7 @@ from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 from .modelled import SIZE, VIEW, Shown, picture_of
 

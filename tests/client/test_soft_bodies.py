@@ -13,18 +13,18 @@ from worlds import read
 
 from hmdwarp.client import PassInputs, build_plan
 from hmdwarp.client.capability import lacking
+from hmdwarp.client.classes import load_client
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.effects.soft_bodies import SAME, STEEPEST
 from hmdwarp.client.fill_parts import BLOCK, NEAR, OFF_PLANE, SAME_DEPTH, SAME_SURFACE, sample_offsets
 from hmdwarp.client.fills.relight import MODEL_WEIGHT, RelightSettings
-from hmdwarp.clients import load_client
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas
 from hmdwarp.pipeline import ClientScene, PipelineOptions, build_plan_for
 from hmdwarp.scenes import Mesh, Scene, Waving, load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 from .modelled import picture_of
 

@@ -14,7 +14,7 @@ from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 

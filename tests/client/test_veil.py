@@ -22,7 +22,7 @@ from hmdwarp.frames import EyeImage, Needs, Surface, Transparent
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZES = [((64, 48), (64, 48)), ((61, 43), (50, 37)), ((1, 1), (3, 2))]
 UNKNOWN = -1.0

@@ -24,7 +24,7 @@ from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import eye_sizes
 from hmdwarp.run import RunOptions
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (120, 96)
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))

@@ -15,10 +15,10 @@ from replays import each_refresh, run, small
 from hmdwarp import Fov, Pose, View, warp_image
 from hmdwarp.colour import picture_from_linear, srgb8_from_linear
 from hmdwarp.errors import InputError
-from hmdwarp.feed.options import FeedOptions
-from hmdwarp.feed.viewer import Viewer
 from hmdwarp.gpu import download
 from hmdwarp.run import replay
+from hmdwarp.sources.feed.options import FeedOptions
+from hmdwarp.sources.feed.viewer import Viewer
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
 

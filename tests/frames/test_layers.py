@@ -18,8 +18,8 @@ from hmdwarp.frames import EyeImage, EyeSizes, Mirrored, Needs, Others, Surface,
 from hmdwarp.frames.layers import OWN, PIXEL_BYTES, RENDERED, SHOWN, layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
-from hmdwarp.server.parts import parts
+from hmdwarp.sources.server import Server
+from hmdwarp.sources.server.parts import parts
 
 SIZE = (24, 20)
 FOV = Fov.symmetric(1.0, 0.8)

@@ -22,7 +22,7 @@ from hmdwarp.link.codec import Coding, pack
 from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
-from hmdwarp.server.parts import Part, parts
+from hmdwarp.sources.server.parts import Part, parts
 
 COUNT, STEP_NS, SIZE = 40, 10_000_000, (64, 48)
 FOV = Fov.symmetric(1.2, 1.0)

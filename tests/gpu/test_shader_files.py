@@ -29,7 +29,7 @@ from hmdwarp.image.given_textures import INVERSE, METRES, GivenTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
-from hmdwarp.server import MIRRORS, Server
+from hmdwarp.sources.server import MIRRORS, Server
 
 from .preprocessor import Sides, value_of, walk
 

@@ -12,7 +12,7 @@ from hmdwarp.frames.layers.reflection import Reflection
 from hmdwarp.geometry import Mirror, RigidState
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = WIDE, HIGH = 40, 30
 FAR_M, NEAR_M = 8.0, 2.0

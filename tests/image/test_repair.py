@@ -9,7 +9,7 @@ from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate
 from hmdwarp.image import usable_warps
-from hmdwarp.repairs import parse_repairs
+from hmdwarp.sources.repairs import parse_repairs
 
 SIZE = (40, 30)
 VIEW = View(Pose(), Fov.from_tangents((-1.0, 1.0, -0.75, 0.75)))

@@ -9,7 +9,7 @@ from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 from .live_runs import SMALL, Here, quick, two_hundred_frames
 from .monado import UNSEEN, WOBBLING

@@ -17,7 +17,7 @@ from hmdwarp.link import LinkOptions
 from hmdwarp.pipeline import Changes
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
 FOV = Fov.symmetric(1.5, 1.3)

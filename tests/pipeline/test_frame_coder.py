@@ -17,7 +17,7 @@ from hmdwarp.gpu import download, upload
 from hmdwarp.link.codec import DEPTH_CODES, Coding
 from hmdwarp.pipeline import Coder, Reads
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 pytest.importorskip("av")
 SIZE = (128, 96)

@@ -11,12 +11,12 @@ from replays import scene_for
 
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.client.effects import effects
+from hmdwarp.client.strategies import options_of_strategy, strategies
 from hmdwarp.errors import InputError
 from hmdwarp.options import options_of
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
 from hmdwarp.pipeline.options import DEFAULT_FILL, DEFAULT_WARP
 from hmdwarp.scenes import load_scene
-from hmdwarp.strategies import options_of_strategy, strategies
 from hmdwarp.study.design import live_options
 
 NAMES = strategies.names()

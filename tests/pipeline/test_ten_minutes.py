@@ -10,12 +10,12 @@ import moderngl
 import pytest
 from replays import scene_for
 
+from hmdwarp.client.strategies import strategies
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, build_plan_for
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
-from hmdwarp.strategies import strategies
 
 STEP_NS = 4_000_000_000
 MIDDLE, LAST = 75, 150  # refreshes: 5 and 10 minutes

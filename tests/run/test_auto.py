@@ -15,12 +15,12 @@ import pytest
 from bench_files import AMPLE_MS, PAIRS, a_bench, a_row
 from replays import contents, rows_of, run, small, suited
 
-from hmdwarp.auto import QualityLevel
 from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.pipeline import build_plan_for
+from hmdwarp.pipeline.auto import QualityLevel
 from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, levels_by_short_bench, levels_from_file, set_up_replay
 from hmdwarp.run.bench_levels import read_rows

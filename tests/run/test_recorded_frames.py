@@ -18,7 +18,7 @@ from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.options import options_of
 from hmdwarp.poses import load_trace
 from hmdwarp.run import ReplayResult, RunOptions, set_up_replay
-from hmdwarp.sequences import SequenceOptions
+from hmdwarp.sources.sequences import SequenceOptions
 
 # Of 30 Hz: three frames late.
 LATE_MS = 100.0

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from recorded_folders import taken, write_npz
 
-from hmdwarp import sequences
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.pipeline.recorded_scene import recorded_scene
 from hmdwarp.pipeline.recorded_server import RecordedServer
-from hmdwarp.repairs import parse_repairs
 from hmdwarp.run import RunOptions, replay
+from hmdwarp.sources import sequences
+from hmdwarp.sources.repairs import parse_repairs
 
 SIZE = (60, 40)
 

@@ -23,8 +23,8 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
+from hmdwarp.resources import __version__
 from hmdwarp.run import set_up_replay
-from hmdwarp.version import __version__
 
 QUALITY_AT = ("psnr_db", "ssim", "flip", "hole_share", "border_share")
 

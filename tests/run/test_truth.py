@@ -25,7 +25,7 @@ from hmdwarp.pipeline import build_plan_for
 from hmdwarp.run import draw_truth, set_up_replay
 from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of
 from hmdwarp.scenes import load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 FOV = Fov(-0.8, 0.7, -0.6, 0.9)
 SIZE = (48, 37)

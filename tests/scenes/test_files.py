@@ -15,7 +15,7 @@ from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.scenes import Scene, load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE
 

@@ -16,7 +16,7 @@ from hmdwarp.errors import SceneError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import SceneOptions, is_cutout, load_scene
-from hmdwarp.server import Server
+from hmdwarp.sources.server import Server
 
 from .glb import BENT, SQUARE, Glb
 

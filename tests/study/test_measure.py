@@ -10,18 +10,18 @@ import pytest
 from ratings import quiet, with_cvvdp, without_cvvdp
 from replays import scene_for
 
+from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
+from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats.native import write_native
 from hmdwarp.run import RunOptions, figures, replay, set_up_replay
-from hmdwarp.strategies import strategies
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.export import columns_for
 from hmdwarp.study.measure import Measurements, run_options
 from hmdwarp.study.store import PERSON, Store
-from hmdwarp.sweep import ClusterOptions
 
 TEXT = """
 schema = 1

@@ -20,6 +20,7 @@ from scipy.stats import binomtest, norm
 
 from hmdwarp.cli.study.power import power as command
 from hmdwarp.errors import InputError
+from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.report.study import comparison_lines
 from hmdwarp.study.analysis import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
@@ -38,7 +39,6 @@ from hmdwarp.study.power import (
     with_effect,
 )
 from hmdwarp.study.respondents import Population, load_model
-from hmdwarp.sweep import KeptOptions
 
 from . import tiny
 from .made_up import simulate_study

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from commands import hmdwarp
 
+from hmdwarp.experiments.sweep import KeptOptions, run_cases
 from hmdwarp.report import summary_markdown
-from hmdwarp.sweep import KeptOptions, run_cases
 from hmdwarp.thesis import EXPERIMENTS, Motion, PictureRun, ThesisWork, Thoroughness, Verdict, cases_of
 
 FEW = "scene,fig28-30,ratings-figures"

@@ -26,10 +26,10 @@ class MeasureCommand(Declared):
 @takes(MeasureCommand, QUIET)
 def measure(said: Said) -> None:
     """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
+    from ...experiments.sweep import raise_failed
     from ...study.design import load_design
     from ...study.measure import measure_study
     from ...study.store import Store, folder_to_read
-    from ...sweep import raise_failed
     from .._show import steps
 
     wanted, quiet = MeasureCommand.of(said), said["quiet"]

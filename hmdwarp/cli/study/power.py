@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import attrs
 import typer
 
+from ...experiments.sweep.options import KeptOptions
 from ...options import Declared, Number, force_field, group, option, out_field
-from ...sweep.options import KeptOptions
 from .._options import QUIET, Said, takes
 from ._options import study_field
 
@@ -51,10 +51,10 @@ class PowerOptions(Declared):
 @takes(PowerOptions, QUIET)
 def power(said: Said) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
+    from ...experiments.sweep import raise_failures
     from ...report import OutputFolder
     from ...study.design import load_design
     from ...study.power import Simulation, simulate
-    from ...sweep import raise_failures
     from .._show import sayer, steps
 
     options, quiet = PowerOptions.of(said), said["quiet"]

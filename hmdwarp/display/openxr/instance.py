@@ -11,7 +11,7 @@ import attrs
 import xr
 
 from ...errors import MachineError
-from ...version import __version__
+from ...resources import __version__
 from .calls import Calls
 from .diagnosis import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, missing_extensions
 

@@ -6,7 +6,7 @@ import json
 from typing import IO, Any
 
 from ...errors import TraceError
-from ...extra import import_extra
+from ...resources import import_extra
 from ..defects import Defect
 from ..options import TraceOptions
 from ..reading.axes import parse_axes

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...options.tables import Table
 from ...registry import unknown_name
-from ...tables import Table
 from .. import quaternions
 
 OPENXR = "openxr"

@@ -12,7 +12,7 @@ from typing import IO, Any
 import attrs
 
 from ...errors import HmdwarpError, TraceError
-from ...extra import import_extra
+from ...resources import import_extra
 from ..defects import Defect
 
 MAGIC = b"\x89MCAP0\r\n"

@@ -11,7 +11,7 @@ import attrs
 
 from ...report import OutputFolder
 from ...report.study import csv_tables, render_study_report
-from ...version import __version__
+from ...resources import __version__
 from ..design import Family
 from ..prediction import prediction_data
 from ..scales import Scale

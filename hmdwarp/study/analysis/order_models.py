@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...extra import import_extra
 from ...report import counted
+from ...resources import import_extra
 from .ratings import Rating
 
 _LEAST_REST = 5  # degrees of freedom that must be left for the noise

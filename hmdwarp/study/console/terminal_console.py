@@ -22,7 +22,7 @@ from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
-from ...extra import install_line
+from ...resources import install_line
 from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
 from .browser_console import BrowserConsole
 from .command_queue import CommandQueue

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
-from ...tables import Table, quoted, text_of
+from ...options.tables import Table, quoted, text_of
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE

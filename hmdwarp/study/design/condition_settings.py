@@ -10,11 +10,12 @@ from typing import Any
 
 import attrs
 
-from ...auto.levels import QualityLevel
 from ...client.plan import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
 from ...options import declared, options_of
+from ...options.tables import quoted
+from ...pipeline.auto.levels import QualityLevel
 from ...pipeline.options import AUTO, SceneKey
 from ...pipeline.planning import plans_for
 from ...pipeline.recorded_scene import headset_of
@@ -22,7 +23,6 @@ from ...pipeline.sizes import guarded_size
 from ...run import ONE_EYE, LiveOptions, checked_scene, levels_from_file, refuse_one_eye
 from ...run.options import FLAT
 from ...scenes import Scene
-from ...tables import quoted
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
+from ...options.tables import quoted
 from ...report import refuse_existing, write_text
-from ...tables import quoted
 from ._parts import NAME, NAME_WANTED
 
 TEMPLATE = Path(__file__).parent / "plan_template.toml"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
+from ...options.tables import Table, parsed, quoted, text_of
 from ...registry import unknown_name
-from ...tables import Table, parsed, quoted, text_of
 from ..scales import Scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
 from ._sections import (

@@ -17,7 +17,7 @@ import attrs
 from ...errors import TraceError
 from ...poses import load_trace
 from ...report import OutputFolder
-from ...version import __version__
+from ...resources import __version__
 from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing

@@ -10,8 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from ...extra import import_extra
-from ...version import __version__
+from ...resources import __version__, import_extra
 from .table_columns import FLAG, INTEGER, MISSING, NUMBER, Column
 
 

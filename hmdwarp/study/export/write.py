@@ -8,9 +8,8 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...extra import install_line
 from ...report import OutputFolder, counted
-from ...version import __version__
+from ...resources import __version__, install_line
 from ..design import Design
 from ..scales import QUESTIONNAIRE, RATING, SICKNESS, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents

@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from ...sweep import KeptOptions, Result, Separate, SweepCase, Swept, raise_failures, run_cases
+from ...experiments.sweep import KeptOptions, Result, Separate, SweepCase, Swept, raise_failures, run_cases
 from .simulation import Power, Progress, Simulation, Tally, power_from, tally_of
 
 # Of the package, besides what draws pictures.

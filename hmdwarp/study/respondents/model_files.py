@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from ...options.tables import Table, parsed, text_of
 from ...registry import unknown_name
-from ...tables import Table, parsed, text_of
 from .response_model import Model, OtherRatings, RatingModel, SicknessModel
 
 SCHEMA = 1

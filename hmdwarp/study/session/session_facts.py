@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...display import Display
-from ...version import __version__
+from ...resources import __version__
 from ..design import Design
 
 PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "textual")

@@ -18,7 +18,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...version import __version__
+from ...resources import __version__
 from . import database, queries
 from ._json import from_json, to_json
 from .faults import transaction, translated

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import HmdwarpError, InputError
-from ...version import __version__
+from ...resources import __version__
 from . import database, queries
 from ._json import to_json
 from .clock import Clock, seconds_back, text_of

@@ -19,7 +19,7 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
-from hmdwarp.extra import import_extra
+from hmdwarp.resources import import_extra
 from hmdwarp.study.analysis import analyse, analysis_folder, from_csv, write_analysis
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import moderngl
 
-from ....extra import install_line
+from ....resources import install_line
 from ...controls import CONTROLS, Control
 
 if TYPE_CHECKING:

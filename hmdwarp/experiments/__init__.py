@@ -1,0 +1,1 @@
+"""Experiments over many cases: bench, compare and the sweep engine."""

@@ -1,0 +1,210 @@
+"""One bench: every combination of its options, on the loop that every other driver uses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ...client.classes import load_client
+from ...errors import InputError
+from ...headsets import Headset, load_headset
+from ...metrics import check_rating
+from ...pipeline.auto.levels import choose
+from ...pipeline.planning import build_plan_for
+from ...pipeline.recorded_scene import display_of, recorded_scene
+from ...poses import load_trace
+from ...report import SCHEMA, OutputFolder
+from ...resources import __version__
+from ...run.combinations import Case
+from ...run.recorded_frames import about, own_trace
+from ...run.recordings import refuse_one_name, refuse_traces_of_one_name
+from ...scenes import load_scene
+from ...sources.sequences import Sequence as RecordedFrames
+from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
+from .bench_case import BenchCase, options_of_case, prepared, sequence_of
+from .bench_rows import COLUMNS, LONG, about_rating, flat
+from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fused_steps, grid_steps
+from .cases import cases_of, combinations_of, common_start_s, notes_on_warps, run_options
+from .client_notes import left_out_notes
+from .options import DEFAULT_SIZES, BenchOptions
+from .parquet import check_parquet, write_parquet
+
+OWNED = ("bench.csv", "bench.html", "bench.parquet")
+# Cases on the page, which draws charts of each: a second for two.
+MOST_SHOWN = 40
+Progress = Callable[[int, int], None]
+
+
+@attrs.frozen(eq=False)
+class BenchResult:
+    """The results of a bench."""
+
+    folder: Path
+    # As in bench.json; the rows are read from the disk, until the next bench there.
+    data: dict[str, Any]
+    # The cases that were run, and which failed: raise_failures tells of them. None if merged.
+    swept: Swept | None = None
+    # Why no combination fits the budget, else "".
+    refused: str = ""
+
+    @property
+    def report(self) -> Path:
+        """The page."""
+        return self.folder / "bench.html"
+
+
+def bench(
+    options: BenchOptions,
+    progress: Progress = lambda done, total: None,
+    say: Callable[[str], None] = lambda text: None,
+) -> BenchResult:
+    """Run a bench and write bench.csv, bench.json and bench.html into options.out.
+
+    Each case is kept in the folder `cases` there as soon as it is done; what was there before is
+    replaced only by a whole bench. A case that fails leaves the others, see BenchResult.swept.
+
+    All that was asked for is checked before anything runs. progress(done, total) is called after
+    each measured refresh. say: gets a sentence.
+    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks; that
+    of the case where none of several was done.
+    """
+    started = time.perf_counter()
+    if options.parquet:
+        check_parquet()
+    if options.jod_s and options.sweep.cluster is None:
+        check_rating()
+    sequence = sequence_of(options)
+    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
+    client = load_client(options.client)
+    if sequence is not None:
+        sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
+        options = attrs.evolve(options, scenes=(sequence.name,), recordings=("",), sizes=sizes)
+    works, notes = _checked(options, headset, sequence)
+    with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
+        if options.sweep.cluster is None:
+            check_room(works)
+        work = BenchWork(options.sweep.measuring(options.workers))
+        swept = run_cases(work, _cases(options, works), options.out, options.sweep, progress, say)
+        rows = swept.rows(lambda result: result.get(ROWS, ()))
+        if not rows:
+            raise_failures(swept)
+        from ...report.bench import first_cases
+
+        first = next(result for _, result in swept.results())
+        sections = [swept.kept.result(case.identity)[case.what.part] for case in swept.done if case.what.part != ROWS]
+        data = {
+            "schema": SCHEMA,
+            "hmdwarp": __version__,
+            "program": program_hash(),
+            "command": options.command,
+            **{key: first[key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
+            "client": client.name,
+            "notes": [
+                *notes,
+                *about_rating(options.jod_s, rows),
+                *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client),
+                *_failed(swept),
+            ],
+            "rows": rows,
+            **{name: _section(sections, name, []) for name in (GRID, FUSED)},
+            **{name: _section(sections, name, None) for name in ("grid_at", "fused_at")},
+            "choice": None,
+        }
+        data["choice"], refused = _choice(rows, options.budget_ms)
+        data["seconds"] = time.perf_counter() - started
+        write_bench(out, data, parquet=options.parquet)
+    return BenchResult(options.out, data, swept, refused)
+
+
+def _cases(options: BenchOptions, works: Sequence[BenchCase]) -> list[SweepCase]:
+    """Return the cases to run: all rows, then the sections that the first case stands for."""
+    first = works[0]
+    cases = [_case(ROWS, work, work.instants) for work in works]
+    unrated = attrs.evolve(first, options=attrs.evolve(first.options, jod_s=0.0))
+    if options.grid and first.warped:
+        cases.append(_case(GRID, unrated, grid_steps()))
+    if options.fused and first.headset.lens is not None and first.warped:
+        cases.append(_case(FUSED, unrated, fused_steps(first)))
+    return cases
+
+
+def _case(part: str, work: BenchCase, steps: int) -> SweepCase:
+    case = work.case
+    rate = () if case.server_rate_hz is None else (f"server {case.server_rate_hz:g} Hz",)
+    named = (case.recording, f"{case.latency_ms:g} ms", case.scene, "x".join(map(str, case.size)), *rate)
+    name = ", ".join(filter(None, (*(() if part == ROWS else (part,)), *named)))
+    return SweepCase.of("bench", name, BenchPart(part, work.options), steps=steps)
+
+
+def _section(sections: Sequence[Mapping[str, Any]], name: str, missing: Any) -> Any:
+    """Return what the case of a section gave; where there was none, or it failed: missing."""
+    return next((data[name] for data in sections if name in data), missing)
+
+
+def _failed(swept: Swept) -> list[str]:
+    return [f"{one.name}: failed: {one.why}" for one in swept.failed]
+
+
+def _checked(
+    options: BenchOptions, headset: Headset, sequence: RecordedFrames | None = None
+) -> tuple[list[BenchCase], list[str]]:
+    """Check everything that needs no GPU; return the cases, and notes on the scenes.
+
+    Errors: InputError and its kin.
+    """
+    rate_hz = options.rate_hz or headset.refresh_hz
+    combinations_of(options, None)  # names, before any scene is built
+    called, notes = {}, notes_on_warps(options)
+    for name in options.scenes:
+        scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
+        build_plan_for(
+            run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
+            headset,
+            scene,
+        )
+        combinations_of(options, scene)
+        called[name] = scene.name
+        notes += scene.notes
+    refuse_one_name("scenes", called)
+    traces = (
+        {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
+        if sequence is None
+        else {"": own_trace(sequence)}
+    )
+    refuse_traces_of_one_name(traces)
+    starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
+    works = [prepared(options_of_case(options, case, starts[case.recording])) for case in cases_of(options)]
+    notes += [] if sequence is None else [about(sequence, works[0].run)]
+    return works, notes
+
+
+def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple[dict[str, Any] | None, str]:
+    """Return the choice for the budget, or why there is none: too small a one discards no run."""
+    if budget_ms is None:
+        return None, ""
+    can = (row for row in rows if not row["lacks"] and not row.get("strategy"))
+    try:
+        return choose(({name: value for name, value in row.items() if name not in LONG} for row in can), budget_ms), ""
+    except InputError as error:
+        return None, str(error)
+
+
+def write_bench(out: OutputFolder, data: dict[str, Any], *, parquet: bool = False) -> None:
+    """Write the table, the page and bench.json, whose content is `data`; the table as Parquet too.
+
+    Errors: MachineError where that lacks its package.
+    """
+    from ...report.bench import first_cases, render_bench_page
+
+    out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
+    if parquet:
+        write_parquet(out.path("bench.parquet"), flat(data["rows"]))
+    rows, count = first_cases(data["rows"], MOST_SHOWN)
+    notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
+    notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
+    out.write_text("bench.html", render_bench_page({**data, "rows": rows, "notes": notes}))
+    out.write_json("bench.json", data)

@@ -1,0 +1,273 @@
+"""The cases of a bench and the combinations in each."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import attrs
+
+from ...client.effects import effects
+from ...client.plan import CLIENT_MODEL, OTHERS, PICTURE, Plan, build_plan
+from ...client.strategies import has_own_link, options_of_strategy
+from ...client.variants import (
+    CONVERGED,
+    every_baseline,
+    every_warp,
+    fill_text,
+    parse_fills,
+    parse_warp,
+)
+from ...client.warps import warps
+from ...errors import MachineError, PlanError, listed
+from ...frames.layers import layers
+from ...link import LinkOptions
+from ...pipeline.planning import build_plan_for, check_suited
+from ...poses import PoseTrack
+from ...run.combinations import Case, Combination
+from ...run.options import RunOptions
+from ...run.outside import OUTSIDE, missing
+from ...run.schedule import first_shown_s, schedule_of
+from ...scenes import Scene
+from .options import FILLS, BenchOptions
+
+# A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
+# accurate than that without holes (rotation, planar), and nearly the same pictures come out after
+# warps that leave the same holes. Where everything is compared complete fills run with these: of
+# the warps that read colour and depth those on the Pareto front of one of the recordings at 200 ms
+# (docs/results-warps.md), the thesis's, and the baselines that leave holes.
+WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512")
+_INCOMPLETE = FILLS[:2]
+_RUN = attrs.fields(RunOptions)
+
+
+def cases_of(options: BenchOptions) -> list[Case]:
+    """Return all cases, a recording's latencies one after the other, with every server's rate."""
+    product = itertools.product(
+        options.sizes, options.scenes, options.recordings, options.latencies_ms, options.server_rates_hz or (None,)
+    )
+    return [Case(scene, recording, latency, size, hz) for size, scene, recording, latency, hz in product]
+
+
+def warps_of(options: BenchOptions) -> list[str]:
+    """Return the warps of the options, or all that warp a late picture with variants and baselines.
+
+    As shortest text, each once. Those of other libraries come last.
+    Errors: as parse_warp; MachineError for one of another library that was named and is missing.
+    """
+    for name in options.warps:
+        if name in OUTSIDE and (why := missing(name)):
+            raise MachineError(f"--warp {name}: {why}")
+    every = [*filter(_warps_pictures, every_warp()), *every_baseline()]
+    names = options.warps or [*every, *(name for name in OUTSIDE if not missing(name))]
+    own = dict.fromkeys(str(parse_warp(text)) for text in names if text not in OUTSIDE)
+    return [*own, *(name for name in OUTSIDE if name in names)]
+
+
+def baselines() -> dict[str, str]:
+    """Return every warp that does what a published or shipped system does, and which one."""
+    return every_baseline() | OUTSIDE
+
+
+def _warps_pictures(text: str) -> bool:
+    """Return whether a warp shows pictures of the server, and draws no scene or points instead."""
+    warp = parse_warp(text)
+    reads = warp.entry.reads_for(warp.settings)
+    return CLIENT_MODEL not in reads and any(layer.formats for layer in layers if layer.readable() in reads)
+
+
+def notes_on_warps(options: BenchOptions) -> list[str]:
+    """Return which warps are left out where all are compared, and why."""
+    if options.warps or options.strategies:
+        return []
+    others = [entry.name for entry in warps if not _warps_pictures(entry.name)]
+    return [
+        f"{listed(others)} are left out, which draw what the client has of the scene: 'hmdwarp compare' has "
+        "them, and --warp NAME takes them here.",
+        *(f"{name} is left out: {why}." for name in OUTSIDE if (why := _left_out(options, name))),
+    ]
+
+
+def _left_out(options: BenchOptions, name: str) -> str:
+    return missing(name) or ("" if options.lens == "none" else "it has no lens")
+
+
+def fills_of(options: BenchOptions) -> list[str]:
+    """Return the fills and chains of the options as their shortest text, each once.
+
+    Errors: as parse_fills.
+    """
+    return list(dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills))
+
+
+def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combination]:
+    """Return each warp with each fill, and the strategies.
+
+    Without a scene yet, only the names are checked. Errors: as build_plan.
+    """
+    pairs = pairs_of(options) if options.warps or not options.strategies else []
+    own = [
+        _combination(options, scene, *pair)
+        for pair in pairs
+        if options.warps or not _left_aside(options, scene, pair[0])
+    ]
+    return own + [_strategy(options, scene, text) for text in options.strategies]
+
+
+def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
+    """Return each warp with each fill, less what is left out where nothing was named.
+
+    Another library's warp has no fill. Errors: as warps_of and fills_of.
+    """
+    chosen = bool(options.warps) or options.fills != FILLS
+    pairs = []
+    for warp, fill in itertools.product(warps_of(options), fills_of(options)):
+        if warp in OUTSIDE:
+            if not _left_out(options, warp) and (warp, "none") not in pairs:
+                pairs.append((warp, "none"))
+        elif chosen or fill in _INCOMPLETE or warp in WITH_COMPLETE_FILLS:
+            pairs.append((warp, fill))
+    return pairs
+
+
+def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: str) -> Combination:
+    if warp in OUTSIDE:  # colour and depth of the whole picture, as this warp reads them
+        return Combination(warp, fill, build_plan((), "forward", "none", "none", client_geometry=False))
+    return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
+
+
+def _unsuited(scene: Scene | None, warp: str) -> str:
+    """Return why a warp is not for the scene, "" if it is."""
+    if scene is None or warp in OUTSIDE:
+        return ""
+    return parse_warp(warp).entry.unsuited(scene)
+
+
+def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
+    """Return why a warp is left out where all are compared, "" if it is not."""
+    if options.frames is None or warp in OUTSIDE:
+        return _unsuited(scene, warp)
+    try:
+        plan = plan_of(options, scene, warp, "none", "none")
+    except PlanError as error:
+        return str(error)
+    return "one eye" if plan.needs.others.other_eye else ""
+
+
+def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
+    if has_own_link(text):
+        case = Case(options.scenes[0], options.recordings[0], options.latencies_ms[0], options.sizes[0])
+        own = own_run(options, case, strategy=text)
+        return Combination(own.warp, own.fill, build_plan_for(own, None, scene), text)
+    sets, run = options_of_strategy(text), RunOptions.of({"strategy": text}, trace=options.recordings[0])
+    effects_too = ",".join((options.effects, sets["effects"])) if "effects" in sets else options.effects
+    plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too, indirect=run.indirect)
+    return Combination(run.warp, run.fill, plan, text)
+
+
+def plan_of(
+    options: BenchOptions,
+    scene: Scene | None,
+    warp: str,
+    fill: str,
+    lens: str,
+    *,
+    fused: bool = False,
+    effect_names: str = "",
+    indirect: str = CONVERGED,
+) -> Plan:
+    """Return the plan of a warp and fill in a scene.
+
+    effect_names: in place of the effects of the options. Errors: as build_plan.
+    """
+    wanted = effect_names or options.effects
+    selected = effects.selected(wanted, effects.of(scene) if scene is not None else (), scene)
+    named = effects.forced(wanted)
+    check_suited(scene, parse_warp(warp), indirect)
+    recorded = options.frames is not None
+    brings = (*PICTURE, OTHERS) if recorded else None
+    return build_plan(
+        selected,
+        warp,
+        fill,
+        lens,
+        client_geometry=not recorded,
+        brings=brings,
+        named=named,
+        fused=fused,
+        indirect=indirect,
+    )
+
+
+def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
+    """Return the options of a run of one case.
+
+    Its first refresh does not depend on the latency, so that all latencies have the same head.
+    """
+    known: dict[str, Any] = {
+        "trace": case.recording,
+        "scene": case.scene,
+        "scene_options": options.scene_options,
+        "latency_ms": case.latency_ms,
+        "warp": "none",  # the loop's own; the combinations run beside it
+        "fill": "none",
+        "effects": options.effects,
+        "lens": "none",
+        "headset": options.headset,
+        "size": case.size,
+        "rate_hz": options.rate_hz,
+        "network": LinkOptions(server_rate_hz=case.server_rate_hz),
+        "start_s": options.start_s,
+        "seconds": options.seconds,
+        "guard": 1.0 if options.rendered_size else options.guard,
+        "rendered_size": options.rendered_size,
+        "against": "",
+        "jod_s": options.jod_s,
+        "trace_options": options.trace_options,
+        "sequence_options": options.sequence_options,
+        "out": options.out,
+        "command": options.command,
+    }
+    if options.frames is not None:
+        known |= {"frames": options.frames, "scene": _RUN.scene.default}
+    return RunOptions(**{**known, **changes})
+
+
+def own_run(options: BenchOptions, case: Case, *, strategy: str = "", warp: str = "", fill: str = "") -> RunOptions:
+    """Return the options of a run of one case for a strategy, or a warp and fill, by itself.
+
+    Its instants, heads and truth are those of `run_options`; a proxy stands on the way that all
+    have. Errors: as RunOptions.
+    """
+    shared = run_options(options, case, lens=options.lens)
+    if not strategy:
+        return attrs.evolve(shared, warp=warp, fill=fill)
+    own = RunOptions.of({"strategy": strategy}, trace=case.recording)
+    own = own.over(case.latency_ms, shared.network, shared.coding)
+    return attrs.evolve(
+        shared,
+        strategy=strategy,
+        warp=own.warp,
+        fill=own.fill,
+        effects=own.effects if "effects" in options_of_strategy(strategy) else shared.effects,
+        indirect=own.indirect,
+        latency_ms=own.latency_ms,
+        proxy=own.proxy,
+        network=own.network,
+        coding=own.coding,
+    )
+
+
+def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
+    """Return the start that suits all latencies; check that each has a frame to show.
+
+    Errors: as schedule_of.
+    """
+    first = [options.start_s]
+    for latency in options.latencies_ms:
+        case = Case("", options.recordings[0], latency, options.sizes[0])
+        own = [own_run(options, case, strategy=text) for text in options.strategies if has_own_link(text)]
+        for run in (run_options(options, case), *own):
+            schedule_of(track, run, rate_hz)
+            first.append(first_shown_s(run, rate_hz))
+    return max(first)

@@ -1,0 +1,152 @@
+"""Options of a bench, checked before anything is started."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from ...client.classes import PICTURE_CLIENT
+from ...errors import InputError
+from ...link import LinkOptions
+from ...options import (
+    DEFAULT_GUARD,
+    Declared,
+    Guard,
+    Number,
+    check_one_guard,
+    force_field,
+    group,
+    guard_band,
+    guard_field,
+    names_in,
+    option,
+    out_field,
+    same_as,
+    several,
+    split_names,
+)
+from ...poses.options import TraceOptions
+from ...run.options import RunOptions
+from ...run.recordings import recordings_field, with_recordings
+from ...scenes.options import SceneOptions
+from ...sources.sequences.options import SequenceOptions
+from ..sweep.options import SweepOptions
+
+if TYPE_CHECKING:
+    from ...geometry import GuardBand
+
+Size = tuple[int, int]
+
+_RUN, _LINK = attrs.fields(RunOptions), attrs.fields(LinkOptions)
+# The last two are complete: they leave nothing empty. cases.py says with which warps they run.
+FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
+
+
+def _size(value: Any) -> Size:
+    sides = tuple(value)
+    if len(sides) != 2 or not all(isinstance(side, int) and side >= 1 for side in sides):
+        raise InputError(f"--size {value!r}: expected (width, height) in pixels of one eye")
+    return sides
+
+
+def parquet_field() -> Any:
+    """Return the field that asks for the table as Parquet too."""
+    return option(False, "Write the table as bench.parquet too; needs pyarrow.")
+
+
+DEFAULT_SIZES = ((1280, 800),)
+# What a recording has itself, or cannot have.
+_NOT_WITH_FRAMES = ("traces", "scene", "guard", "rendered_size", "rate", "strategy")
+
+
+@attrs.frozen
+class BenchOptions(Declared):
+    """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
+
+    Errors: InputError for a number that makes no sense, and for an empty list.
+    """
+
+    recordings: tuple[str, ...] = recordings_field()
+    scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
+    scene_options: SceneOptions = group(SceneOptions)
+    frames: Path | None = same_as(_RUN.frames)
+    sequence_options: SequenceOptions = group(SequenceOptions)
+    latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
+    # Names, with settings where they matter (`mesh:cut=slope`); empty for all that warp a late
+    # picture, their variants and the baselines.
+    warps: tuple[str, ...] = several(
+        _RUN.warp,
+        (),
+        f"Warp: {names_in('client/warps')}, or cv2.warpFrame; by default all that warp a late picture, and what other "
+        "systems do. Settings follow a colon, as in mesh:cut=slope.",
+        split=split_names,
+    )
+    # Beside the warps that are named, or alone.
+    strategies: tuple[str, ...] = several(
+        _RUN.strategy,
+        (),
+        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('client/strategies')}.",
+        split=split_names,
+    )
+    fills: tuple[str, ...] = several(
+        _RUN.fill, FILLS, f"Fill: {names_in('client/fills')}, or several with +", split=split_names
+    )
+    effects: str = same_as(_RUN.effects)
+    sizes: tuple[Size, ...] = several(_RUN.size, DEFAULT_SIZES, "Pixels of one eye", each=_size)
+    lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
+    headset: str = same_as(_RUN.headset)
+    rate_hz: float | None = same_as(_RUN.rate_hz)
+    # Empty for the display's.
+    server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
+    start_s: float = same_as(_RUN.start_s)
+    seconds: float | None = same_as(_RUN.seconds)
+    guard: Guard = guard_field(DEFAULT_GUARD)
+    rendered_size: Size | None = same_as(_RUN.rendered_size)
+    # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
+    # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
+    # instant. Two rounds for both eyes at each make 24 times per combination.
+    instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
+    rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
+    # 0 for not at all.
+    jod_s: float = same_as(
+        _RUN.jod_s,
+        help="Also rate a clip of this many seconds that ends at each instant, by ColorVideoVDP "
+        "(pip install 'hmdwarp[jod]'); slow.",
+    )
+    # All combinations are measured; the front and the budget are for those that it can run.
+    client: str = same_as(
+        _RUN.client, PICTURE_CLIENT, help="Client that the Pareto front and --budget are for; all is measured."
+    )
+    # Chooses the most accurate combination within it.
+    budget_ms: float | None = same_as(
+        _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
+    )
+    grid: bool = option(True, "Sweep head displacements in the first scene.", off="--no-grid")
+    fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
+    workers: int | None = same_as(_RUN.workers)
+    trace_options: TraceOptions = group(TraceOptions)
+    out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
+    parquet: bool = parquet_field()
+    force: bool = force_field()
+    sweep: SweepOptions = group(SweepOptions)
+    command: str = ""
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields that something was said about. Errors: InputError."""
+        check_one_guard(said)
+        said = with_recordings(said)
+        if said.get("frames") is None:
+            return super().values_of(said)
+        for name in _NOT_WITH_FRAMES:
+            if said.get(name):
+                raise InputError(f"--{name} with --frames: a bench takes what was recorded; leave it out")
+        return {**super().values_of(said), "guard": 1.0, "grid": False, "fused": False}
+
+    @property
+    def guard_band(self) -> GuardBand:
+        """The guard band. Errors: InputError for guard "auto", which a bench does not take."""
+        return guard_band(self)

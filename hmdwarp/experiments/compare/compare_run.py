@@ -1,0 +1,234 @@
+"""Every strategy on the same heads, over the same link, by the same measures."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+from numpy.typing import NDArray
+
+from ...client.classes import load_client
+from ...client.plan import Plan
+from ...client.strategies import strategies
+from ...errors import InputError, PlanError
+from ...link.codec import codecs
+from ...metrics import QUALITY, ratings_of
+from ...pipeline.planning import build_plan_for
+from ...pipeline.recorded_scene import RecordedScene, headset_of, scene_of
+from ...poses import load_trace
+from ...report import SCHEMA, OutputFolder
+from ...resources import __version__
+from ...run.host import refuse_one_eye
+from ...run.options import RunOptions
+from ...run.recorded_frames import ONE_EYE, own_trace
+from ...run.recordings import refuse_traces_of_one_name
+from ...run.replay_setup import schedule_for
+from ...run.schedule import first_shown_s
+from ..sweep import Separate, SweepCase, Swept, raise_failures, run_cases
+from .compare_work import ComparePart, pictures_of, run_part
+from .options import CompareOptions
+
+_DUPLICATE = (
+    "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
+)
+PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
+# Recordings at a latency on the page, which draws charts of each.
+MOST_SHOWN = 40
+Progress = Callable[[int, int], None]
+
+COLUMNS = (
+    "trace",
+    "scene",
+    "latency_ms",
+    "strategy",
+    "warp",
+    "fill",
+    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
+    "jod",
+    "truth_preferred",
+    "client_ms",
+    "server_ms",
+    "mbit_s",
+    "up_mbit_s",
+    "decoded_mpx_s",
+    "start_bytes",
+    "client_bytes",
+    "unfit",
+)
+
+
+@attrs.frozen(eq=False)
+class CompareResult:
+    """What was found, as in compare.json, and where it lies; its rows are read from the disk."""
+
+    folder: Path
+    data: dict[str, Any]
+    # The runs, and which failed: raise_failures tells of them.
+    swept: Swept
+
+    @property
+    def report(self) -> Path:
+        """The page."""
+        return self.folder / PAGE
+
+
+def compare(
+    options: CompareOptions,
+    progress: Progress = lambda done, total: None,
+    say: Callable[[str], None] = lambda text: None,
+) -> CompareResult:
+    """Run every strategy on every recording at every latency, and write options.out.
+
+    Each run is a case, kept in the folder `cases` there as soon as it is done; those of a recording
+    and latency, which are compared, run on one machine.
+
+    All that was asked for is checked before anything runs. progress(done, total): in runs. say:
+    gets a sentence.
+    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks; that
+    of the run where none of several was done.
+    """
+    started = time.perf_counter()
+    clients = [load_client(name) for name in options.clients]
+    runs, left_out = _checked(options)
+    with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
+        cases = [_case(run, options.clients) for run in runs]
+        swept = run_cases(Separate(run_part), cases, options.out, options.sweep, progress, say)
+        rows = swept.rows(lambda row: (row,))
+        if not rows:
+            raise_failures(swept)
+        data = {
+            "schema": SCHEMA,
+            "hmdwarp": __version__,
+            "command": options.command,
+            **{key: rows[0][key] for key in ("machine", "clock")},
+            "clients": [{"name": client.name, "summary": client.summary} for client in clients],
+            "strategies": [_told(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
+            "left_out": [*left_out, *({"strategy": one.name, "why": f"failed: {one.why}"} for one in swept.failed)],
+            "rows": rows,
+            "seconds": time.perf_counter() - started,
+        }
+        _write(out, data, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
+    return CompareResult(options.out, data, swept)
+
+
+def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
+    front = f"{run.trace}, {run.total_latency_ms:g} ms"
+    return SweepCase.of("compare", f"{run.strategy}, {front}", ComparePart(run, tuple(clients)), group=front)
+
+
+def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
+    """Return the options of every run, and which strategies are left out and why.
+
+    Those that nobody named are left out where the scene does not call for them, where they would do
+    what another one does, and where recorded frames lack what they send.
+    Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
+    """
+    first = _run_options(options, "", options.recordings[0], 0.0, 0.0)
+    scene = scene_of(first)
+    headset, left_out, chosen = headset_of(first, scene), [], dict[str, Any]()
+    for text in options.strategies or strategies.names():
+        try:
+            run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
+            build_plan_for(run, headset, None)
+            plan = build_plan_for(run, headset, scene)
+            if run.is_recorded:
+                refuse_one_eye(plan.needs, 1, ONE_EYE)
+        except (PlanError, InputError) as error:
+            if options.strategies or not (isinstance(error, PlanError) or options.frames):
+                raise
+            left_out.append({"strategy": text, "why": str(error)})
+            continue
+        does = _what_it_does(run, plan)
+        alike = None if options.strategies else next((name for name, one in chosen.items() if one == does), None)
+        if alike is None:
+            chosen[text] = does
+        else:
+            left_out.append({"strategy": text, "why": _DUPLICATE.format(scene=scene.name, alike=alike)})
+    rate_hz = options.rate_hz or headset.refresh_hz
+    # From the same refresh on, whoever has to wait longest for the first frame.
+    latest = [_run_options(options, text, options.recordings[0], max(options.latencies_ms), 0.0) for text in chosen]
+    start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
+    cases = itertools.product(options.recordings, options.latencies_ms, chosen)
+    runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
+    sequence = scene.sequence if isinstance(scene, RecordedScene) else None
+    traces = {
+        recording: load_trace(recording, options.trace_options) if sequence is None else own_trace(sequence)
+        for recording in options.recordings
+    }
+    refuse_traces_of_one_name(traces)
+    for run in runs:
+        codecs.get(run.coding.codec)
+        schedule_for(run, sequence, traces[run.trace], rate_hz)
+    return runs, left_out
+
+
+def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
+    """Return what tells two strategies apart on one scene: all but their names and reasons."""
+    return (
+        attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
+        attrs.evolve(plan, steps=(), left_out=()),
+    )
+
+
+def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:
+    """Return the options of one run. Errors: as RunOptions.of."""
+    by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
+    return attrs.evolve(
+        by_strategy.over(latency_ms, options.network, options.coding),
+        scene=options.scene,
+        scene_options=options.scene_options,
+        sequence_options=options.sequence_options,
+        repair=options.repair,
+        headset=options.headset,
+        size=options.eye_size,
+        rate_hz=options.rate_hz,
+        start_s=start_s,
+        seconds=options.seconds,
+        lens="none",
+        trace_options=options.trace_options,
+        against="",
+        metrics_every=options.metrics_every,
+        jod_s=options.jod_s,
+        workers=options.sweep.measuring(options.workers),
+        images=1,
+    )
+
+
+def _told(text: str) -> dict[str, Any]:
+    strategy = strategies.get(text.partition(":")[0])
+    return {
+        "name": text,
+        "summary": strategy.summary,
+        "crosses": strategy.crosses,
+        "client": strategy.client,
+        "late": strategy.late,
+        "classes": [f"class-{number}" for number in strategy.classes],
+        "source": strategy.source,
+    }
+
+
+def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[NDArray, NDArray]]]) -> None:
+    from ...report.compare_page import first_cases, render_compare_page
+
+    out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
+    numbers, count = first_cases(data["rows"], MOST_SHOWN)
+    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
+    out.write_text(PAGE, render_compare_page(shown, [pictures[number] for number in numbers]))
+    out.write_json(DATA, data)
+
+
+def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"} | ratings_of(row)
+        quality = {
+            f"{name}{tail}": row["quality"][name][which]
+            for name in QUALITY
+            for tail, which in (("", "mean"), ("_p95", "p95"))
+        }
+        why = "; ".join(f"{client}: {reason}" for client, reason in row["unfit"].items() if reason)
+        yield {**plain, **quality, "unfit": why}

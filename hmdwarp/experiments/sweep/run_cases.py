@@ -1,0 +1,150 @@
+"""Runs a set of cases, one after the other here; each is kept as soon as it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ...errors import HmdwarpError, InputError, MachineError
+from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
+from .kept_rows import KeptRows, RowsOf
+from .options import ClusterOptions, KeptOptions
+from .sweep_case import Say, SweepCase, Work, groups_of, run_group
+
+Progress = Callable[[int, int], None]
+
+
+@attrs.frozen
+class Swept:
+    """What became of a set of cases."""
+
+    kept: KeptCases
+    cases: tuple[SweepCase, ...]
+    failed: tuple[Failure, ...]
+    # Those that an earlier run had done.
+    known: int
+
+    @property
+    def done(self) -> Iterator[SweepCase]:
+        """The cases that are done, in the order of the cases."""
+        return (case for case in self.cases if self.kept.state(case.identity) == DONE)
+
+    def results(self) -> Iterator[tuple[SweepCase, Any]]:
+        """Read the results of the cases that are done from the disk, in the order of the cases."""
+        return ((case, self.kept.result(case.identity)) for case in self.done)
+
+    def rows(self, rows_of: RowsOf) -> KeptRows:
+        """Return the rows of all cases that are done, which stay on the disk."""
+        return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
+
+
+def run_cases(
+    work: Work,
+    cases: Sequence[SweepCase],
+    out: Path,
+    options: KeptOptions,
+    progress: Progress = lambda done, total: None,
+    say: Say = lambda text: None,
+) -> Swept:
+    """Run the cases that are not done and keep each in the folder `cases` of `out`.
+
+    A case that fails is kept as failed, and the others go on. An interruption leaves what is done.
+    progress(done, total): in steps of the cases. say: gets a sentence.
+    Errors: InputError or MachineError for a folder that cannot be written.
+    """
+    kept = KeptCases(out / FOLDER)
+    if not options.resume:
+        kept.clear()
+    missing = [case for case in cases if kept.state(case.identity) != DONE]
+    known = len(cases) - len(missing)
+    if known:
+        say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
+    bar = _Bar(cases, missing, progress)
+    for case, outcome in _run(work, missing, options, bar, say, in_turn=options.in_turn):
+        if isinstance(outcome, Failure):
+            kept.keep_failure(case.identity, outcome)
+            say(f"failed: {case.name}: {outcome.why}")
+        else:
+            kept.keep(case.identity, case.name, outcome)
+        bar.done(case)
+    failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
+    return Swept(kept, tuple(cases), failed, known)
+
+
+def outcomes(
+    work: Work, cases: Sequence[SweepCase], options: ClusterOptions, progress: Progress, say: Say
+) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    """Run all of the cases and yield what became of each, for those who keep results themselves."""
+    bar = _Bar(cases, cases, progress)
+    for case, outcome in _run(work, cases, options, bar, say):
+        yield case, outcome
+        bar.done(case)
+
+
+def raise_failures(swept: Swept) -> None:
+    """Raise the error of a run in which cases failed: see raise_failed."""
+    raise_failed(swept.failed, len(swept.cases), "the others are kept: run it again with --resume")
+
+
+def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:
+    """Raise the error of `count` cases of which some failed, with the exit status of the first.
+
+    then: what to do. Errors: InputError, MachineError or HmdwarpError.
+    """
+    if not failed:
+        return
+    first = failed[0]
+    kind = next((one for one in (InputError, MachineError) if one.exit_status == first.exit_status), HmdwarpError)
+    if count == 1:
+        raise kind(first.why)
+    others = f", and {len(failed) - 1} more" if len(failed) > 1 else ""
+    raise kind(f"{len(failed)} of {count} cases failed: {first.name}: {first.why}{others}; {then}")
+
+
+def _run(
+    work: Work, cases: Sequence[SweepCase], options: ClusterOptions, bar: _Bar, say: Say, *, in_turn: bool = False
+) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    """Yield what became of each case, here or on a cluster."""
+    if not cases:
+        return
+    if options.cluster is None:
+        yield from _run_here(work, cases, bar)
+        return
+    from .cluster import run_on_cluster
+
+    yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
+
+
+def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
+    with work.opened() as runner:
+        for group in groups_of(cases):
+            yield from run_group(runner, group, bar.within)
+
+
+class _Bar:
+    """One progress over cases of different lengths."""
+
+    def __init__(self, cases: Sequence[SweepCase], missing: Sequence[SweepCase], progress: Progress) -> None:
+        self._total, self._progress = sum(case.steps for case in cases), progress
+        self._done = self._total - sum(case.steps for case in missing)
+        self._shown, self._steps = -1, [case.steps for case in missing]
+        self._show(self._done)
+
+    def within(self, share: float) -> None:
+        """Show the share of the present case that is done."""
+        if self._steps:
+            self._show(self._done + round(share * self._steps[0] - 0.5 + 1e-6))
+
+    def done(self, case: SweepCase) -> None:
+        """Show that a case is over."""
+        self._done += case.steps
+        self._steps = self._steps[1:]
+        self._show(self._done)
+
+    def _show(self, done: int) -> None:
+        if done > self._shown:
+            self._shown = done
+            self._progress(done, self._total)

@@ -1,0 +1,419 @@
+"""The messages of the feed, as docs/feed.md has them: little-endian, every length checked.
+
+Whatever bytes come in, decoding returns a message or raises Malformed, and holds no more memory
+than they do; parts that are packed stay so.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import math
+import struct
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...colour import linear_from_srgb
+from ...errors import InputError
+from ...geometry import Fov, Pose, View
+from . import parts
+from .parts import BadPart, Layers, Part, Wanted
+
+VERSION = 3
+MAGIC = b"HWFD"
+ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
+# Formats of colour, and of depth; 0 in a request: the server's choice.
+RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
+INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
+ANY = 0
+MOST_SIDE, MOST_EYES, MOST_TEXT = 8192, 2, 500
+MOST_BYTES = 1 << 29
+# Magic, version, kind, bytes of the whole message.
+_HEAD = struct.Struct("<4sHHI")
+# Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
+# width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
+# number of further layers, whether frames may come by shared memory, frames a second, Mbit/s of an
+# eye's video, step of depth.
+_ASK = struct.Struct("<QqqqQ32sIIBBBBBBBx3d")
+# Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
+# height, eyes, format of colour, format of depth, whether the stream begins here, place in it,
+# number of parts of further layers.
+_FRAME = struct.Struct("<QqqqqqIIBBBBIB3x")
+# Bytes of one eye's colour and depth.
+_LENGTHS = struct.Struct("<II")
+_REFUSAL = struct.Struct("<QI")
+# Id, bytes of the frame's message, name of the shared memory that it lies in.
+_STUB = struct.Struct("<QI64s")
+_POSE = struct.Struct("<7d")
+# world_from_eye, head_from_eye, left, right, down, up.
+_EYE = struct.Struct("<18d")
+# Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
+_COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
+_DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
+_NO_TOKEN = bytes(32)
+_FINEST = 2.0**-20
+Size = tuple[int, int]
+# Of a whole message.
+Data = bytes | memoryview
+
+
+@attrs.frozen
+class Wish:
+    """How a client would have its frames coded; a server may send another format."""
+
+    colour: int = ANY
+    depth: int = ANY
+    # CRF of the video, 0 (best) to 51; None for the codec's own.
+    crf: int | None = None
+    # Frames a second that are asked for; the rate control of a video reads it.
+    rate_hz: float = 60.0
+    # Of one eye's video in place of a quality; 0 for none.
+    bitrate_mbit: float = 0.0
+    # 1/m, of coded depth; 0 for the server's choice.
+    depth_step: float = 0.0
+
+
+class Malformed(ValueError):
+    """Bytes that are no message of this version; the text says what is wrong with them."""
+
+
+class OtherVersion(Malformed):
+    """A request in another version; its id is where every version has it."""
+
+    def __init__(self, version: int, number: int) -> None:
+        super().__init__(f"version {version}: this program speaks version {VERSION}")
+        self.number = number
+
+
+@attrs.frozen(eq=False)
+class Ask:
+    """A head pose upstream: draw a frame for these eyes."""
+
+    # Rises by at least 1 from one request to the next; 1 for the first.
+    number: int
+    # On the client's clock.
+    sent_ns: int
+    # Of the scene: what moves is drawn where it is then.
+    time_ns: int
+    # For which the head pose is; later than time_ns if it was predicted.
+    head_ns: int
+    # The newest frame that the client has, 0 for none.
+    received: int
+    # (w, h) of one eye.
+    size: Size
+    head: Pose
+    views: tuple[View, ...]
+    # SHA-256 of the shared secret; zeros for none.
+    token: bytes = _NO_TOKEN
+    wish: Wish = Wish()
+    # Whether the pictures must be decodable without any before.
+    anew: bool = False
+    # What the client reads beside colour and depth; None for nothing.
+    wanted: Wanted | None = None
+    # Whether the client reads frames from shared memory.
+    shares: bool = False
+
+
+@attrs.frozen(eq=False)
+class FrameMessage:
+    """A frame downstream, with the exact views it was drawn for."""
+
+    number: int
+    # As the request had it, on the client's clock.
+    asked_ns: int
+    # On the server's clock.
+    received_ns: int
+    sent_ns: int
+    render_ns: int
+    time_ns: int
+    views: tuple[View, ...]
+    # Of each eye, top row first, (h, w, 4) with coverage in alpha: linear light as float16, or sRGB
+    # as uint8; bytes where it is coded.
+    colours: tuple[NDArray[np.float16] | NDArray[np.uint8] | bytes, ...]
+    # (h, w) in 1/m, 0 for the sky, -1 where nothing was drawn; bytes where it is coded.
+    inverse_depths: tuple[NDArray[np.float32] | bytes, ...]
+    # Formats of those that are bytes, and (w, h) of one eye where both are.
+    colour: int = RGBA16F
+    depth: int = INVERSE_DEPTH
+    coded_size: Size = (0, 0)
+    # Of coded pictures: whether this one can be decoded without those before, and its place: the
+    # next one's is 1 more.
+    begins: bool = True
+    place: int = 0
+    # Further layers of each eye; () for none.
+    layers: tuple[Layers, ...] = ()
+
+    @property
+    def size(self) -> Size:
+        """(w, h) of one eye."""
+        for one in (self.inverse_depths[0], self.colours[0]):
+            if not isinstance(one, bytes):
+                return one.shape[1], one.shape[0]
+        return self.coded_size
+
+    def light(self, eye: int) -> NDArray[np.float16]:
+        """Return one eye's colour as linear light; it must not be coded."""
+        colour = self.colours[eye]
+        assert not isinstance(colour, bytes)
+        if colour.dtype != np.uint8:
+            return colour.astype(np.float16, copy=False)
+        light = _light_of_byte()[colour]
+        light[..., 3] = colour[..., 3] > 0
+        return light
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of the pictures."""
+        return sum(map(length_of, (*self.colours, *self.inverse_depths))) + sum(map(parts.length_of, self.further))
+
+    @property
+    def further(self) -> list[Part]:
+        """The parts of all further layers."""
+        return [one for of_eye in self.layers for several in of_eye.values() for one in several]
+
+
+@attrs.frozen
+class Refusal:
+    """Why a request was not answered by a frame."""
+
+    number: int
+    text: str
+
+
+@attrs.frozen
+class Stub:
+    """Where a frame lies that does not come by the socket."""
+
+    number: int
+    # Of the frame's message.
+    length: int
+    # Of the shared memory, as shm_open takes it, without the slash.
+    name: str
+
+
+Message = Ask | FrameMessage | Refusal | Stub
+# Of a message: bytes, or an array whose bytes follow in the order of its indices.
+Piece = bytes | NDArray[Any]
+
+
+def request_bytes(eyes: int) -> int:
+    """Return the bytes of a request for so many eyes that wishes for no further layers."""
+    return _HEAD.size + _ASK.size + _POSE.size + eyes * _EYE.size
+
+
+LARGEST_ASK = request_bytes(MOST_EYES) + parts.wanted_bytes(parts.MOST_WANTED, MOST_EYES)
+
+
+def length_of(picture: NDArray[Any] | bytes) -> int:
+    """Return the bytes of a picture."""
+    return len(picture) if isinstance(picture, bytes) else picture.nbytes
+
+
+@functools.cache
+def _light_of_byte() -> NDArray[np.float16]:
+    return linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16)
+
+
+def token_of(secret: str) -> bytes:
+    """Return what a request carries of a shared secret; zeros for an empty one."""
+    return hashlib.sha256(secret.encode()).digest() if secret else _NO_TOKEN
+
+
+def size_of(piece: Piece) -> int:
+    """Return the bytes of a piece of a message."""
+    return len(piece) if isinstance(piece, bytes) else piece.nbytes
+
+
+def encode(message: Message) -> bytes:
+    """Return the bytes of a message."""
+    return b"".join(one if isinstance(one, bytes) else one.tobytes() for one in pieces_of(message))
+
+
+def pieces_of(message: Message) -> list[Piece]:
+    """Return the pieces that a message is made of, pictures as they are."""
+    if isinstance(message, Ask):
+        one = message
+        stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
+        start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
+        wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
+        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted])
+    if isinstance(message, FrameMessage):
+        it = message
+        numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
+        colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
+        heads, contents = parts.packed_layers(it.layers)
+        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads))
+        pairs = list(zip(it.colours, it.inverse_depths, strict=True))
+        lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
+        pictures = [picture for pair in pairs for picture in pair]
+        return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
+    if isinstance(message, Stub):
+        return _framed(STUB, [_STUB.pack(message.number, message.length, message.name.encode())])
+    # Whole letters of it.
+    text = message.text.encode(errors="replace")[:MOST_TEXT].decode(errors="ignore").encode()
+    return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
+
+
+def _packed_wish(ask: Ask) -> tuple[float, ...]:
+    wish = ask.wish
+    quality = 0 if wish.crf is None else 1 + wish.crf
+    layers = 0 if ask.wanted is None else len(ask.wanted.layers)
+    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares)
+    return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+
+
+def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
+    if isinstance(picture, bytes):
+        return coded
+    formats: dict[str, int] = {"float16": RGBA16F, "uint8": RGBA8, "float32": INVERSE_DEPTH}
+    return formats[picture.dtype.name]
+
+
+def _framed(kind: int, body: Sequence[Piece]) -> list[Piece]:
+    return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(size_of, body))), *body]
+
+
+def _packed(pose: Pose) -> bytes:
+    return _POSE.pack(*pose.position_m.tolist(), *pose.orientation_xyzw.tolist())
+
+
+def _packed_eye(view: View) -> bytes:
+    fov = view.fov
+    return _packed(view.pose) + _packed(view.head_from_eye) + struct.pack("<4d", fov.left, fov.right, fov.down, fov.up)
+
+
+def decode(data: Data) -> Message:
+    """Return the message in these bytes. Errors: Malformed, whatever the bytes are."""
+    if len(data) < _HEAD.size:
+        raise Malformed(f"{len(data)} bytes: a message has {_HEAD.size} or more")
+    magic, version, kind, length = _HEAD.unpack_from(data)
+    if magic != MAGIC:
+        raise Malformed(f"it begins with {magic!r}: expected {MAGIC!r}")
+    if version != VERSION and kind != REFUSAL:
+        raise OtherVersion(version, int.from_bytes(data[_HEAD.size : _HEAD.size + 8], "little"))
+    if length != len(data) or length > MOST_BYTES:
+        raise Malformed(f"{len(data)} bytes, and it says {length}: expected the same, at most {MOST_BYTES}")
+    readers: dict[int, Callable[[Data], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal, STUB: _stub}
+    if kind not in readers:
+        raise Malformed(f"kind {kind}: expected {ASK} to {STUB}")
+    try:
+        return readers[kind](data)
+    except (struct.error, InputError, UnicodeDecodeError, BadPart) as error:
+        raise Malformed(f"kind {kind}: {error}") from error
+
+
+def _ask(data: Data) -> Ask:
+    number, sent_ns, time_ns, head_ns, received, token, width, height, eyes, *asked = _ASK.unpack_from(data, _HEAD.size)
+    at = _HEAD.size + _ASK.size
+    _check_format(width, height, eyes)
+    anew, layers, shares = asked[3] != 0, int(asked[4]), asked[5] != 0
+    if layers > parts.MOST_WANTED:
+        raise Malformed(f"{layers} further layers: expected {parts.MOST_WANTED} at most")
+    wanted_at = at + _POSE.size + eyes * _EYE.size
+    _check_length(data, wanted_at + parts.wanted_bytes(layers, eyes))
+    head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
+    wanted = parts.wanted_from(data, wanted_at, layers, eyes)
+    times = (number, sent_ns, time_ns, head_ns, received)
+    return Ask(*times, (width, height), head, views, token, _wish(asked), anew, wanted, shares)
+
+
+def _wish(asked: Sequence[float]) -> Wish:
+    colour, depth, quality, _, _, _, rate_hz, bitrate_mbit, step = asked
+    in_range = 1 <= rate_hz <= 1000 and 0 <= bitrate_mbit <= 1000 and (step == 0 or _FINEST <= step <= 1)
+    if quality > 52 or not in_range:
+        raise Malformed(
+            f"quality {quality}, {rate_hz:g} Hz, {bitrate_mbit:g} Mbit/s, steps of {step:g} 1/m: expected 0 to 52, 1 "
+            f"to 1000 Hz, 0 to 1000 Mbit/s, and 0 or {_FINEST:g} to 1"
+        )
+    return Wish(int(colour), int(depth), int(quality) - 1 if quality else None, rate_hz, bitrate_mbit, step)
+
+
+def _frame(data: Data) -> FrameMessage:
+    number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
+    width, height, eyes, colour, depth, begins, place, count = form
+    _check_format(width, height, eyes)
+    if not (RGBA16F <= colour <= HEVC and INVERSE_DEPTH <= depth <= DEPTH_VIDEO):
+        raise Malformed(
+            f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
+            f"{DEPTH_VIDEO} for depth"
+        )
+    if render_ns < 0:
+        raise Malformed(f"drawn in {render_ns} ns: expected 0 or more")
+    at = _HEAD.size + _FRAME.size
+    views, at = _views(data, at, eyes), at + eyes * _EYE.size
+    lengths = [_LENGTHS.unpack_from(data, at + eye * _LENGTHS.size) for eye in range(eyes)]
+    heads_at = at + eyes * _LENGTHS.size
+    at = heads_at + count * parts.HEAD.size
+    layers, end = parts.layers_from(data, heads_at, count, at + sum(map(sum, lengths)), eyes)
+    _check_length(data, end)
+    if parts.unpacked_bytes(layers) > MOST_BYTES:
+        raise Malformed(f"parts of more than {MOST_BYTES} bytes as numbers")
+    colours: list[NDArray[Any] | bytes] = []
+    depths: list[NDArray[Any] | bytes] = []
+    for of_colour, of_depth in lengths:
+        colours.append(_picture(data, at, of_colour, _COLOURS.get(colour), (height, width, 4)))
+        depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
+        at += of_colour + of_depth
+    times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
+    rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
+    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest)
+
+
+def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
+    """Return the numbers of a picture, or the bytes of a coded one: no kind."""
+    if kind is None:
+        return bytes(data[at : at + length])
+    count = math.prod(shape)
+    if length != count * kind.itemsize:
+        raise Malformed(f"a picture of {length} bytes: expected {count * kind.itemsize}")
+    return np.frombuffer(data, kind, count, at).reshape(shape)
+
+
+def _refusal(data: Data) -> Refusal:
+    number, length = _REFUSAL.unpack_from(data, _HEAD.size)
+    at = _HEAD.size + _REFUSAL.size
+    if length > MOST_TEXT:
+        raise Malformed(f"a text of {length} bytes: expected at most {MOST_TEXT}")
+    _check_length(data, at + length)
+    text = bytes(data[at:]).decode()
+    # A line of its own in a log, and no control of the terminal that shows it.
+    return Refusal(number, "".join(one if one.isprintable() else " " for one in text))
+
+
+def _stub(data: Data) -> Stub:
+    _check_length(data, _HEAD.size + _STUB.size)
+    number, length, name = _STUB.unpack_from(data, _HEAD.size)
+    if not _HEAD.size <= length <= MOST_BYTES:
+        raise Malformed(f"a frame of {length} bytes: expected at most {MOST_BYTES}")
+    return Stub(number, length, name.rstrip(b"\0").decode("ascii"))
+
+
+def _check_format(width: int, height: int, eyes: int) -> None:
+    if not (1 <= width <= MOST_SIDE and 1 <= height <= MOST_SIDE and 1 <= eyes <= MOST_EYES):
+        raise Malformed(
+            f"{eyes} eyes of {width}x{height} pixels: expected 1 to {MOST_EYES}, with sides of 1 to {MOST_SIDE}"
+        )
+
+
+def _check_length(data: Data, length: int) -> None:
+    if len(data) != length:
+        raise Malformed(f"{len(data)} bytes: expected {length}")
+
+
+def _pose(numbers: Sequence[float]) -> Pose:
+    x, y, z, w = numbers[3:7]
+    if not 0.999 < math.hypot(x, y, z, w) < 1.001:
+        raise Malformed(f"a quaternion of length {math.hypot(x, y, z, w):g}: expected 1, within 0.001")
+    return Pose(numbers[:3], numbers[3:7])
+
+
+def _views(data: Data, at: int, eyes: int) -> tuple[View, ...]:
+    found = []
+    for eye in range(eyes):
+        numbers = _EYE.unpack_from(data, at + eye * _EYE.size)
+        found.append(View(_pose(numbers[:7]), Fov(*numbers[14:]), _pose(numbers[7:14])))
+    return tuple(found)

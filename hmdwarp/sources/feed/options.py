@@ -1,0 +1,60 @@
+"""Options of a client of the feed, and the secret that it shares with its server."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import attrs
+
+from ...errors import InputError
+from ...options import Declared, option
+
+_STUDY = "a study shows scenes that it draws itself, with a latency that it sets"
+
+
+@attrs.frozen(kw_only=True)
+class FeedOptions(Declared):
+    """Where frames come from, if not from here.
+
+    Errors: InputError for a secret or a key without a server.
+    """
+
+    # "" for frames that are drawn here.
+    connect: str = option(
+        "",
+        "HOST:PORT or ipc://PATH of the server that draws the frames: their latency is measured, --latency counts "
+        "nothing; replay --scene server: whatever it draws.",
+        study=_STUDY,
+    )
+    server_key: Path | None = option(
+        None,
+        "File with the public key of the server at --connect, its NAME.key; encrypts both ways.",
+        kind=Path,
+        study=_STUDY,
+    )
+    token_file: Path | None = option(
+        None, "File with the secret that the server at --connect wants.", kind=Path, study=_STUDY
+    )
+
+    def __attrs_post_init__(self) -> None:
+        for name, path in (("--server-key", self.server_key), ("--token-file", self.token_file)):
+            if path is not None and not self.connect:
+                raise InputError(f"{name} {path}: it is for --connect; name the server, or leave it out")
+
+    @property
+    def is_used(self) -> bool:
+        """Whether frames come from elsewhere."""
+        return bool(self.connect)
+
+
+def secret_in(path: Path | None) -> str:
+    """Return the secret in a file, "" for none. Errors: InputError."""
+    if path is None:
+        return ""
+    try:
+        text = path.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"--token-file {path}: cannot be read ({error})") from error
+    if not text:
+        raise InputError(f"--token-file {path}: it is empty; expected a secret, such as 32 random letters")
+    return text

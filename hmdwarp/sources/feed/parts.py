@@ -1,0 +1,206 @@
+"""Further layers in messages: pictures and numbers, each by its layer's name."""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import Fov
+
+Size = tuple[int, int]
+Array = NDArray[Any]
+
+# Name of a layer, and how much of it.
+WANTED = struct.Struct("<16sI")
+# Name of a layer, eye, format, whether it is packed, width, height, bytes.
+HEAD = struct.Struct("<16sBBBxIII")
+# By number of the format: how numbers are stored, and how many there are a pixel, or in one place
+# of a table.
+FORMATS: dict[int, tuple[np.dtype, int]] = {
+    1: (np.dtype("<f2"), 4),
+    2: (np.dtype("<f4"), 1),
+    3: (np.dtype("<u2"), 1),
+    4: (np.dtype("<f8"), 1),
+}
+TABLE = 4
+MOST_WANTED, MOST_PARTS, MOST_SIDE = 16, 255, 8192
+_NAME = re.compile(rb"([a-z_]{1,16})\0*")
+_LEVEL = 1
+
+
+class BadPart(ValueError):
+    """A part of a message that is none; the text says what is wrong with it."""
+
+
+@attrs.frozen
+class Wanted:
+    """Which further layers a client reads, and the shown picture, whose size some of them have."""
+
+    # Name and amount of each.
+    layers: tuple[tuple[str, int], ...]
+    # (w, h) of the shown picture, and the field of view of each eye's.
+    size: Size
+    fovs: tuple[Fov, ...]
+
+
+@attrs.frozen(eq=False)
+class Packed:
+    """A picture or table whose bytes are packed."""
+
+    format: int
+    # (w, h).
+    size: Size
+    data: bytes
+
+    def numbers(self) -> Array:
+        """Return what was packed. Errors: BadPart."""
+        kind, shape = _shape(self.format, self.size)
+        count = math.prod(shape) * kind.itemsize
+        unpacking = zlib.decompressobj()
+        try:
+            found = unpacking.decompress(self.data, count + 1)
+        except zlib.error as error:
+            raise BadPart(f"a packed part is damaged ({error})") from error
+        if len(found) != count or not unpacking.eof or unpacking.unused_data:
+            raise BadPart(f"a packed part is not the {count} bytes that it says")
+        return np.frombuffer(found, kind).reshape(shape)
+
+
+Part = Array | Packed
+# The parts of each layer of one eye, in the order of its declaration.
+Layers = Mapping[str, Sequence[Part]]
+
+
+def packed(numbers: Array) -> Packed:
+    """Return a picture or table, packed."""
+    found = format_of(numbers)
+    stored = np.ascontiguousarray(numbers, FORMATS[found][0])
+    return Packed(found, (numbers.shape[1], numbers.shape[0]), zlib.compress(stored.data, _LEVEL))
+
+
+def format_of(numbers: Array) -> int:
+    """Return the format of (h, w), or (h, w, channels), numbers. Errors: ValueError."""
+    for found, (kind, channels) in FORMATS.items():
+        if numbers.dtype == kind and numbers.shape[2:] == ((channels,) if channels > 1 else ()):
+            return found
+    raise ValueError(f"{numbers.dtype} of shape {numbers.shape}: no format of the feed")
+
+
+def _shape(form: int, size: Size) -> tuple[np.dtype, tuple[int, ...]]:
+    kind, channels = FORMATS[form]
+    return kind, (size[1], size[0], channels) if channels > 1 else (size[1], size[0])
+
+
+def length_of(part: Part) -> int:
+    """Return the bytes of a part."""
+    return len(part.data) if isinstance(part, Packed) else part.nbytes
+
+
+def packed_wanted(wanted: Wanted) -> bytes:
+    """Return the bytes of what a client reads."""
+    shown = [struct.pack("<4d", one.left, one.right, one.down, one.up) for one in wanted.fovs]
+    names = [WANTED.pack(_coded(name), amount) for name, amount in wanted.layers]
+    return b"".join([struct.pack("<II", *wanted.size), *shown, *names])
+
+
+def wanted_bytes(layers: int, eyes: int) -> int:
+    """Return how many bytes the wish for so many layers has."""
+    return 8 + 32 * eyes + WANTED.size * layers if layers else 0
+
+
+def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> Wanted | None:
+    """Return what a client reads, None for nothing. Errors: BadPart; InputError for a view."""
+    if not layers:
+        return None
+    width, height = struct.unpack_from("<II", data, at)
+    if not (1 <= width <= MOST_SIDE and 1 <= height <= MOST_SIDE):
+        raise BadPart(f"a shown picture of {width}x{height}: expected sides of 1 to {MOST_SIDE}")
+    fovs = tuple(Fov(*struct.unpack_from("<4d", data, at + 8 + 32 * eye)) for eye in range(eyes))
+    found: dict[str, int] = {}
+    for number in range(layers):
+        name, amount = WANTED.unpack_from(data, at + 8 + 32 * eyes + WANTED.size * number)
+        found[_named(name)] = amount
+    if len(found) < layers or not all(found.values()):
+        raise BadPart("a layer twice, or none of it: expected each once")
+    return Wanted(tuple(found.items()), (width, height), fovs)
+
+
+def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | Array]]:
+    """Return heads and contents of all parts of all eyes."""
+    heads: list[bytes] = []
+    contents: list[bytes | Array] = []
+    for eye, of_eye in enumerate(layers):
+        for name, parts in of_eye.items():
+            for part in parts:
+                form, size, content = (
+                    (part.format, part.size, part.data)
+                    if isinstance(part, Packed)
+                    else (format_of(part), part.shape[1::-1], part)
+                )
+                heads.append(HEAD.pack(_coded(name), eye, form, isinstance(part, Packed), *size, length_of(part)))
+                contents.append(content)
+    return heads, contents
+
+
+def layers_from(
+    data: bytes | memoryview, heads_at: int, count: int, at: int, eyes: int
+) -> tuple[tuple[Layers, ...], int]:
+    """Return the layers of each eye, and where the message must end.
+
+    heads_at: where their heads begin. at: where the first part begins. Errors: BadPart.
+    """
+    found: tuple[dict[str, list[Part]], ...] = tuple({} for _ in range(eyes))
+    for name, (eye, form, is_packed, *size), length in _heads(data, heads_at, count):
+        is_empty = min(size) < 1 and form != TABLE
+        if eye >= eyes or form not in FORMATS or max(size) > MOST_SIDE or is_empty:
+            raise BadPart(f"a part for eye {eye}, format {form}, {size[0]}x{size[1]}: out of range")
+        kind, shape = _shape(form, (size[0], size[1]))
+        numbers = math.prod(shape)
+        if at + length > len(data) or (not is_packed and length != numbers * kind.itemsize):
+            raise BadPart(f"a part of {length} bytes: expected {numbers * kind.itemsize}")
+        found[eye].setdefault(name, []).append(
+            Packed(form, (size[0], size[1]), bytes(data[at : at + length]))
+            if is_packed
+            else np.frombuffer(data, kind, numbers, at).reshape(shape)
+        )
+        at += length
+    return found, at
+
+
+def unpacked_bytes(layers: Sequence[Layers]) -> int:
+    """Return the bytes of all parts as numbers."""
+    return sum(
+        math.prod(_shape(part.format, part.size)[1]) * FORMATS[part.format][0].itemsize
+        if isinstance(part, Packed)
+        else part.nbytes
+        for of_eye in layers
+        for parts in of_eye.values()
+        for part in parts
+    )
+
+
+def _heads(data: bytes | memoryview, at: int, count: int) -> Iterator[tuple[str, list[int], int]]:
+    for number in range(count):
+        name, *rest, length = HEAD.unpack_from(data, at + number * HEAD.size)
+        yield _named(name), rest, length
+
+
+def _coded(name: str) -> bytes:
+    coded = name.encode("ascii")
+    assert _NAME.fullmatch(coded), name
+    return coded
+
+
+def _named(coded: bytes) -> str:
+    found = _NAME.fullmatch(coded)
+    if found is None:
+        raise BadPart(f"a layer called {coded!r}: expected a name of letters and underscores")
+    return found[1].decode()

@@ -1,0 +1,56 @@
+"""One picture at a time from a server elsewhere, each waited for: the truth of a run."""
+
+from __future__ import annotations
+
+import time
+
+from ...geometry import View
+from .caller import Caller
+from .message import Ask, FrameMessage
+
+_ANSWER_NS, _AGAIN_NS = 10_000_000_000, 1_000_000_000
+# Unanswered in a row, and nothing is asked any more.
+_MOST_UNANSWERED = 3
+
+
+class Viewer:
+    """A client that asks for one eye's view and waits for it.
+
+    Errors: as Caller.
+    """
+
+    def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
+        self._caller = Caller(address, secret, server_key)
+        self._number = self._unanswered = 0
+
+    def fetch(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
+        """Return what the server draws for the view; None where it refuses or does not answer.
+
+        After three such requests in a row it is not asked again.
+        """
+        if self._unanswered >= _MOST_UNANSWERED:
+            return None
+        found = self._waited_for(view, size, time_ns)
+        self._unanswered = 0 if found is not None else self._unanswered + 1
+        return found
+
+    def _waited_for(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
+        head, first = view.pose @ view.head_from_eye.inverse(), self._number + 1
+        until_ns = time.monotonic_ns() + _ANSWER_NS
+        while (now_ns := time.monotonic_ns()) < until_ns:
+            self._number += 1
+            self._caller.ask(Ask(self._number, 0, time_ns, time_ns, 0, size, head, (view,)))
+            # Asked again after a while: the connection may not have been there.
+            again_ns = min(until_ns, now_ns + _AGAIN_NS)
+            while time.monotonic_ns() < again_ns:
+                self._caller.wait_until(again_ns)
+                for arrival in self._caller.take():
+                    if arrival.frame.number >= first and arrival.frame.size == size:
+                        return arrival.frame
+                if any("refused" in line for line in self._caller.lines()):
+                    return None
+        return None
+
+    def close(self) -> None:
+        """Hang up."""
+        self._caller.close()

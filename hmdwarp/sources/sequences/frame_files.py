@@ -1,0 +1,281 @@
+"""Files of one frame with depth (NPZ, EXR, pictures with a JSON), and of a view (JSON)."""
+
+from __future__ import annotations
+
+import io
+import reprlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry import Fov, Pose, View
+from ...poses.track import UNIT_WITHIN
+from .camera import camera_of, refuse_distortion
+from .json_files import read_json
+from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
+
+_FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}
+_VIEW = {**_FOV, **_POSE}
+_ARRAYS = ("colour", "depth_m")
+_WANTED = f"an object with {', '.join(_VIEW)}"
+_KEYS = (*_ARRAYS, *_VIEW)
+_SCALE, _ENCODING, INTRINSICS = "depth_scale", "encoding", "intrinsics"
+_FACTS = (*_VIEW, INTRINSICS, "centre", _SCALE, _ENCODING, "time_s", "time_ns")
+NPZ, JSON = ".npz", ".json"
+_DEPTH_MARKS = (".depth", "-depth", "_depth")
+_DEPTH_ENDINGS = (".png", ".exr", ".npy", ".pgm", ".tif", ".tiff")
+Arrays = tuple[NDArray[Any], NDArray[Any]]
+
+
+@attrs.frozen(eq=False)
+class FrameFile:
+    """A frame with depth, as its files hold it."""
+
+    colour: NDArray[Any]
+    depth_m: NDArray[Any]
+    view: View
+    # Metres per unit of depth_m; None for metres.
+    depth_scale: float | None = None
+    # Of float colour; None for linear light.
+    encoding: str | None = None
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) of the colour; (1, 1) for what is no picture."""
+        return (self.colour.shape[1], self.colour.shape[0]) if self.colour.ndim == 3 else (1, 1)
+
+
+@attrs.frozen(eq=False)
+class FoundFrame:
+    """Files of one frame, whose pixels are read later."""
+
+    path: Path
+    # Says the facts: the frame itself, or the JSON beside it.
+    where: Path
+    # Of the keys that a camera JSON has.
+    facts: Mapping[str, Any]
+    # (w, h) in pixels.
+    size: tuple[int, int]
+    # Reads colour and depth.
+    arrays: Callable[[], Arrays] = attrs.field(repr=False)
+
+    @property
+    def view(self) -> View:
+        """The view that it was rendered for. Errors: InputError."""
+        return _view(self.where, self.facts, self.size)
+
+    @property
+    def depth_scale(self) -> float | None:
+        """Metres per unit of depth; None where nothing says it."""
+        if _SCALE not in self.facts:
+            return None
+        return float(_numbers(self.where, _SCALE, np.atleast_1d(self.facts[_SCALE]), 1)[0])
+
+    @property
+    def encoding(self) -> str | None:
+        """The encoding of float colour; None where nothing says it."""
+        return str(self.facts[_ENCODING]) if _ENCODING in self.facts else None
+
+    def read(self) -> FrameFile:
+        """Read all of it. Errors: InputError."""
+        view = self.view
+        return FrameFile(*self.arrays(), view, self.depth_scale, self.encoding)
+
+
+def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None) -> FrameFile:
+    """Return what the files of a frame hold.
+
+    path: FRAME.npz with everything; or colour as a picture or EXR file. depth: of a picture, by
+    default the file beside it, or an EXR file's own Z. camera: JSON with fov or intrinsics,
+    position_m, orientation_xyzw, and maybe depth_scale and encoding; by default NAME.json beside.
+    Errors: InputError naming the file and its fault; MachineError for EXR without its package.
+    """
+    return find_frame(path, depth, camera).read()
+
+
+def find_frame(
+    path: Path, depth: Path | None = None, camera: Path | None = None, shared: Mapping[str, Any] | None = None
+) -> FoundFrame:
+    """Return the files of a frame, as read_frame takes them, without reading their pixels.
+
+    shared: facts for what its own do not say. Errors: InputError.
+    """
+    given, ending = dict(shared or {}), path.suffix.lower()
+    if ending == NPZ:
+        if depth is not None or camera is not None:
+            raise InputError(f"{path}: an .npz file holds its depth and its view: leave out --depth and --camera")
+        return _in_npz(path, given)
+    if ending != EXR and ending not in PICTURES:
+        if path.is_file() and _content(path).startswith(b"PK"):
+            return _in_npz(path, given)
+        if not path.exists():
+            raise InputError(f"{path}: cannot be read (No such file or directory)")
+        raise InputError(
+            f"{path}: not an .npz file, nor a picture with depth; expected NumPy's .npz form, as numpy.savez writes "
+            f"it, or one of {', '.join((*PICTURES, EXR))}"
+        )
+    size, where = size_of(path), _camera_beside(path, camera, given)
+    own = {} if where is None else read_json(where, _WANTED)
+    facts, where = {**given, **{name: value for name, value in own.items() if value is not None}}, where or path
+    refuse_distortion(where, facts)
+    if depth is None and "depth" in facts:
+        depth = path.parent / str(facts["depth"])
+    return FoundFrame(path, where, facts, size, lambda: _pictures(path, depth))
+
+
+def _pictures(path: Path, depth: Path | None) -> Arrays:
+    """Return colour and depth, which is an EXR file's own Z if no other is named and it has one."""
+    if path.suffix.lower() == EXR:
+        from .exr import read_exr
+
+        both = read_exr(path)
+        colour, own = both.need_colour(path), both.depth
+    else:
+        colour, own = read_colour(path), None
+    if own is not None and depth is None:
+        return colour, own
+    depth = depth or _depth_beside(path)
+    return colour, fitted_depth(read_depth(depth), colour, depth)
+
+
+def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -> Path | None:
+    """Return the JSON of a picture; None where none is there and the shared facts are enough."""
+    if camera is not None:
+        return camera
+    beside = path.with_suffix(JSON)
+    if beside.is_file():
+        return beside
+    if _POSE.keys() <= shared.keys():
+        return None
+    raise InputError(
+        f"{path}: no {beside.name} beside it to say its camera and pose: write it, or name it by --camera; expected "
+        '{"intrinsics": [fx, fy, cx, cy], "position_m": [x, y, z], "orientation_xyzw": [x, y, z, w], "depth_scale": '
+        "0.001}"
+    )
+
+
+def _depth_beside(path: Path) -> Path:
+    """Return the file of a picture's depth. Errors: InputError without one."""
+    names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
+    found = next((path.parent / name for name in names if (path.parent / name).is_file()), None)
+    if found is None:
+        own = ", and no Z in it" if path.suffix.lower() == EXR else ""
+        raise InputError(
+            f"{path}: no depth beside it{own}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
+        )
+    return found
+
+
+def is_depth(path: Path) -> bool:
+    """Return whether the name of a file is that of the depth beside a picture."""
+    return path.stem.endswith(_DEPTH_MARKS)
+
+
+def _in_npz(path: Path, shared: Mapping[str, Any]) -> FoundFrame:
+    facts, names, size = _from_npz(path, _head_of_npz)
+    _check_keys(path, {**shared, **names}, _KEYS)
+    plain = {name: value.tolist() if name in (INTRINSICS, "centre") else value for name, value in facts.items()}
+    return FoundFrame(path, path, {**shared, **plain}, size, lambda: _from_npz(path, _arrays_of_npz))
+
+
+def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
+    """Return the facts, the names of all arrays, and (w, h) of the colour by its head alone.
+
+    What is no picture is refused when it is read.
+    """
+    shape: tuple[int, ...] = ()
+    if "colour" in data:
+        with data.zip.open(f"colour{NPY}") as file:
+            version = np.lib.format.read_magic(file)
+            read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            shape = read(file)[0]
+    size = (shape[1], shape[0]) if len(shape) == 3 and 0 not in shape else (1, 1)
+    return {key: data[key] for key in _FACTS if key in data}, dict.fromkeys(data), size
+
+
+def _arrays_of_npz(data: Any) -> Arrays:
+    return data["colour"], data["depth_m"]
+
+
+def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
+    """Return what `read` takes from the archive. Errors: InputError for a damaged one."""
+    content = _content(path)
+    wanted = "expected NumPy's .npz form, as numpy.savez writes it"
+    if not content.startswith(b"PK"):  # NumPy would take it for a pickle
+        raise InputError(f"{path}: not an .npz file; {wanted}")
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as data:
+            return read(data)
+    # Zip, zlib and NumPy raise many kinds of exceptions for a damaged file.
+    except Exception as error:
+        why = "holds Python objects" if "allow_pickle" in str(error) else f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: cannot be read ({why}); {wanted}, with arrays of numbers") from error
+
+
+def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
+    """Return the view of a POSE.json: position_m (3), orientation_xyzw (4), fov (4) or intrinsics.
+
+    size: (w, h) of the picture that the intrinsics are for, unless width and height say it. Errors:
+    InputError.
+    """
+    data = read_json(path, _WANTED)
+    _check_keys(path, data, tuple(_VIEW))
+    camera = None if "fov" in data else camera_of(path, data)
+    return _view(path, data, size if camera is None or camera.size is None else camera.size)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+
+
+def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -> None:
+    missing = [key for key in wanted if key not in found and not (key == "fov" and INTRINSICS in found)]
+    if missing:
+        raise InputError(f"{path}: no {', '.join(missing)} in it; expected {', '.join(wanted)}")
+
+
+def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
+    _check_keys(path, data, tuple(_VIEW))
+    position, orientation = (_numbers(path, key, data[key], count) for key, count in _POSE.items())
+    length = float(np.linalg.norm(orientation))
+    if not abs(length - 1) <= UNIT_WITHIN:
+        raise InputError(
+            f"{path}: orientation_xyzw has length {length:.4g}; expected 1 within {UNIT_WITHIN:g}, x y z w: divide it "
+            "by its length if it is a rotation"
+        )
+    try:
+        return View(Pose(position, orientation), _fov(path, data, size))
+    except InputError as error:
+        raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error
+
+
+def _fov(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> Fov:
+    if "fov" in data:
+        return Fov(*_numbers(path, "fov", data["fov"], _FOV["fov"]))
+    camera = camera_of(path, data)
+    assert camera is not None  # there are intrinsics
+    if camera.is_y_up:
+        raise InputError(
+            f"{path}: fy is {camera.fy:g}; expected above 0: position_m and orientation_xyzw are those of "
+            "OpenXR, which has y up already"
+        )
+    return camera.fov(size, str(path))
+
+
+def _numbers(path: Path, key: str, value: Any, count: int) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        array = np.empty(0)
+    if array.shape != (count,) or array.dtype.kind not in "fiu":
+        angles = ": angles in radians, left, right, down, up" if key == "fov" else ""
+        raise InputError(f"{path}: {key} is {reprlib.repr(value)}; expected {count} numbers{angles}")
+    return array.astype(np.float64)

@@ -1,0 +1,41 @@
+"""Open a recorded sequence, by the reader that recognises its layout."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ...errors import InputError
+from .options import SequenceOptions
+from .readers import readers
+from .recorded import Sequence
+
+_NAMED = 6  # of the files of a folder that nobody knows
+
+
+def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -> Sequence:
+    """Return the recorded sequence of a folder, or of a file in it (transforms.json).
+
+    options: overrides facts of the files, or adds missing ones. Pixels are read later, frame by
+    frame. Errors: InputError for what no reader knows, for files that are missing or damaged, for
+    facts that are missing (intrinsics, depth scale), and for lens distortion, by its name.
+    """
+    options, place = options or SequenceOptions(), Path(path)
+    if not place.exists():
+        raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
+    if options.layout is not None:
+        return readers.get(options.layout).read(place, options).cropped(options.crop)
+    chances = {reader.name: reader.fits(place) for reader in readers}
+    best = max(chances, key=lambda name: chances[name])
+    if not chances[best]:
+        known = "; ".join(f"{reader.name}: {reader.summary}" for reader in readers)
+        raise InputError(f"{place} ({_held(place)}): no layout of recorded frames that is known. Known are: {known}")
+    return readers.get(best).read(place, options).cropped(options.crop)
+
+
+def _held(place: Path) -> str:
+    """Return what is there, in words."""
+    if not place.is_dir():
+        return "a file"
+    names = sorted(f"{one.name}/" if one.is_dir() else one.name for one in place.iterdir())
+    return f"holds {', '.join(names[:_NAMED])}{' ..' if len(names) > _NAMED else ''}" if names else "an empty folder"

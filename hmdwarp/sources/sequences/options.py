@@ -1,0 +1,86 @@
+"""Options of recorded frames: facts that the user states in place of what the files say."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from ...errors import InputError
+from ...options import DISPLAY, Declared, Number, names_in, option, option_of
+
+if TYPE_CHECKING:
+    from .camera import Camera
+
+RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
+
+
+def _camera(text: str) -> Camera:
+    from .camera import parse_intrinsics
+
+    return parse_intrinsics(text)
+
+
+def repair_field() -> Any:
+    """Return the field for what mends depth; parse_repairs reads its text."""
+    return option(
+        "none",
+        f"Mend missing and wrong depth before the warp: {names_in('sources/repairs')}, or several with +.",
+        study=DISPLAY,
+    )
+
+
+@attrs.frozen
+class SequenceOptions(Declared):
+    """Overrides for reading recorded frames; None leaves the fact to the files.
+
+    Errors: InputError for values that no recording can have.
+    """
+
+    # Name of a reader.
+    layout: str | None = option(
+        None,
+        f"Layout of the recorded frames: {names_in('sources/sequences/readers')}; by default it is detected.",
+        study=DISPLAY,
+    )
+    intrinsics: Camera | None = option(
+        None,
+        "Intrinsics of the recorded frames, FX,FY,CX,CY in pixels; a negative FY where the camera's y points up.",
+        kind=str,
+        metavar="FX,FY,CX,CY",
+        parse=_camera,
+        study=DISPLAY,
+    )
+    # Metres per unit.
+    depth_scale: float | None = option(
+        None,
+        "Metres per unit of the recorded depth: 0.001 for millimetres, 0.0002 for TUM RGB-D.",
+        kind=float,
+        valid=Number(most=1.0, above=True),
+        study=DISPLAY,
+    )
+    frames_rate_hz: float | None = option(
+        None,
+        f"Recorded frames per second, where the files have no clock; by default {RATE_HZ:g}.",
+        kind=float,
+        unit="Hz",
+        name="frames_rate",
+        valid=Number(least=1e-3, most=1e4),
+        study=DISPLAY,
+    )
+    # On each side.
+    crop: int = option(
+        0,
+        "Leave out so many of the outermost pixels of recorded frames, where they hold no picture.",
+        kind=int,
+        unit="px",
+        valid=Number(),
+        study=DISPLAY,
+    )
+
+    def refuse_unused(self) -> None:
+        """Raise InputError for the first that is stated, where there are no recorded frames."""
+        for field in attrs.fields(type(self)):
+            if getattr(self, field.name) != field.default:
+                flag = option_of(field).named(field.name).flag
+                raise InputError(f"{flag}: it states how recorded frames are read; it is for --frames")

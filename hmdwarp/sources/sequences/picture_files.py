@@ -1,0 +1,134 @@
+"""Colour and depth in files: PNG, JPEG, PGM, TIFF, EXR and NPY. Row 0 is the top row."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+
+EXR, NPY = ".exr", ".npy"
+PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff", ".webp")
+_DEEP = ("I;16", "I;16B", "I;16L", "I", "F")
+Size = tuple[int, int]
+
+
+def read_colour(path: Path) -> NDArray[Any]:
+    """Return (h, w, 3) or, where the file has alpha, (h, w, 4).
+
+    uint8 sRGB; float32 linear light of an EXR file. Errors: InputError; MachineError for EXR
+    without its optional package.
+    """
+    if path.suffix.lower() == EXR:
+        from .exr import read_exr
+
+        return read_exr(path).need_colour(path)
+    with _opened(path) as picture:
+        if picture.mode in _DEEP:
+            raise InputError(f"{path}: one channel of mode {picture.mode}, as depth has it; expected a colour picture")
+        return np.asarray(_loaded(path, picture).convert("RGBA" if picture.has_transparency_data else "RGB"))
+
+
+def read_depth(path: Path) -> NDArray[Any]:
+    """Return (h, w) depth in the file's own units, integers or floats. Errors: as read_colour."""
+    suffix = path.suffix.lower()
+    if suffix == EXR:
+        from .exr import read_exr
+
+        return read_exr(path).need_depth(path)
+    if suffix == NPY:
+        return _npy(path)
+    with _opened(path) as picture:
+        if picture.mode not in _DEEP:
+            raise InputError(
+                f"{path}: a picture of mode {picture.mode}, 8 bits a channel; expected depth in one channel of 16 bits "
+                "or floats"
+            )
+        values = np.asarray(_loaded(path, picture))
+        most = _most_of_pgm(path) if picture.format == "PPM" else 0
+    if values.dtype.kind == "f":
+        return values
+    if most and most != _FULL:  # Pillow has spread them over 16 bits
+        values = (values.astype(np.int64) * most + _FULL // 2) // _FULL
+    return values.astype(np.uint16 if values.min() >= 0 and values.max() <= _FULL else np.int32)
+
+
+_FULL = 65535
+
+
+def size_of(path: Path) -> Size:
+    """Return (w, h) of a picture without reading its pixels. Errors: as read_colour."""
+    if path.suffix.lower() == EXR:
+        from .exr import read_exr
+
+        high, wide = read_exr(path).shape
+        return wide, high
+    with _opened(path) as picture:
+        return picture.size
+
+
+def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
+    """Return the depth at the pixels of its colour: as it is, or the nearest of one of its shape.
+
+    Errors: InputError where the two are not of one shape.
+    """
+    (high, wide), (rows, columns) = colour.shape[:2], depth.shape
+    if (high, wide) == (rows, columns):
+        return depth
+    if abs(wide / high - columns / rows) > 0.01 * wide / high:
+        raise InputError(
+            f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, of another shape: expected depth that "
+            "is registered to the colour"
+        )
+    row, column = ((np.arange(n) + 0.5) * m / n for n, m in ((high, rows), (wide, columns)))
+    return depth[row.astype(int)[:, None], column.astype(int)]
+
+
+def _opened(path: Path) -> Any:
+    from PIL import Image
+
+    try:
+        return Image.open(path)
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file") from error
+    except Image.DecompressionBombError as error:
+        raise InputError(f"{path}: too large a picture ({error})") from error
+    except (OSError, ValueError, SyntaxError) as error:
+        raise InputError(
+            f"{path}: not a picture that can be read; expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
+        ) from error
+
+
+def _loaded(path: Path, picture: Any) -> Any:
+    try:
+        picture.load()
+    except (OSError, ValueError, SyntaxError, IndexError) as error:
+        raise InputError(f"{path}: a damaged picture ({error})") from error
+    return picture
+
+
+def _most_of_pgm(path: Path) -> int:
+    """Return the largest value that the head of a PGM file states."""
+    words: list[bytes] = []
+    for line in path.read_bytes()[:1000].splitlines():
+        words += line.partition(b"#")[0].split()
+        if len(words) >= 4:
+            break
+    return int(words[3])
+
+
+def _npy(path: Path) -> NDArray[Any]:
+    try:
+        values = np.load(path, allow_pickle=False)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except ValueError as error:
+        raise InputError(f"{path}: not an .npy file of numbers ({error})") from error
+    if not isinstance(values, np.ndarray) or values.ndim == 3 and values.shape[2] != 1 or values.ndim not in (2, 3):
+        raise InputError(f"{path}: shape {getattr(values, 'shape', None)}; expected depth of (h, w)")
+    if values.dtype.kind not in "fiu":
+        raise InputError(f"{path}: {values.dtype}; expected numbers")
+    return values.reshape(values.shape[:2])

@@ -1,0 +1,309 @@
+"""What readers share: tables of text, pairs of pictures, cameras, and axes turned to OpenXR's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from collections.abc import Sequence as Rows
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....errors import InputError
+from ....geometry import Pose
+from ....poses import PoseTrack
+from ....poses.reading.axes import Axes, parse_axes
+from ..camera import Camera, camera_of
+from ..json_files import read_json
+from ..options import RATE_HZ, SequenceOptions
+from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
+from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
+
+# Cameras that look along +z, with y down or, as some renderers have it, up.
+OPTICAL, OPTICAL_UP = "opencv", "unity"
+# The file that may state what a layout does not: intrinsics, depth_scale.
+CAMERA = "camera.json"
+DEPTHS = (*PICTURES, EXR, NPY)
+_ROTATION_WITHIN = 1e-3
+# Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
+_LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
+
+
+class SequenceReader:
+    """One layout of recorded frames. A new one is one file in this package."""
+
+    name = ""  # for --layout
+    summary = ""  # its files, in one line
+
+    def fits(self, path: Path) -> int:
+        """Return how likely `path` is of this layout: 0 not at all, 100 certainly."""
+        raise NotImplementedError
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        """Return the sequence. Errors: InputError naming the file and its fault."""
+        raise NotImplementedError
+
+
+@attrs.frozen
+class Facts:
+    """Camera and depth scale of a folder whose frames share them."""
+
+    camera: Camera
+    depth_scale: float
+
+
+def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, depth_scale: float | None) -> Facts:
+    """Return what the options say, else camera.json in the folder, else the layout.
+
+    camera, depth_scale: as the layout has them, None where it says nothing. Errors: InputError.
+    """
+    stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
+    camera = options.intrinsics or camera_of(folder / CAMERA, stated) or camera
+    own = stated.get("depth_scale")
+    scale = options.depth_scale or (depth_scale if own is None else own)
+    if camera is None:
+        raise InputError(
+            f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
+            f'{CAMERA} there: {{"intrinsics": [fx, fy, cx, cy], "depth_scale": 0.001}}'
+        )
+    if scale is None:
+        raise InputError(
+            f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
+            "millimetres, 0.0002 for TUM RGB-D)"
+        )
+    check_scale(folder / CAMERA, scale)
+    return Facts(camera, float(scale))
+
+
+def check_scale(where: Path, scale: Any) -> None:
+    """Raise InputError for what are no metres per unit."""
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
+        raise InputError(f"{where}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1")
+
+
+@attrs.frozen(eq=False)
+class Pair:
+    """Files of one frame."""
+
+    colour: Path
+    depth: Path
+    time_ns: int
+    pose: Pose
+
+
+def sequence_of(
+    reader: SequenceReader,
+    folder: Path,
+    pairs: Iterable[Pair],
+    facts: Facts,
+    *,
+    track: PoseTrack | None = None,
+    notes: Rows[str] = (),
+) -> Sequence:
+    """Return the sequence of pairs of files that share one camera.
+
+    track: a denser motion than the frames' own. Errors: InputError without frames.
+    """
+    pairs = sorted(pairs, key=lambda pair: pair.time_ns)
+    if not pairs:
+        raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {reader.summary}")
+    size = size_of(pairs[0].colour)
+    fov = facts.camera.fov(size, str(folder))
+
+    def frame(pair: Pair) -> RecordedFrame:
+        return RecordedFrame(
+            pair.colour.name,
+            pair.time_ns,
+            pair.pose,
+            fov,
+            size,
+            reading(pair.colour, pair.depth, facts.depth_scale, size),
+        )
+
+    return made(reader, folder, [frame(pair) for pair in pairs], track=track, notes=notes)
+
+
+def made(
+    reader: SequenceReader,
+    path: Path,
+    frames: Rows[RecordedFrame],
+    *,
+    track: PoseTrack | None = None,
+    notes: Rows[str] = (),
+) -> Sequence:
+    """Return the sequence of these frames, whose clock begins with the first.
+
+    track: a denser motion, on the frames' clock as given.
+    Errors: InputError for no frames, for two of one instant, and for several sizes.
+    """
+    if not frames:
+        raise InputError(f"{path}: no frames; expected {reader.summary}")
+    frames = sorted(frames, key=lambda frame: frame.time_ns)
+    for before, after in zip(frames, frames[1:], strict=False):
+        if before.time_ns == after.time_ns:
+            raise InputError(
+                f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
+            )
+        if before.size != after.size:
+            sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
+            raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
+    apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
+    if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
+        raise InputError(
+            f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
+            "instants in their unit, or give --frames-rate"
+        )
+    name = (path if path.is_dir() else path.parent).resolve().name
+    begins_ns = frames[0].time_ns
+    frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
+    origin, epoch_ns = f"recorded frames ({reader.name})", begins_ns + (0 if track is None else track.epoch_ns)
+    own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
+    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes))
+
+
+def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
+    """Return the motion from the first frame to the last, with the frames' own poses in it."""
+    times = np.array([frame.time_ns for frame in frames])
+    positions = np.array([frame.pose.position_m for frame in frames])
+    turns = np.array([frame.pose.orientation_xyzw for frame in frames])
+    if denser is None:
+        return PoseTrack(times, positions, turns)
+    between = denser.time_ns - begins_ns
+    kept = (between > times[0]) & (between < times[-1]) & ~np.isin(between, times)
+    every = np.concatenate([times, between[kept]])
+    order = np.argsort(every)
+    positions = np.concatenate([positions, denser.position_m[kept]])
+    turns = np.concatenate([turns, denser.orientation_xyzw[kept]])
+    return PoseTrack(every[order], positions[order], turns[order], axes=denser.axes, max_gap_ns=denser.max_gap_ns)
+
+
+def reading(colour: Path, depth: Path, scale: float, size: tuple[int, int]) -> Callable[[], Pictures]:
+    """Return what reads a frame from two files."""
+
+    def read() -> Pictures:
+        picture = read_colour(colour)
+        if picture.shape[1::-1] != size:
+            found = f"{picture.shape[1]}x{picture.shape[0]}"
+            raise InputError(f"{colour}: {found} pixels; expected {size[0]}x{size[1]}, as the first frame has")
+        return as_pictures(picture, in_metres(fitted_depth(read_depth(depth), picture, depth), scale))
+
+    return read
+
+
+def optical(camera: Camera, world: str = "") -> Axes:
+    """Return the axes of a camera that looks along +z, and of its world.
+
+    world: right, up and forward in the file, by default those of the camera. Where the camera's y
+    points up, the camera and its world are left-handed, and the world is that of the camera.
+    """
+    if camera.is_y_up:
+        return parse_axes(OPTICAL_UP)
+    axes = parse_axes(OPTICAL)
+    return axes if not world else parse_axes(f"world={world} head={_words(axes)}")
+
+
+def _words(axes: Axes) -> str:
+    return axes.words().rpartition("head=")[2]
+
+
+def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> Pose:
+    """Return world_from_eye in OpenXR's axes of a position and a (3, 3) rotation of a file."""
+    from scipy.spatial.transform import Rotation
+
+    turned = axes.world @ rotation @ axes.head.T
+    return Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
+
+
+def pose_of_quaternion(axes: Axes, where: str, position: Rows[float], xyzw: Rows[float]) -> Pose:
+    """Return world_from_eye of a position and a quaternion of a file. Errors: InputError."""
+    from scipy.spatial.transform import Rotation
+
+    length = float(np.linalg.norm(xyzw))
+    if not abs(length - 1) <= 1e-2:
+        raise InputError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, x y z w")
+    return pose_of(axes, position, Rotation.from_quat(xyzw).as_matrix())
+
+
+def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Pose:
+    """Return world_from_eye of a 4x4 matrix of a file, whose positions have `unit` metres.
+
+    Errors: InputError for what is no rotation and translation.
+    """
+    try:
+        given = np.array(matrix, np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.shape not in ((4, 4), (3, 4)) or not np.isfinite(given).all():
+        raise InputError(f"{where}: expected a matrix of 4 rows of 4 finite numbers")
+    turn = given[:3, :3]
+    if np.abs(turn @ turn.T - np.eye(3)).max() > _ROTATION_WITHIN or np.linalg.det(turn) < 0:
+        raise InputError(
+            f"{where}: the matrix does more than turn and move; expected a right-handed rotation without scale"
+        )
+    return pose_of(axes, given[:3, 3] * unit, turn)
+
+
+def rows_of(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the line number and the words of each line; comments and empty lines are left out."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin files with a mark
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file ({error})") from error
+    rows = (
+        (number, line.partition("#")[0].replace(",", " ").split()) for number, line in enumerate(text.splitlines(), 1)
+    )
+    return [row for row in rows if row[1]]
+
+
+def floats_of(path: Path, number: int, words: Rows[str], count: int) -> list[float]:
+    """Return the numbers of a line. Errors: InputError naming the line."""
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        values = []
+    if len(values) != count or not np.isfinite(values).all():
+        raise InputError(f"{path}, line {number}: '{' '.join(words)[:60]}'; expected {count} finite numbers")
+    return values
+
+
+def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
+    """Return the pictures of a folder in the order of the numbers in their names."""
+    if not folder.is_dir():
+        return []
+    found = [path for path in folder.iterdir() if path.suffix.lower() in endings and not path.name.startswith(".")]
+    return sorted(
+        found,
+        key=lambda path: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.stem)],
+    )
+
+
+def folder_named(folder: Path, *names: str) -> Path:
+    """Return the first of these folders that exists, else the first of them."""
+    return next((folder / name for name in names if (folder / name).is_dir()), folder / names[0])
+
+
+def at_rate(options: SequenceOptions, number: int) -> int:
+    """Return the instant of a frame of files without a clock."""
+    return round(number * 1e9 / (options.frames_rate_hz or RATE_HZ))
+
+
+def paired(colours: Path, depths: Path) -> list[tuple[Path, Path]]:
+    """Return the pictures of both folders in order, by their names or their number.
+
+    Errors: InputError where the two do not fit.
+    """
+    first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
+    by_name = {path.stem: path for path in second}
+    if first and all(path.stem in by_name for path in first):
+        return [(path, by_name[path.stem]) for path in first]
+    if len(first) != len(second) or not first:
+        raise InputError(
+            f"{colours.parent}: {len(first)} pictures in {colours.name}, {len(second)} in {depths.name}; expected as "
+            "many of both, or the same names"
+        )
+    return list(zip(first, second, strict=True))

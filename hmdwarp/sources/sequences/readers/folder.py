@@ -1,0 +1,104 @@
+"""A folder of frames, each a file as `hmdwarp warp` takes it, with its pose."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....errors import InputError
+from ....geometry import Fov
+from ..frame_files import JSON, NPZ, FoundFrame, find_frame, is_depth
+from ..json_files import read_json
+from ..options import SequenceOptions
+from ..picture_files import EXR, PICTURES
+from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
+from . import readers
+from ._base import CAMERA, SequenceReader, at_rate, check_scale, made, pictures_in
+
+_ENCODINGS = ("srgb", "linear")  # of float colour
+
+
+class FolderReader(SequenceReader):
+    """Frames in the axes of OpenXR, with instants in time_s or time_ns, or one after the other."""
+
+    name = "folder"
+    summary = f"NAME.npz, NAME.exr + NAME.json, or NAME.png + NAME.depth.png + NAME.json; {CAMERA} for what all share"
+
+    def fits(self, path: Path) -> int:
+        found = _frames_in(path)
+        return 60 if found and (found[0].suffix.lower() == NPZ or found[0].with_suffix(JSON).is_file()) else 0
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        shared = read_json(path / CAMERA) if (path / CAMERA).is_file() else {}
+        found = [find_frame(one, shared=shared) for one in _frames_in(path)]
+        times = _times(path, found, options)
+        frames = [_frame(one, time_ns, options) for one, time_ns in zip(found, times, strict=True)]
+        return made(self, path, frames)
+
+
+def _frames_in(path: Path) -> list[Path]:
+    found = [one for one in pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(one)]
+    whole = [one for one in found if one.suffix.lower() == NPZ]
+    return whole or found
+
+
+def _times(path: Path, found: list[FoundFrame], options: SequenceOptions) -> list[int]:
+    """Return the instants that the frames state, or those of their rate. Errors: InputError."""
+    stated = [one for one in found if "time_ns" in one.facts or "time_s" in one.facts]
+    if stated and len(stated) < len(found):
+        lacking = next(one for one in found if one not in stated)
+        raise InputError(
+            f"{lacking.where}: no time_s, which {stated[0].where.name} has; expected it in all frames or in none"
+        )
+    if not stated or options.frames_rate_hz is not None:
+        return [at_rate(options, number) for number in range(len(found))]
+    times = [_time_ns(one) for one in found]
+    return [time - min(times) for time in times]
+
+
+def _time_ns(found: FoundFrame) -> int:
+    key = "time_ns" if "time_ns" in found.facts else "time_s"
+    value: Any = np.asarray(found.facts[key])
+    whole = key == "time_ns"
+    if value.shape != () or value.dtype.kind not in ("iu" if whole else "iuf") or not np.isfinite(value):
+        raise InputError(f"{found.where}: {key} is {found.facts[key]!r}; expected {'a whole' if whole else 'a'} number")
+    return int(value) if whole else round(float(value) * 1e9)
+
+
+def _frame(found: FoundFrame, time_ns: int, options: SequenceOptions) -> RecordedFrame:
+    view, scale = found.view, options.depth_scale or found.depth_scale
+    if scale is not None:
+        check_scale(found.where, scale)
+    if found.encoding not in (None, *_ENCODINGS):
+        raise InputError(f"{found.where}: encoding is {found.encoding!r}; expected {' or '.join(_ENCODINGS)}")
+    fov: Fov = view.fov if options.intrinsics is None else options.intrinsics.fov(found.size, str(found.path))
+
+    def read() -> Pictures:
+        colour, depth = found.arrays()
+        if depth.dtype.kind != "f" and scale is None:
+            raise InputError(
+                f"{found.path}: depth is {depth.dtype}, of unknown unit: give --depth-scale, the metres per unit, or "
+                f"depth_scale in {CAMERA}"
+            )
+        return _checked(found, colour, in_metres(depth, scale or 1.0))
+
+    return RecordedFrame(found.path.name, time_ns, view.pose, fov, found.size, read)
+
+
+def _checked(found: FoundFrame, colour: Any, depth: Any) -> Pictures:
+    """Return the pictures of an .npz file as they must be. Errors: InputError."""
+    if colour.ndim != 3 or colour.shape[2] not in (3, 4) or (colour.dtype != np.uint8 and colour.dtype.kind != "f"):
+        raise InputError(f"{found.path}: colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats")
+    if depth.shape != colour.shape[:2]:
+        raise InputError(f"{found.path}: depth_m has shape {depth.shape}; expected {colour.shape[:2]}, as colour has")
+    if found.encoding == "srgb" and colour.dtype != np.uint8:
+        from ....colour import linear_from_srgb
+
+        light = linear_from_srgb(colour[..., :3])
+        colour = np.concatenate([light, colour[..., 3:]], axis=2)
+    return as_pictures(colour, depth)
+
+
+readers.register(FolderReader())

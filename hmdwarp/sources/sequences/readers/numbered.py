@@ -1,0 +1,58 @@
+"""Numbered pictures and one line of a pose for each, as small examples and robots write them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ....errors import InputError
+from ..options import SequenceOptions
+from ..recorded import Sequence
+from . import readers
+from ._base import (
+    Pair,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    floats_of,
+    folder_named,
+    optical,
+    paired,
+    pose_of_quaternion,
+    rows_of,
+    sequence_of,
+)
+
+POSES = ("pose.txt", "poses.txt")
+
+
+class NumberedReader(SequenceReader):
+    """Pictures by number, with poses from camera to world; x right, y down, z forward.
+
+    Source: Gao and Zhang 2021, Introduction to visual SLAM (ch5/rgbd of its code).
+    """
+
+    name = "numbered"
+    summary = "color/N.png, depth/N.png or .pgm, and pose.txt: x y z qx qy qz qw, a line for each; --intrinsics"
+
+    def fits(self, path: Path) -> int:
+        return 80 if _poses(path).is_file() and (path / "depth").is_dir() else 0
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        facts, file = facts_of(path, options, None, None), _poses(path)
+        axes, rows = optical(facts.camera), rows_of(file)
+        files = paired(folder_named(path, "color", "colour", "rgb", "image"), path / "depth")
+        if len(rows) != len(files):
+            raise InputError(f"{file}: {len(rows)} poses for {len(files)} pictures; expected one for each")
+        pairs = []
+        for i, ((number, words), (colour, depth)) in enumerate(zip(rows, files, strict=True)):
+            pose = floats_of(file, number, words, 7)
+            turned = pose_of_quaternion(axes, f"{file}, line {number}", pose[:3], pose[3:])
+            pairs.append(Pair(colour, depth, at_rate(options, i), turned))
+        return sequence_of(self, path, pairs, facts)
+
+
+def _poses(path: Path) -> Path:
+    return next((path / name for name in POSES if (path / name).is_file()), path / POSES[0])
+
+
+readers.register(NumberedReader())

@@ -1,0 +1,95 @@
+"""TUM RGB-D: colour and depth with clocks of their own, and a denser trajectory."""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+
+import numpy as np
+
+from ....errors import InputError, TraceError
+from ....poses import Origin, TraceOptions, load_trace
+from ..camera import Camera
+from ..options import SequenceOptions
+from ..recorded import Sequence
+from . import readers
+from ._base import Pair, SequenceReader, facts_of, optical, rows_of, sequence_of
+
+COLOUR, DEPTH, TRAJECTORY = "rgb.txt", "depth.txt", "groundtruth.txt"
+# What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
+# are undistorted already and have a camera of their own.
+ADVISED = Camera(525.0, 525.0, 319.5, 239.5)
+FREIBURG3 = Camera(535.4, 539.2, 320.1, 247.6)
+_WITHIN_NS = 20_000_000  # of colour and depth of one frame, as the data set's own script has it
+_WORLD = "x,z,y"
+
+
+class TumReader(SequenceReader):
+    """TUM RGB-D sequences.
+
+    Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (the data set's
+    file formats page: depth / 5000, cameras, associations within 20 ms).
+    """
+
+    name = "tum"
+    summary = f"TUM RGB-D: {COLOUR}, {DEPTH}, {TRAJECTORY} and the pictures that they name"
+
+    def fits(self, path: Path) -> int:
+        return 95 if all((path / name).is_file() for name in (COLOUR, DEPTH, TRAJECTORY)) else 0
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        own = FREIBURG3 if "freiburg3" in path.resolve().name else ADVISED
+        facts = facts_of(path, options, own, 1 / 5000)
+        axes = optical(facts.camera, _WORLD)
+        try:
+            trace = load_trace(path / TRAJECTORY, TraceOptions(format="tum", axes=axes.words()))
+        except TraceError as error:
+            raise InputError(str(error)) from error
+        track, pairs, lost = trace.track, [], 0
+        for time_ns, colour, depth in _associated(_listed(path / COLOUR), _listed(path / DEPTH)):
+            sample = track.at(time_ns - track.epoch_ns)
+            if sample.origin is Origin.HELD:
+                lost += 1
+            else:
+                pairs.append(Pair(path / colour, path / depth, sample.time_ns, sample.pose))
+        notes = [*map(str, trace.defects)]
+        if facts.camera is ADVISED and re.search("freiburg[12]", path.resolve().name):
+            notes.append(
+                "The lens of this camera distorts a little; the intrinsics that its authors advise leave it in."
+            )
+        if lost:
+            notes.append(f"{lost} frames were left out: {TRAJECTORY} has no pose at their instants.")
+        return sequence_of(self, path, pairs, facts, track=track, notes=notes)
+
+
+def _listed(path: Path) -> list[tuple[int, str]]:
+    """Return instant and file of each line, by instant. Errors: InputError."""
+    found = []
+    for number, words in rows_of(path):
+        try:
+            time_ns = int(Decimal(words[0]) * 10**9)
+        except (InvalidOperation, ValueError, OverflowError):
+            time_ns = None
+        if time_ns is None or len(words) != 2:
+            raise InputError(
+                f"{path}, line {number}: '{' '.join(words)[:60]}'; expected seconds and the name of a file"
+            )
+        found.append((time_ns, words[1]))
+    return sorted(found)
+
+
+def _associated(colours: list[tuple[int, str]], depths: list[tuple[int, str]]) -> list[tuple[int, str, str]]:
+    """Return the instant of each colour picture, its file, and that of the depth nearest to it."""
+    if not depths:
+        return []
+    times = np.array([time_ns for time_ns, _ in depths])
+    found = []
+    for time_ns, colour in colours:
+        nearest = int(np.abs(times - time_ns).argmin())
+        if abs(int(times[nearest]) - time_ns) <= _WITHIN_NS:
+            found.append((time_ns, colour, depths[nearest][1]))
+    return found
+
+
+readers.register(TumReader())

@@ -1,0 +1,238 @@
+"""Draw a scene for the eyes: linear colour, and inverse depth exact to the last float32 bits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import moderngl
+
+from ...errors import InputError
+from ...frames import EyeImage, Frame, Needs
+from ...frames.layers import layers
+from ...geometry import Fov, Guard, View, guarded_eyes
+from ...gpu.context import Gpu
+from ...gpu.textures import COLOUR
+from ...registry import unknown_name
+from ...scenes import Scene
+from .lighting import Lighting
+from .moving import moving_parts
+from .parts import DrawContext, Drawing, Part, parts
+from .passes import ScenePasses
+from .targets import Framebuffers, Target, TargetPool
+from .upload import SceneBuffers, SceneTextures
+
+Size = tuple[int, int]
+MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
+
+
+class Server:
+    """One scene on the GPU, uploaded once, drawn for any view and instant.
+
+    Rows run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not
+    missing. Passes for content that the scene lacks and no frame needs are never compiled or
+    allocated.
+
+    mirrors: how frames show plane mirrors: "geometry" (the scene once more, mirrored) or "screen"
+    (rays marched through the picture itself, which lacks what is outside the picture). draw(),
+    which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
+    lighting: of a scene with lamps, in place of what its own meshes make; it belongs to the caller.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY, *, lighting: Lighting | None = None) -> None:
+        self.gpu, self.scene, self._marched = gpu, scene, _is_marched(mirrors)
+        self._textures = SceneTextures(gpu, scene)
+        still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
+        self._buffers = SceneBuffers(gpu, still, self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
+        self._framebuffers = Framebuffers(gpu.gl)
+        self._pools: dict[tuple, TargetPool] = {}
+        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
+        self._depth: ScenePasses | None = None
+        self._parts: dict[str, Part] = {}
+        self._chosen: dict[Needs, list[Part]] = {}
+        self._context = DrawContext(
+            gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire, self._draw, self._passes_for
+        )
+
+    def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
+
+        into: the target, None for one from the server's pool. Errors: InputError for a size of 0 or
+        beyond the GL limit, or for another size than the target's.
+        """
+        return self._draw(view, size, Drawing(view, size, time_ns), into)
+
+    def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
+        target = into if into is not None else self.acquire(size)
+        _check_same_size(target.size, size)
+        framebuffer = self._framebuffers.over(target.colour, target.inverse_depth)
+        self._passes_for(drawing).draw(view, framebuffer, drawing.time_ns)
+        eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
+        for part in self._parts_for(drawing.needs):
+            eye = part.add(eye, drawing)
+        return eye
+
+    def _passes_for(self, drawing: Drawing) -> ScenePasses:
+        """Return the passes of the plain surfaces, lit as the picture's layers say."""
+        found = (part.passes_for(drawing) for part in self._parts_for(drawing.needs))
+        return next((passes for passes in found if passes is not None), self._colour)
+
+    def _parts_for(self, needs: Needs) -> list[Part]:
+        """Return the parts that occur in the scene or draw a needed layer."""
+        if needs not in self._chosen:
+            needed = {layers.get(name).drawn_by for name in needs}
+            chosen = [part for part in parts if part.name in needed or part.in_scene(self.scene)]
+            chosen.sort(key=lambda part: part.order)
+            for part in chosen:
+                if part.name not in self._parts:
+                    self._parts[part.name] = part(self._context)
+            self._chosen[needs] = [self._parts[part.name] for part in chosen]
+        return self._chosen[needs]
+
+    def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
+        """Draw inverse depth alone into an r32f texture, as a client with the geometry does."""
+        _check_same_size(into.size, size)
+        if self._depth is None:
+            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+        self._depth.draw(view, self._framebuffers.over(into), time_ns)
+        for part in self._parts_for(Needs()):
+            part.add_depth(view, time_ns, into)
+        return into
+
+    def draw_frame(
+        self,
+        views: Sequence[View],
+        drawn_ns: int,
+        size: Size,
+        guard: Guard = 1.0,
+        needs: Needs | None = None,
+        shown_size: Size | None = None,
+        age_ns: int = 0,
+        pictures: bool = True,
+    ) -> Frame:
+        """Draw all eyes, and the needed layers, into pooled targets.
+
+        guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
+        enlarged views. shown_size: of the display's picture, if the frame has another resolution.
+        age_ns: how old it will be when it is seen. pictures: False leaves the eyes' pictures empty,
+        for needs that both eyes share.
+        Return the frame to the pools with recycle(). Errors: as guarded_eyes; InputError for a cube
+        beyond the GL limit.
+        """
+        needs = needs if needs is not None else Needs()
+        fovs, grown = guarded_eyes(views, guard, size)
+        guarded = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True)]
+        drawings = [Drawing(view, size, drawn_ns, needs, shown_size, self._marched, age_ns) for view in views]
+        return self._draw_all(guarded, grown, drawings, pictures=pictures)
+
+    def draw_guarded(
+        self,
+        views: Sequence[View],
+        drawn_ns: int,
+        size: Size,
+        needs: Needs,
+        shown: Sequence[Fov],
+        shown_size: Size,
+    ) -> Frame:
+        """Draw all eyes where somebody else has added the guard band; otherwise as draw_frame.
+
+        views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
+        shown picture, which some layers follow.
+        """
+        seen = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, shown, strict=True)]
+        drawings = [Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched) for view in seen]
+        return self._draw_all(views, size, drawings, pictures=True)
+
+    def _draw_all(self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool) -> Frame:
+        needs, drawn_ns = drawings[0].needs, drawings[0].time_ns
+        shared: dict[str, Any] = {}
+        for part in self._parts_for(needs):
+            shared |= part.of_frame(views, drawings[0])
+        if pictures:
+            eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
+        else:
+            eyes = [self._empty(view, size, drawn_ns) for view in views]
+        return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
+
+    def _empty(self, view: View, size: Size, time_ns: int) -> EyeImage:
+        target = self.acquire(size)
+        self.clear(target)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, is_drawn=False)
+
+    def clear(self, into: Target) -> None:
+        """Empty a target: coverage 0, no depth."""
+        self._framebuffers.over(into.colour).clear()
+        self._framebuffers.over(into.inverse_depth).clear(red=-1.0)
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Take note of whether a frame arrived, which the server hears at that instant."""
+        for part in self._parts.values():
+            part.heard(frame, arrived, heard_ns)
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether a part has something to send even if nothing has moved."""
+        return any(part.has_more(now_ns) for part in self._parts.values())
+
+    def surfaces(self) -> Iterator[SceneBuffers]:
+        """Yield the buffers of all plain surfaces: those that stand still, then those that move."""
+        yield self._buffers
+        yield from (one.buffers for one in self._moving)
+
+    @property
+    def textures(self) -> SceneTextures:
+        """The scene's textures."""
+        return self._textures
+
+    def recycle(self, frame: Frame) -> None:
+        """Take the frame's textures back; later frames will overwrite them."""
+        for _, eye in frame.pictures():
+            self.pool(eye.size).release(eye.colour)
+        for layer, data in frame.contents():
+            for texture in layer.textures(data):
+                for pool in self._pools.values():
+                    if pool.lent(texture):
+                        pool.release(texture)
+            layer.release(data)
+
+    def acquire(self, size: Size, kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
+        """Return a target from the pool of its kind; recycle() returns it with its frame."""
+        return self._pool(size, kind, depth=depth).acquire()
+
+    def pool(self, size: Size, *, depth: bool = True) -> TargetPool:
+        """Return the server's colour targets of that size, with or without inverse depth."""
+        return self._pool(size, COLOUR, depth=depth)
+
+    def _pool(self, size: Size, kind: tuple[int, str], *, depth: bool) -> TargetPool:
+        key = (size, kind, depth)
+        if key not in self._pools:
+            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth, forget=self._framebuffers.forget)
+        return self._pools[key]
+
+    def close(self) -> None:
+        """Free everything the server holds, its targets included."""
+        for part in self._parts.values():
+            part.close()
+        for passes in (self._colour, self._depth):
+            if passes is not None:
+                passes.close()
+        self._framebuffers.close()
+        for pool in self._pools.values():
+            pool.close()
+        self._buffers.close()
+        for moving in self._moving:
+            moving.close()
+        self._textures.close()
+
+
+def _is_marched(mirrors: str) -> bool:
+    if mirrors not in MIRRORS:
+        raise unknown_name("kind of mirrors", mirrors, list(MIRRORS))
+    return mirrors == SCREEN
+
+
+def _check_same_size(target: Size, picture: Size) -> None:
+    if tuple(target) != tuple(picture):
+        raise InputError(
+            f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: they must be the same"
+        )

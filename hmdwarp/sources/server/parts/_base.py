@@ -1,0 +1,114 @@
+"""The base class of parts of a picture."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import attrs
+
+from ....frames import Needs
+from ....frames.layers import layers
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ....frames import EyeImage, Frame
+    from ....geometry import View
+    from ....gpu.context import Gpu
+    from ....scenes import Scene
+    from ..passes import ScenePasses
+    from ..targets import Framebuffers, Target
+    from ..upload import SceneTextures
+
+
+@attrs.frozen(eq=False)
+class Drawing:
+    """One picture to draw."""
+
+    # The view as the eye has it, without guard band, and (w, h) pixels of it.
+    view: View
+    size: tuple[int, int]
+    # The scene's clock.
+    time_ns: int = 0
+    # The layers to draw.
+    needs: Needs = Needs()
+    # (w, h) of the display's picture, where this one has another resolution.
+    shown_size: tuple[int, int] | None = None
+    # Whether plane mirrors show only what the picture itself shows, see Server.
+    marched: bool = False
+    # How old the frame will be when it is seen.
+    age_ns: int = 0
+
+    def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
+        """Return another picture at the same instant, lit in the same way, without layers."""
+        needs = Needs(**{name: amount for name, amount in self.needs.items() if layers.get(name).lights})
+        return Drawing(view, size, self.time_ns, needs)
+
+
+@attrs.frozen(eq=False)
+class DrawContext:
+    """The resources that parts draw with."""
+
+    gpu: Gpu
+    scene: Scene
+    # The scene's textures on the GPU.
+    textures: SceneTextures
+    framebuffers: Framebuffers
+    # The passes of the plain surfaces.
+    colour: ScenePasses
+    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
+    # depth: with an r32f texture beside it.
+    acquire: Callable[..., Target]
+    # draw(view, size, drawing): draws a whole picture of another view.
+    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
+    # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
+    passes_for: Callable[[Drawing], ScenePasses]
+
+
+class Part(ABC):
+    """One kind of content, added to the picture after the parts of a lower `order`.
+
+    A part is made when a scene has any of its content, or when frames need a layer whose file names
+    it in `drawn_by`: then the layer is always there, if only empty.
+    """
+
+    name: ClassVar[str]
+    order: ClassVar[int]
+
+    def __init__(self, context: DrawContext) -> None:
+        self.context = context
+
+    @classmethod
+    def in_scene(cls, scene: Scene) -> bool:
+        """Return whether the scene has any of it in the picture itself."""
+        return False
+
+    def passes_for(self, drawing: Drawing) -> ScenePasses | None:
+        """Return what draws the plain surfaces in place of the server's passes, or None."""
+        return None
+
+    @abstractmethod
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        """Draw what is not a needed layer into the eye; return the eye with its layers."""
+
+    def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:  # noqa: B027 (most have none)
+        """Draw content that has a depth into the inverse depth of the plain surfaces."""
+
+    def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
+        """Return the layers that all eyes share, by name; called once for each frame.
+
+        views: of the eyes, with guard band.
+        """
+        return {}
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most send nothing twice)
+        """Take note of whether a frame arrived, which the server hears at that instant."""
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether it has something to send even if nothing has moved."""
+        return False
+
+    def close(self) -> None:  # noqa: B027 (some hold nothing)
+        """Free its resources; the shader library owns programs, the server acquired targets."""

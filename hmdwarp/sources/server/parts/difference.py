@@ -1,0 +1,72 @@
+"""The picture less that of a simplified scene, for clients that draw that one themselves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ....frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
+from ....gpu.textures import COLOUR
+from ....scenes import partial_scene
+from ..targets import Target, TargetPool
+from . import parts
+from ._base import DrawContext, Drawing, Part
+
+if TYPE_CHECKING:
+    from ....frames import EyeImage
+    from ..draw import Server
+
+
+@parts.register
+class Difference(Part):
+    """Drawn when the picture is complete: the simplified scene for the same view and instant."""
+
+    name = "difference"
+    order = 190
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._program = context.gpu.shaders.compute("server/difference.comp")
+        self._bytes = display_bytes(context.gpu.gl)
+        self._renderers: dict[Simplified, Server] = {}
+        self._pools: dict[tuple[int, int], tuple[TargetPool, Target]] = {}
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        needed: frozenset[Simplified] = drawing.needs.get("difference", frozenset())
+        if not needed:
+            return eye
+        made = {}
+        for each in sorted(needed):
+            target = self._target(eye.size)
+            self._renderer(each).draw(eye.view, eye.size, target, drawing.time_ns)
+            made[each] = self.context.acquire(eye.size, COLOUR, depth=False).colour
+            self.context.gpu.barrier()
+            for unit, texture in enumerate((eye.colour, target.colour)):
+                texture.bind_to_image(unit, read=True, write=False)
+            made[each].bind_to_image(2, read=False, write=True)
+            self._bytes.bind_to_storage_buffer(BYTES_BINDING)
+            self._program.uniforms.set(full=0, simplified=1, difference=2, rendered_size=eye.size)
+            self._program.run(*eye.size)
+            self.context.gpu.barrier()
+        return eye.having(difference=made)
+
+    def _renderer(self, each: Simplified) -> Server:
+        """Return what draws the simplified scene, as the client draws it."""
+        from ..draw import Server  # which draws by parts
+
+        if each not in self._renderers:
+            scene = partial_scene(self.context.scene, each.share, each.texture, lit=each.lit)
+            self._renderers[each] = Server(self.context.gpu, scene)
+        return self._renderers[each]
+
+    def _target(self, size: tuple[int, int]) -> Target:
+        if size not in self._pools:
+            pool = TargetPool(self.context.gpu, size)
+            self._pools[size] = pool, pool.acquire()
+        return self._pools[size][1]
+
+    def close(self) -> None:
+        for renderer in self._renderers.values():
+            renderer.close()
+        for pool, _ in self._pools.values():
+            pool.close()
+        self._bytes.release()

@@ -1,0 +1,48 @@
+"""Light alone: the picture of the surfaces as if their albedo were 1."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ....scenes import only_light
+from ..moving import moving_parts
+from ..passes import ScenePasses
+from ..upload import SceneBuffers, SceneTextures
+from . import parts
+from ._base import DrawContext, Drawing, Part
+
+if TYPE_CHECKING:
+    from ....frames import EyeImage
+
+
+@parts.register
+class Light(Part):
+    """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
+
+    name = "light"
+    order = -1  # before cut-outs, which it would draw over
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        gpu, scene = context.gpu, only_light(context.scene)
+        self._textures = SceneTextures(gpu, scene)
+        surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
+        # Lamps light it as they light the scene itself: between white surfaces there is more light.
+        lighting = context.colour.lighting
+        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        if "light" not in drawing.needs:
+            return eye
+        into = self.context.framebuffers.over(eye.colour, eye.inverse_depth)
+        self._passes.draw(eye.view, into, eye.drawn_ns)
+        return eye.having(light=True)
+
+    def close(self) -> None:
+        self._passes.close()
+        for one in self._moving:
+            one.close()
+        self._buffers.close()
+        self._textures.close()

@@ -1,0 +1,113 @@
+"""Transparent sheets: blended over the picture, or a veil with a depth of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ....frames import Surface, Transparent
+from ....gpu.scopes import drawing_into
+from ....gpu.textures import allocate
+from ....scenes import is_cutout
+from ..passes import SAME_SURFACE
+from . import parts
+from ._base import DrawContext, Drawing, Part
+from ._sheets import MOST, OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from ....frames import EyeImage
+    from ....gpu.shaders import Draw
+    from ....scenes import Scene
+
+_TWO_DEPTHS = (2, "f4")  # rg32f
+
+
+@parts.register
+class Transparency(Part):
+    """Blended into the picture, sheets keep the depth of what lies behind.
+
+    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the
+    picture occludes is left out where another is visible; elsewhere it is kept for when the head
+    moves and uncovers it.
+    """
+
+    name = "transparency"
+    order = 70
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._nearest: dict[tuple[int, int], moderngl.Texture] = {}
+        scene = context.scene
+        self._sheets = Sheets(
+            context, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)]
+        )
+
+    @classmethod
+    def in_scene(cls, scene: Scene) -> bool:
+        return any(mesh.material.see_through for mesh in scene.meshes)
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        if "transparent" in drawing.needs:
+            return eye.having(transparent=self._layer(eye))
+        eye.inverse_depth.use(1)
+        self._sheets.draw(
+            self._colour(1), eye.view, eye.drawn_ns, self.context.framebuffers.over(eye.colour), OVER_KEEPING_COVERAGE
+        )
+        return eye
+
+    def _layer(self, eye: EyeImage) -> Transparent:
+        veil, passing = self.context.acquire(eye.size), self.context.acquire(eye.size, depth=False).colour
+        nearest = self._nearest_of(eye.size)
+        self._draw(self._program(1, COLOUR=0), eye, nearest, (-1.0, -1.0, 0.0, 0.0), MOST)
+        self._choose_depth(nearest, veil.inverse_depth)
+        nearest.use(2)
+        for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
+            self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
+        return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
+
+    def _choose_depth(self, nearest: moderngl.Texture, into: moderngl.Texture) -> None:
+        """Write the depth of the nearest sheet that is not hidden, else of the nearest of all."""
+        nearest.bind_to_image(0, read=True, write=False)
+        into.bind_to_image(1, read=False, write=True)
+        program = self.context.gpu.shaders.compute("server/veil_depth.comp")
+        program.uniforms.set(nearest=0, inverse_depth=1)
+        program.run(*into.size)
+        self.context.gpu.barrier()
+
+    def _draw(
+        self,
+        program: Draw,
+        eye: EyeImage,
+        into: moderngl.Texture,
+        empty: tuple[float, float, float, float],
+        blending: Blending,
+    ) -> None:
+        framebuffer = self.context.framebuffers.over(into)
+        with drawing_into(framebuffer):
+            framebuffer.clear(color=empty)
+        eye.inverse_depth.use(1)
+        self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
+
+    def _nearest_of(self, size: tuple[int, int]) -> moderngl.Texture:
+        """Return a texture for the depths of the nearest sheets, valid within one picture."""
+        if size not in self._nearest:
+            self._nearest[size] = allocate(self.context.gpu.gl, size, _TWO_DEPTHS)
+        return self._nearest[size]
+
+    def _colour(self, tests: int) -> Draw:
+        program = self._program(tests, COLOUR=1)
+        program.uniforms.set(covers=1.0)
+        return program
+
+    def _program(self, tests: int, **defines: int) -> Draw:
+        program = self.context.gpu.shaders.draw(
+            "server/pane.vert", "server/pane.frag", TESTS=tests, SLOTS=self._sheets.slots, **defines
+        )
+        program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
+        return program
+
+    def close(self) -> None:
+        self._sheets.close()
+        for texture in self._nearest.values():
+            texture.release()

@@ -1,0 +1,170 @@
+"""Pools of texture pairs to draw into: allocated on demand and reused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import attrs
+import moderngl
+
+from ...gpu.context import Gpu
+from ...gpu.textures import COLOUR, SCALAR, allocate
+
+# After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
+IDLE_AFTER = 2048
+
+
+@attrs.frozen(eq=False)
+class Target:
+    """The textures that one eye is drawn into."""
+
+    # rgba16f, or the format of its pool.
+    colour: moderngl.Texture
+    # r32f of the same size, None where only colour is kept.
+    depth: moderngl.Texture | None = None
+
+    @property
+    def inverse_depth(self) -> moderngl.Texture:
+        """The r32f texture. Errors: ValueError for a target without one."""
+        if self.depth is None:
+            raise ValueError("this target has no inverse depth: acquire one with depth=True")
+        return self.depth
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) in pixels."""
+        return self.colour.size
+
+
+class TargetPool:
+    """Targets of one size and kind, with or without inverse depth.
+
+    A burst of frames that are late together makes many; those that IDLE_AFTER hand-outs in a row
+    did not need are freed.
+    forget: called with each texture before it is freed so.
+    Errors: InputError for a size of 0 or beyond the GL limit.
+    """
+
+    def __init__(
+        self,
+        gpu: Gpu,
+        size: tuple[int, int],
+        kind: tuple[int, str] = COLOUR,
+        *,
+        depth: bool = True,
+        forget: Callable[[moderngl.Texture], None] = lambda texture: None,
+    ) -> None:
+        self._gpu, self.size, self._kind, self._with_depth = gpu, size, kind, depth
+        self._forget = forget
+        # The last one is handed out first, so what is not needed stays at the beginning.
+        self._free: list[Target] = []
+        self._out: dict[moderngl.Texture, Target] = {}
+        # Hand-outs since idle ones were freed, and how many targets were out at most meanwhile.
+        self._handed = self._most_out = 0
+
+    @property
+    def live(self) -> int:
+        """How many targets are out."""
+        return len(self._out)
+
+    @property
+    def made(self) -> int:
+        """How many targets exist, out or free: the most that were lately out at the same time."""
+        return len(self._out) + len(self._free)
+
+    def acquire(self) -> Target:
+        """Return a free target; its content is undefined."""
+        target = self._free.pop() if self._free else self._make()
+        self._out[target.colour] = target
+        self._handed, self._most_out = self._handed + 1, max(self._most_out, self.live)
+        if self._handed == IDLE_AFTER:
+            self._free_idle()
+        return target
+
+    def _free_idle(self) -> None:
+        idle = self.made - self._most_out
+        for target in self._free[:idle]:
+            _release(target, self._forget)
+        del self._free[:idle]
+        self._handed, self._most_out = 0, self.live
+        # Not only for what was freed here: each frame that came through the heap leaves gaps in it.
+        self._gpu.give_back_memory()
+
+    def _make(self) -> Target:
+        return Target(
+            allocate(self._gpu.gl, self.size, self._kind),
+            allocate(self._gpu.gl, self.size, SCALAR) if self._with_depth else None,
+        )
+
+    def lent(self, colour: moderngl.Texture) -> bool:
+        """Return whether a target with that colour texture is out."""
+        return colour in self._out
+
+    def release(self, colour: moderngl.Texture | Target) -> None:
+        """Take back a target, identified by itself or its colour texture.
+
+        Errors: ValueError if it is not out.
+        """
+        key = colour.colour if isinstance(colour, Target) else colour
+        if key not in self._out:
+            raise ValueError("this target is not out: it was released before, or comes from another pool")
+        self._free.append(self._out.pop(key))
+
+    def close(self) -> None:
+        """Free all textures, including those that are out."""
+        for target in [*self._free, *self._out.values()]:
+            _release(target)
+        self._free.clear()
+        self._out.clear()
+
+
+def _release(target: Target, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:
+    for texture in (target.colour, target.depth):
+        if texture is not None:
+            forget(texture)
+            texture.release()
+
+
+class Framebuffers:
+    """Framebuffers over textures that others own; those of one size share a depth buffer."""
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl = gl
+        self._depth: dict[tuple[int, int], moderngl.Renderbuffer] = {}
+        self._made: dict[tuple[int, ...], tuple[tuple[moderngl.Texture, ...], moderngl.Framebuffer]] = {}
+
+    def over(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
+        """Return the framebuffer that draws into `textures` of one size; created on first use."""
+        # GL reuses the names of deleted textures, so the entry holds the textures and is checked
+        # against them.
+        key = tuple(texture.glo for texture in textures)
+        held, framebuffer = self._made.get(key, ((), None))
+        if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
+            size = textures[0].size
+            self.reserve(size)
+            if framebuffer is not None:
+                framebuffer.release()
+            framebuffer = self._gl.framebuffer(list(textures), self._depth[size])
+            self._made[key] = (textures, framebuffer)
+        return framebuffer
+
+    def forget(self, texture: moderngl.Texture) -> None:
+        """Free the framebuffers over a texture that will be freed; they would keep its memory."""
+        for key, (textures, framebuffer) in list(self._made.items()):
+            if texture in textures:
+                framebuffer.release()
+                del self._made[key]
+
+    def reserve(self, size: tuple[int, int]) -> None:
+        """Allocate the depth buffer of that size now rather than at the first call of over()."""
+        if size not in self._depth:
+            self._depth[size] = self._gl.depth_renderbuffer(size)
+
+    def close(self) -> None:
+        """Free the framebuffers and depth buffers, not the textures."""
+        for _, framebuffer in self._made.values():
+            framebuffer.release()
+        for depth in self._depth.values():
+            depth.release()
+        self._made.clear()
+        self._depth.clear()

@@ -1,0 +1,185 @@
+"""A scene's arrays as GPU buffers, in chunks small enough to cull."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ...gpu.context import Gpu
+from ...gpu.textures import check_size, flip_rows
+from ...scenes import Mesh, Scene, Texture, chunks_of
+from .projection import boxes_of
+from .visibility import Chunks, Visibility
+
+SRGB8_ALPHA8 = 0x8C43
+
+
+@attrs.frozen(eq=False)
+class Batch:
+    """The state that chunks drawn together share."""
+
+    texture: moderngl.Texture
+    # Whether both sides of a triangle are visible; else back faces are culled.
+    double_sided: bool
+
+
+def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
+    """Upload a texture with mipmaps; the sampler decodes sRGB before it filters."""
+    height, width = texture.image.shape[:2]
+    check_size(gpu.gl, (width, height))
+    data = _texels(texture.image)
+    made = gpu.gl.texture((width, height), 4, data, internal_format=SRGB8_ALPHA8 if texture.srgb else None)
+    made.build_mipmaps()
+    made.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    made.repeat_x = made.repeat_y = texture.repeat
+    return made
+
+
+def _texels(image: NDArray[np.uint8]) -> bytes:
+    """Return the image as four channels, bottom row first."""
+    if image.shape[2] == 3:
+        image = np.concatenate([image, np.full((*image.shape[:2], 1), 255, np.uint8)], axis=2)
+    return np.ascontiguousarray(flip_rows(image)).tobytes()
+
+
+class SceneTextures:
+    """A scene's textures on the GPU, by index; -1 is white."""
+
+    def __init__(self, gpu: Gpu, scene: Scene) -> None:
+        white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
+        self._made = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+        self.revision = 0  # counts changes
+
+    def __getitem__(self, index: int) -> moderngl.Texture:
+        return self._made[index]
+
+    def put(self, index: int, image: NDArray[np.uint8]) -> None:
+        """Replace the image of one texture by another of the same size."""
+        self._made[index].write(_texels(image))
+        self._made[index].build_mipmaps()
+        self.revision += 1
+
+    def close(self) -> None:
+        """Free them."""
+        for texture in self._made:
+            texture.release()
+
+
+class SceneBuffers:
+    """Some meshes of a scene on the GPU: a vertex buffer, an index buffer and chunks."""
+
+    def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
+        self.batches: list[Batch] = []
+        # Those that are drawn.
+        self.chunks: Chunks
+        self.visibility: Visibility
+        self.meshes = list(meshes)
+        self.revision = 0  # counts changes
+        # Of all chunks: the mesh of each, its indices, and which are drawn.
+        self._owner: NDArray[np.int64]
+        self._all: Chunks
+        self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
+        self._order = indices = self._cut(meshes, textures)
+        self._drawn = np.ones(len(self._owner), bool)
+        self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
+        self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
+
+    def move_to(self, positions: NDArray) -> None:
+        """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
+        if not self._order:
+            return
+        rows = _vertex_rows(self.meshes)
+        rows[:, :3] = positions
+        self._vertices.write(rows.tobytes())
+        corners = positions[np.concatenate(self._order)].astype(np.float64)
+        low, high = (extreme.reduceat(corners, self._all.first, axis=0) for extreme in (np.minimum, np.maximum))
+        self._all = attrs.evolve(self._all, boxes=boxes_of((low + high) / 2, (high - low) / 2))
+        self._choose()
+
+    def put(self, number: int, mesh: Mesh) -> None:
+        """Replace the arrays of one of the meshes by others with as many vertices and triangles.
+
+        What deforms is then where it is at rest, until it is moved.
+        """
+        start = int(self._starts[number])
+        self.meshes[number] = mesh
+        self._vertices.write(_vertex_rows([mesh]).tobytes(), offset=_ROW_BYTES * start)
+        boxes = self._all.boxes.copy()
+        for chunk, triangles in zip(np.flatnonzero(self._owner == number).tolist(), chunks_of(mesh), strict=True):
+            self._order[chunk] = indices = triangles.ravel() + np.uint32(start)
+            self._indices.write(indices.astype(np.uint32).tobytes(), offset=4 * int(self._all.first[chunk]))
+            low, high = _extremes(mesh, triangles)
+            boxes[:, [chunk]] = boxes_of((low + high)[None] / 2, (high - low)[None] / 2)
+        self._all = attrs.evolve(self._all, boxes=boxes)
+        self._choose()
+
+    def draw_only(self, numbers: Collection[int]) -> None:
+        """Draw these meshes alone from now on."""
+        self._drawn = np.isin(self._owner, list(numbers))
+        self._choose()
+
+    def _choose(self) -> None:
+        """Take the chunks that are drawn."""
+        every, drawn = self._all, self._drawn
+        self.chunks = (
+            every
+            if drawn.all()
+            else Chunks(every.first[drawn], every.count[drawn], every.batch[drawn], every.boxes[:, drawn])
+        )
+        self.visibility = Visibility(self.chunks)
+        self.revision += 1
+
+    def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
+        """Fill batches and chunks; return the chunks' indices."""
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for number, mesh in enumerate(meshes):
+            groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
+        indices, batch_of, boxes, owner = [], [], [], []
+        for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
+            for number in members:
+                mesh, start = meshes[number], int(self._starts[number])
+                for chunk in chunks_of(mesh):
+                    boxes.append(_extremes(mesh, chunk))
+                    indices.append(chunk.ravel() + np.uint32(start))
+                    batch_of.append(len(self.batches))
+                    owner.append(number)
+            self.batches.append(Batch(textures[texture], double_sided))
+        count = np.array([len(part) for part in indices], np.int64)
+        low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
+        around = boxes_of((low + high) / 2, (high - low) / 2)
+        self.chunks = self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
+        self.visibility = Visibility(self.chunks)
+        self._owner = np.array(owner, np.int64)
+        return indices
+
+    def vertex_array(
+        self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[Any, ...], colour: bool
+    ) -> moderngl.VertexArray:
+        """Return the buffers, and `more` as moderngl takes them, as inputs of `program`."""
+        names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
+        layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
+        return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)
+
+    def close(self) -> None:
+        """Free the buffers."""
+        self._vertices.release()
+        self._indices.release()
+
+
+def _extremes(mesh: Mesh, triangles: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the lowest and highest corner of the box around some of a mesh's triangles."""
+    corners = mesh.positions[triangles.ravel()].astype(np.float64)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+_ROW_BYTES = 4 * (3 + 2 + 3)
+
+
+def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
+    rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in meshes]
+    return np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32)

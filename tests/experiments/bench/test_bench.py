@@ -1,0 +1,415 @@
+"""Whole benches, small and real.
+
+What they write, that their figures are a replay's, that nothing but times changes.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import attrs
+import numpy as np
+import pytest
+from replays import contents, run
+
+from hmdwarp.client import build_plan
+from hmdwarp.experiments.bench import BenchOptions, bench
+from hmdwarp.experiments.bench.answer import answer
+from hmdwarp.experiments.bench.bench_rows import COLUMNS
+from hmdwarp.experiments.bench.displacement_grid import AXES, displaced
+from hmdwarp.experiments.bench.traffic import passes_of
+from hmdwarp.geometry import Pose
+from hmdwarp.link import LinkOptions
+from hmdwarp.metrics import QUALITY, STAGES
+from hmdwarp.report import OutputFolder, validate_summary
+
+SMALL = BenchOptions(
+    warps=("forward", "rotation", "backward"),
+    fills=("none", "interpolate"),
+    latencies_ms=(100.0, 200.0),
+    scenes=("planes",),
+    recordings=("look-around",),
+    sizes=((96, 80),),
+    rate_hz=60.0,
+    seconds=0.5,
+    guard=1.2,
+    instants=2,
+    rounds=2,
+    workers=0,
+    budget_ms=1e4,
+    command="hmdwarp bench",
+)
+TIMES = ("time_ms", "passes")
+KEYS = {
+    "schema",
+    "hmdwarp",
+    "program",
+    "notes",
+    "command",
+    "machine",
+    "clock",
+    "clocks",
+    "copy_gb_s",
+    "client",
+    "rows",
+    "grid",
+    "grid_at",
+    "fused",
+    "fused_at",
+    "choice",
+    "seconds",
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_grid():
+    """A sixteenth of the grid's pixels."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hmdwarp.bench.displacement_grid.SIZE", (100, 100))
+        yield
+
+
+@pytest.fixture(scope="module")
+def full(small_grid, tmp_path_factory):
+    """Every section; and the steps it told of."""
+    out, steps = tmp_path_factory.mktemp("bench") / "made", []
+    result = bench(attrs.evolve(SMALL, out=out), lambda done, total: steps.append((done, total)))
+    return out, result, steps
+
+
+def test_writes_its_files_and_nothing_else(full):
+    out, result, _ = full
+    assert {name for name in contents(out) if not name.startswith("cases/")} == {
+        "bench.csv",
+        "bench.json",
+        "bench.html",
+    }
+    assert result.report == out / "bench.html" and result.refused == ""
+    page = result.report.read_text(encoding="utf-8")
+    assert "axes of look-around <b>openxr (world=x,y,-z head=x,y,-z), stated by the file</b>" in page
+
+
+def test_json_has_every_key_and_no_number_that_is_none(full):
+    out, result, _ = full
+    text = (out / "bench.json").read_text(encoding="utf-8")
+    data = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in bench.json"))
+    assert set(data) == KEYS and data == json.loads(json.dumps({**result.data, "rows": [*result.data["rows"]]}))
+    assert data["clock"] in ("gpu", "wall") and data["copy_gb_s"] > 0 and data["seconds"] > 0
+    assert set(data["clocks"]) == {"wall_ms", "gpu_ms", "note"} and data["clocks"]["wall_ms"] > 0
+    cases = {(row["latency_ms"], row["warp"], row["fill"]) for row in data["rows"]}
+    assert len(data["rows"]) == len(cases) == 2 * 3 * 2
+
+
+def test_rows_are_summaries_and_more(full):
+    for row in full[1].data["rows"]:
+        validate_summary(row)
+        assert row["frames"] == 2 and row["measured"]["flip"] == 2
+        assert sum(region["share"] for region in row["regions"].values()) == pytest.approx(1)
+        assert row["regions"]["holes"]["share"] == pytest.approx(row["quality"]["hole_share"]["mean"])
+        assert row["mismatch"] is not None and 0 <= row["mismatch"] <= 1
+        assert all(row["time_ms"]["warp"][figure] > 0 for figure in ("median", "p95"))
+        wanted = ["client_depth"] * (row["warp"] == "backward") + ["warp"] + ["fill"] * (row["fill"] == "interpolate")
+        assert [entry["name"] for entry in row["passes"]] == wanted
+        for entry in row["passes"]:
+            assert entry["times_bound"] == pytest.approx(entry["median_ms"] / entry["bound_ms"])
+
+
+def test_csv_says_the_same(full):
+    out, result, _ = full
+    with (out / "bench.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(rows[0]) == COLUMNS
+    for written, row in zip(rows, result.data["rows"], strict=True):
+        assert written["warp"] == row["warp"] and written["fill"] == row["fill"]
+        for name in QUALITY:
+            assert float(written[name]) == row["quality"][name]["mean"]
+            assert float(written[f"{name}_p95"]) == row["quality"][name]["p95"]
+        for stage in STAGES:
+            assert float(written[f"{stage}_ms"]) == row["time_ms"][stage]["median"]
+        assert float(written["edges_flip"]) == row["regions"]["edges"]["flip"]
+        assert (written["fill_pass_bytes"] == "") == (row["fill"] == "none")
+
+
+def test_progress_counts_to_the_end(full):
+    steps = full[2]
+    # Two latencies, two instants; the grid; the fused pairs at as many instants.
+    total = 2 * 2 + 37 + 2
+    assert steps == [(done, total) for done in range(total + 1)]
+
+
+@pytest.mark.parametrize(("warp", "fill"), [("forward", "interpolate"), ("backward", "none")])
+def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
+    """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its
+    frames.
+    """
+    replayed = run(
+        tmp_path,
+        warp=warp,
+        fill=fill,
+        headset=SMALL.headset,
+        guard=SMALL.guard,
+        latency_ms=200.0,
+        seconds=0.5,
+        metrics_every=1,
+        workers=0,
+    )
+    wanted = [row for row in replayed.rows if (row["frame"], row["eye"]) in ((7, 0), (22, 1))]
+    row = next(r for r in full[1].data["rows"] if (r["latency_ms"], r["warp"], r["fill"]) == (200.0, warp, fill))
+    for name in QUALITY:
+        assert row["quality"][name]["mean"] == math.fsum(picture[name] for picture in wanted) / 2, name
+
+
+def without_times(data: dict) -> dict:
+    rows = [{key: value for key, value in row.items() if key not in TIMES} for row in data["rows"]]
+    fused = [
+        {key: value for key, value in row.items() if key in ("warp", "psnr_db", "flip", "sharpness")}
+        for row in data["fused"]
+    ]
+    return {"rows": rows, "grid": data["grid"], "fused": fused}
+
+
+def test_only_times_change(full, tmp_path, monkeypatch):
+    """Measured in other processes, and in batches so small that each warp runs alone."""
+    monkeypatch.setattr("hmdwarp.bench.bench_work.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.bench.bench_work.MEMORY_PART", 0.0)
+    again = bench(attrs.evolve(SMALL, out=tmp_path, workers=2))
+    assert without_times(again.data) == without_times(full[1].data)
+
+
+def test_the_grid_knows_no_error_at_rest(full):
+    grid = full[1].data["grid"]
+    assert full[1].data["grid_at"] == {"scene": "planes", "size": [100, 100], "eye": "left"}
+    assert len(grid) == 3 * len(AXES) * 7
+    for row in grid:
+        assert set(row) == {"warp", "axis", "offset", "psnr_db", "flip", "hole_share"}
+        if row["offset"] == 0:
+            # A guarded frame is drawn with another raster than the truth: a last bit of a byte here
+            # and there (48 dB if everywhere).
+            assert row["psnr_db"] > 48 and row["flip"] < 0.02 and row["hole_share"] == 0
+        else:
+            assert row["flip"] > 0
+    turned = {row["warp"]: row["flip"] for row in grid if (row["axis"], row["offset"]) == ("yaw", 10.0)}
+    moved = {row["warp"]: row["flip"] for row in grid if (row["axis"], row["offset"]) == ("x", 0.3)}
+    assert moved["backward"] < moved["rotation"] and turned["rotation"] < moved["rotation"]
+
+
+def test_displacements_are_in_the_heads_own_frame():
+    turned = Pose(
+        (1, 2, 3), (0, math.sin(math.pi / 4), 0, math.cos(math.pi / 4))
+    )  # a quarter to the left: its right is away from us
+    assert displaced(turned, "x", 0.3).position_m == pytest.approx((1, 2, 2.7))
+    assert displaced(turned, "z", 0.3).position_m == pytest.approx((1.3, 2, 3))
+    ahead = np.array([0.0, 0, -1])
+    assert displaced(Pose(), "yaw", 30).rotation.apply(ahead) == pytest.approx((-0.5, 0, -math.sqrt(0.75)))
+    assert displaced(Pose(), "pitch", 30).rotation.apply(ahead) == pytest.approx((0, 0.5, -math.sqrt(0.75)))
+    assert displaced(Pose(), "roll", 90).rotation.apply([0, 1, 0]) == pytest.approx((-1, 0, 0))
+
+
+def test_fused_rows(full):
+    fused = {row["warp"]: row for row in full[1].data["fused"]}
+    assert set(fused) == {"rotation", "backward"}
+    at = {
+        "scene": "planes",
+        "trace": "look-around",
+        "latency_ms": 100.0,
+        "size": [96, 80],
+        "lens": "radial",
+        "eye": "left",
+    }
+    assert full[1].data["fused_at"] == at
+    for row in fused.values():
+        assert row["speedup"] == pytest.approx(row["separate_ms"] / row["fused_ms"])
+        for figure in ("psnr_db", "flip", "sharpness"):
+            assert set(row[figure]) == {"fused", "separate"}
+    # One resample keeps more of the detail than two.
+    assert fused["backward"]["sharpness"]["fused"] > fused["backward"]["sharpness"]["separate"] > 0
+
+
+def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
+    """Without latency every one of them shows the picture itself, to what bytes can tell."""
+    pytest.importorskip("cv2")
+    options = attrs.evolve(
+        SMALL, warps=("forward", "rotation:edge=clamp", "mesh:grid=64", "cv2.warpFrame"), latencies_ms=(0.0, 100.0),
+        budget_ms=1e4, grid=False, fused=False, out=tmp_path,
+    )  # fmt: skip
+    data = bench(options).data
+    still, late = ([row for row in data["rows"] if row["latency_ms"] == latency] for latency in (0.0, 100.0))
+    assert {row["warp"]: row["baseline"] for row in still} == {
+        "forward": "",
+        "rotation:edge=clamp": "most streamers",
+        "mesh:grid=64": "CloudXR.js",
+        "cv2.warpFrame": "OpenCV",
+    }
+    assert all(row["quality"]["psnr_db"]["mean"] > 48 for row in still)
+    (outside,) = (row for row in late if row["warp"] == "cv2.warpFrame")
+    assert outside["fill"] == "none" and outside["passes"] == [] and outside["time_ms"]["warp"]["median"] > 0
+    assert outside["lacks"] and data["choice"]["warp"] != "cv2.warpFrame"
+    # It moves each pixel to the nearest by its depth, as forward does: only bytes tell them apart.
+    forward = next(row for row in late if (row["warp"], row["fill"]) == ("forward", "none"))
+    assert outside["quality"]["psnr_db"]["mean"] == pytest.approx(forward["quality"]["psnr_db"]["mean"], abs=0.2)
+    page = (tmp_path / "bench.html").read_text(encoding="utf-8")
+    assert "CloudXR.js" in page and "OpenCV" in page
+
+
+def test_memory_has_seen_the_seconds_before_an_instant(tmp_path):
+    """A head that looks around sees again what it saw: memory knows it after the run-in alone."""
+    options = attrs.evolve(
+        SMALL, warps=("rotation",), fills=("pyramid", "memory+pyramid"), latencies_ms=(400.0,), seconds=None,
+        start_s=6.0, guard=1.0, instants=2, rounds=1, grid=False, fused=False, out=tmp_path,
+    )  # fmt: skip
+    alone, after_memory = bench(options).data["rows"]
+    assert after_memory["quality"]["flip"]["mean"] < alone["quality"]["flip"]["mean"]
+
+
+def test_without_latency_and_warp_the_panel_is_nearly_the_truth(tmp_path):
+    """What is left is resampling: the truth of the fused rows is the same picture, only finer."""
+    options = attrs.evolve(
+        SMALL, warps=("rotation",), fills=("none",), latencies_ms=(0.0,), sizes=((192, 240),), grid=False, out=tmp_path
+    )
+    row = bench(options).data["fused"][0]
+    assert row["psnr_db"]["fused"] >= row["psnr_db"]["separate"] - 0.5 > 20
+    assert 0.5 < row["sharpness"]["separate"] <= 1.2
+
+
+def test_a_headset_without_a_lens_fuses_nothing(tmp_path):
+    options = attrs.evolve(
+        SMALL, headset="flat-90", warps=("rotation",), fills=("none",), latencies_ms=(0.0,), grid=False, out=tmp_path
+    )
+    data = bench(options).data
+    assert data["fused"] == [] and data["grid"] == [] and data["fused_at"] is data["grid_at"] is None
+    assert data["choice"]["warp"] == "rotation"
+
+
+def test_a_budget_that_is_too_small_costs_no_results(tmp_path):
+    options = attrs.evolve(
+        SMALL, warps=("rotation",), latencies_ms=(0.0,), grid=False, fused=False, budget_ms=1e-6, out=tmp_path
+    )
+    result = bench(options)
+    assert result.data["choice"] is None and "nothing is that fast" in result.refused
+    assert (tmp_path / "bench.json").exists()
+
+
+@pytest.mark.parametrize("at", [0, 1, 3, 20])
+def test_what_is_interrupted_leaves_what_was_there(at, tmp_path):
+    before = {"bench.json": b'{"hmdwarp": "0"}', "bench.csv": b"warp\n", "mine.txt": b"mine"}
+    for name, data in before.items():
+        (tmp_path / name).write_bytes(data)
+
+    def interrupt(done: int, total: int) -> None:
+        if done == at:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        bench(attrs.evolve(SMALL, warps=("rotation",), out=tmp_path, workers=1), interrupt)
+    left = contents(tmp_path)
+    assert {name: left[name] for name in before} == before
+    # Two latencies and the grid were done, in that order; what was begun left nothing.
+    done = [name for name in left if name not in before]
+    assert all(name.startswith("cases/") for name in done) and len(done) == {0: 0, 1: 0, 3: 1, 20: 2}[at]
+
+
+def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
+    (tmp_path / "file").write_bytes(b"")
+    monkeypatch.setattr("hmdwarp.bench.bench_work.set_up_replay", lambda *_: pytest.fail("it ran"))
+    with pytest.raises(Exception, match="file"):
+        bench(attrs.evolve(SMALL, out=tmp_path / "file"))
+    OutputFolder(tmp_path / "fine").discard()
+
+
+def test_passes_are_held_against_what_they_must_move():
+    plan = build_plan((), "rotation", "interpolate", "radial", client_geometry=True)
+    stages = {"warp": [3.0, 1.0, 2.0], "fill": [4.0], "lens": [8.0, 8.0], "client_depth": [100.0]}
+    warp, fill, lens = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
+    assert (warp["name"], warp["bytes"], warp["median_ms"]) == (
+        "warp",
+        plan.warp.bytes_moved(200, 100, plan.choice.settings),
+        2.0,
+    )
+    assert warp["bound_ms"] == pytest.approx(warp["bytes"] * 1e-3)
+    assert (fill["name"], fill["bytes"], fill["times_bound"]) == ("fill", 1600, pytest.approx(4.0 / 1.6))
+    assert (lens["name"], lens["bytes"]) == ("lens", 1600)
+    plan = build_plan((), "backward", "none", "none", client_geometry=True)
+    drawn, _ = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
+    # R32f, written once.
+    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)
+
+
+def test_the_answer_tells_what_to_run_and_what_more_would_give():
+    choice = {
+        "budget_ms": 20.0,
+        "warp": "iterative:steps=3",
+        "fill": "interpolate",
+        "settings": {"steps": "3"},
+        "total_ms": 16.7,
+        "flip": 0.08,
+        "psnr_db": 31.0,
+        "sizes": [(1280, 800)],
+        "cases": 2,
+        "next": {"warp": "multi", "fill": "none", "total_ms": 27.3, "flip": 0.06, "psnr_db": 30.5},
+    }
+    first, use, following = answer(choice)
+    assert (
+        "Within 20 ms" in first
+        and "FLIP 0.0800" in first
+        and "31.00 dB" in first
+        and "16.70 ms (at 1280x800, means over 2 cases)" in first
+    )
+    assert "--warp iterative:steps=3 --fill interpolate" in use
+    assert "multi without a fill" in following and "25% less FLIP" in following
+    assert "0.50 dB less PSNR" in following and "10.60 ms more" in following
+    assert "more accurate" in answer({**choice, "next": None})[2]
+    assert "PSNR" not in " ".join(answer({**choice, "psnr_db": None, "next": None}))
+
+
+def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
+    """The warp `none` leaves no holes.
+
+    Both fills show one picture, and both rows have its figures.
+    """
+    from hmdwarp.metrics import QualityPool
+
+    submitted, submit = [], QualityPool.submit
+    monkeypatch.setattr(QualityPool, "submit", lambda pool, key, job: (submitted.append(key), submit(pool, key, job)))
+    options = attrs.evolve(
+        SMALL, warps=("none", "forward"), grid=False, fused=False, latencies_ms=(200.0,), out=tmp_path
+    )
+    rows = bench(options).data["rows"]
+    assert sorted(key[1:3] for key in submitted) == 2 * [("forward", "interpolate")] + 2 * [("forward", "none")] + 2 * [
+        ("none", "none")
+    ]
+    quality = {(row["warp"], row["fill"]): row["quality"] for row in rows}
+    assert quality["none", "none"] == quality["none", "interpolate"]
+    assert quality["forward", "none"] != quality["forward", "interpolate"]
+    assert all(row["frames"] == 2 for row in rows)
+
+
+def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_replays(tmp_path):
+    options = attrs.evolve(
+        SMALL,
+        warps=("none",),
+        fills=("none",),
+        latencies_ms=(100.0,),
+        server_rates_hz=(10.0, 25.0, 60.0),
+        grid=False,
+        fused=False,
+        budget_ms=None,
+        out=tmp_path / "bench",
+    )
+    rows = bench(options).data["rows"]
+    assert [row["server_rate_hz"] for row in rows] == [10.0, 25.0, 60.0]
+    errors = [row["quality"]["flip"]["mean"] for row in rows]
+    assert errors[0] > errors[2], "a frame that stays for 100 ms is older than one that stays for 17"
+    replayed = run(
+        tmp_path / "replay",
+        warp="none",
+        latency_ms=100.0,
+        headset=SMALL.headset,
+        network=LinkOptions(server_rate_hz=25.0),
+        guard=1.2,
+        metrics_every=1,
+    ).rows
+    for number, value in rows[1]["at_instants"]["flip"].items():
+        beside = [row["flip"] for row in replayed if row["frame"] == int(number)]
+        assert any(value == pytest.approx(one, abs=1e-6) for one in beside), "one of the two eyes"

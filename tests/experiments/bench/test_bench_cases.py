@@ -1,0 +1,108 @@
+"""A bench is a set of cases: what is done stays done, what failed says why and is run again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import attrs
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.experiments.bench import BenchOptions, bench
+from hmdwarp.experiments.sweep import SweepOptions, raise_failures
+from hmdwarp.resources import folder
+
+TINY = BenchOptions(
+    warps=("rotation",),
+    fills=("none",),
+    latencies_ms=(50.0, 100.0),
+    scenes=("planes",),
+    sizes=((48, 40),),
+    rate_hz=60.0,
+    seconds=0.3,
+    guard=1.1,
+    instants=1,
+    rounds=1,
+    workers=0,
+    grid=False,
+    fused=False,
+)
+AGAIN = SweepOptions(resume=True)
+
+
+@pytest.fixture
+def heads(tmp_path) -> list[Path]:
+    """Two recordings of the user's own."""
+    paths = [tmp_path / "heads" / f"{name}.csv" for name in ("first", "second")]
+    paths[0].parent.mkdir()
+    for path, shipped in zip(paths, ("look-around", "walk"), strict=True):
+        path.write_bytes((folder("recordings") / f"{shipped}.csv").read_bytes())
+    return paths
+
+
+def untimed(rows: list[dict]) -> list[dict]:
+    return [{key: value for key, value in row.items() if key not in ("time_ms", "passes")} for row in rows]
+
+
+def written(out: Path) -> dict[str, int]:
+    return {path.name: path.stat().st_mtime_ns for path in (out / "cases").glob("*.json")}
+
+
+def test_interrupted_and_resumed_is_the_whole_run(tmp_path, heads):
+    options = attrs.evolve(TINY, recordings=tuple(map(str, heads)), out=tmp_path / "out")
+
+    def stop(done: int, total: int) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        bench(options, stop)
+    before = written(options.out)
+    assert len(before) == 2 and not (options.out / "bench.json").exists()
+
+    said: list[str] = []
+    resumed = bench(attrs.evolve(options, sweep=AGAIN), say=said.append)
+    assert said[0].startswith("2 of 4 cases are kept from before")
+    assert before.items() <= written(options.out).items() and len(written(options.out)) == 4
+
+    plain = bench(attrs.evolve(options, out=tmp_path / "plain"))
+    assert untimed(resumed.data["rows"]) == untimed(plain.data["rows"])
+    assert written(options.out).keys() == written(tmp_path / "plain").keys()
+
+
+def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
+    options = attrs.evolve(TINY, recordings=tuple(map(str, heads)), out=tmp_path / "out")
+    content = heads[1].read_bytes()
+
+    def lose(done: int, total: int) -> None:
+        if done == 1:
+            heads[1].unlink()
+
+    result = bench(options, lose)
+    assert [row["trace"] for row in result.data["rows"]] == ["first", "first"]
+    assert len(result.swept.failed) == 2 and all("second.csv" in one.why for one in result.swept.failed)
+    assert sum("failed" in note for note in result.data["notes"]) == 2
+    with pytest.raises(InputError, match="2 of 4 cases failed.*second.*--resume"):
+        raise_failures(result.swept)
+    states = [json.loads(path.read_bytes())["state"] for path in (options.out / "cases").glob("*.json")]
+    assert sorted(states) == ["done", "done", "failed", "failed"]
+
+    heads[1].write_bytes(content)
+    again = bench(attrs.evolve(options, sweep=AGAIN))
+    assert (again.swept.failed, again.swept.known) == ((), 2)
+    assert [row["trace"] for row in again.data["rows"]] == ["first", "first", "second", "second"]
+
+
+def test_a_case_is_what_it_is_made_with(tmp_path, heads):
+    """The content of a trace counts, not its place; who runs it and where it goes do not."""
+    options = attrs.evolve(TINY, recordings=(str(heads[0]),), latencies_ms=(50.0,), out=tmp_path / "out")
+    first = bench(options)
+    moved = tmp_path / heads[0].name
+    heads[0].rename(moved)
+    same = attrs.evolve(options, recordings=(str(moved),), command="hmdwarp bench", workers=1, sweep=AGAIN)
+    assert bench(same).swept.known == 1
+    moved.write_bytes(moved.read_bytes() + b"\n")
+    assert bench(same).swept.known == 0
+    assert bench(attrs.evolve(same, instants=2)).swept.known == 0
+    assert first.swept.known == 0

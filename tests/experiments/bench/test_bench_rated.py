@@ -1,0 +1,77 @@
+"""JOD in a bench: of clips that end at its instants, and nothing else changes by it."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import attrs
+import pytest
+from ratings import quiet, with_cvvdp, without_cvvdp
+from replays import run
+
+from hmdwarp.errors import MachineError
+from hmdwarp.experiments.bench import bench
+
+from .test_bench_cases import TINY, untimed
+
+PLAIN = attrs.evolve(
+    TINY,
+    warps=("forward", "rotation"),
+    fills=("none", "memory"),
+    latencies_ms=(200.0,),
+    recordings=("look-around",),
+    sizes=((96, 80),),
+    headset="flat-90",
+    seconds=0.5,
+    guard=1.0,
+    instants=2,
+)
+RATED = attrs.evolve(PLAIN, jod_s=8 / 60)
+
+
+@without_cvvdp
+def test_without_the_package_a_bench_says_how_to_get_it(tmp_path):
+    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install 'hmdwarp\[jod\]'"):
+        bench(attrs.evolve(RATED, out=tmp_path / "out"))
+    assert not (tmp_path / "out").exists()
+
+
+def unrated(rows: list[dict]) -> list[dict]:
+    return [{key: value for key, value in row.items() if key != "jod"} for row in untimed(rows)]
+
+
+@with_cvvdp
+@quiet
+def test_all_else_stays_as_it_is_in_batches_of_any_size(tmp_path, monkeypatch):
+    """Fills that remember see the same refreshes before each measured one."""
+    plain = bench(attrs.evolve(PLAIN, out=tmp_path / "plain"))
+    steps: list[tuple[float, float]] = []
+    rated = bench(attrs.evolve(RATED, out=tmp_path / "rated"), lambda done, total: steps.append((done, total)))
+    assert unrated(rated.data["rows"]) == untimed(plain.data["rows"])
+    assert not any("jod" in row for row in plain.data["rows"])
+    assert all(len(row["jod"]["clips"]) == 2 for row in rated.data["rows"])
+    assert steps[-1] == (2, 2) and steps == sorted(steps)
+    assert any(note.startswith("JOD by ColorVideoVDP") for note in rated.data["notes"])
+    assert "<dt>JOD</dt>" in rated.report.read_text(encoding="utf-8")
+    with (tmp_path / "rated" / "bench.csv").open(encoding="utf-8", newline="") as file:
+        written = [float(row["jod"]) for row in csv.DictReader(file)]
+    assert written == [row["jod"]["mean"] for row in rated.data["rows"]]
+    monkeypatch.setattr("hmdwarp.bench.bench_work.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.bench.bench_work.MEMORY_PART", 0.0)
+    alone = bench(attrs.evolve(RATED, out=tmp_path / "alone"))
+    assert [row["jod"] for row in alone.data["rows"]] == [row["jod"] for row in rated.data["rows"]]
+
+
+@with_cvvdp
+@quiet
+def test_a_clip_is_rated_as_in_a_replay(tmp_path):
+    """The first clip of a replay of the same head, scene and warp has the same refreshes."""
+    count = 16  # of 30 refreshes the one measured is 15
+    one = attrs.evolve(RATED, warps=("forward",), fills=("none",), instants=1, out=tmp_path / "bench")
+    (row,) = bench(attrs.evolve(one, jod_s=count / 60)).data["rows"]
+    run(tmp_path / "replay", warp="forward", guard=1.0, latency_ms=200.0, jod_s=count / 60, workers=0)
+    with (tmp_path / "replay" / "jod.csv").open(encoding="utf-8", newline="") as file:
+        left = [float(row["jod"]) for row in csv.DictReader(file) if row["eye"] == "0" and int(row["frame"]) < count]
+    assert len(left) == count
+    assert row["jod"]["refresh_mean"] == pytest.approx(math.fsum(left) / count, rel=1e-12)  # rounding of a sum

@@ -1,0 +1,48 @@
+"""A bench of recorded frames: what runs, what is left out, what is refused."""
+
+from __future__ import annotations
+
+import pytest
+from recorded_folders import taken, write_npz
+
+from hmdwarp.errors import InputError, PlanError
+from hmdwarp.experiments.bench import BenchOptions, bench, combinations_of
+from hmdwarp.image import usable_warps
+from hmdwarp.pipeline.recorded_scene import recorded_scene
+from hmdwarp.sources import sequences
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bench") / "slide"
+    path.mkdir()
+    write_npz(path, taken(8))
+    return path
+
+
+def options(folder, out, **said) -> BenchOptions:
+    usual = {"latency": ["100"], "fill": ["none"], "instants": 1, "rounds": 1, "workers": 0}
+    return BenchOptions.of({**usual, "frames": folder, "out": out / "out", **said})
+
+
+def test_all_warps_that_colour_and_depth_are_enough_for(folder, tmp_path):
+    chosen = combinations_of(options(folder, tmp_path), recorded_scene(sequences.open(folder)))
+    warps = {one.warp.partition(":")[0] for one in chosen}
+    assert set(usable_warps()) <= warps
+    assert not warps & {"backward", "layered", "environment", "points", "model"}
+    assert not any(one.plan.needs.others.other_eye for one in chosen)
+
+
+def test_a_bench_measures_one_eye_at_recorded_instants(folder, tmp_path):
+    rows = bench(options(folder, tmp_path, warp=["iterative", "rotation"])).data["rows"]
+    assert [row["warp"] for row in rows] == ["iterative", "rotation"]
+    assert {(row["scene"], row["trace"], tuple(row["size"])) for row in rows} == {("slide", "slide", (36, 24))}
+    assert all(row["quality"]["psnr_db"]["mean"] > 10 and row["mismatch"] is None for row in rows)
+
+
+def test_what_a_recording_lacks_is_refused(folder, tmp_path):
+    with pytest.raises(PlanError, match="layer 'peeled'"):
+        bench(options(folder, tmp_path, warp=["layered"]))
+    for said in ({"scene": ["room"]}, {"guard": "1.5"}, {"traces": ["walk"]}, {"strategy": ["points"]}):
+        with pytest.raises(InputError, match=f"--{next(iter(said))} with --frames"):
+            options(folder, tmp_path, **said)

@@ -1,0 +1,298 @@
+"""`hmdwarp compare`: every strategy on the same heads, and which clients each suits."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import re
+import shutil
+from pathlib import Path
+
+import attrs
+import pytest
+from commands import hmdwarp
+from recorded_folders import taken, write_npz
+from replays import scene_for
+
+from hmdwarp.client import build_plan
+from hmdwarp.client.classes import client_names, load_client
+from hmdwarp.client.strategies import strategies
+from hmdwarp.errors import InputError
+from hmdwarp.experiments.compare import start_bytes, unfit
+from hmdwarp.frames import EyeSizes
+from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, first_cases, render_compare_page
+
+NAMED = ("imposter", "depth_image", "light", "proxy")
+QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("compare") / "out"
+    chosen = [part for name in NAMED for part in ("--strategy", name)]
+    done = hmdwarp("compare", "look-around", *chosen, "--latency", "100,200", *QUICK, "--out", out)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return out
+
+
+@pytest.fixture(scope="module")
+def data(folder) -> dict:
+    return json.loads((folder / "compare.json").read_text(encoding="utf-8"))
+
+
+def test_every_strategy_runs_at_every_latency(data):
+    rows = [(row["latency_ms"], row["strategy"]) for row in data["rows"]]
+    assert rows == [(latency, name) for latency in (100, 200) for name in NAMED]
+
+
+TINY = ("--latency", "20", "--size", "32x24", "--start", "0", "--seconds", "0.05", "--metrics-every", "2")
+
+
+def compared(out: Path, *options: str) -> tuple[dict, str]:
+    """A comparison of three refreshes: compare.json, and what the terminal says."""
+    done = hmdwarp("compare", "look-around", *TINY, "--headset", "flat-90", "--workers", "0", "--out", out, *options)
+    assert done.returncode == 0, done.stderr
+    return json.loads((out / "compare.json").read_text(encoding="utf-8")), " ".join(done.stdout.split())
+
+
+def test_two_recordings_of_one_name_are_refused(tmp_path):
+    """Tables, charts and fronts tell recordings apart by their names, and would mix the two."""
+    files = [tmp_path / person / "head.csv" for person in ("anna", "ben")]
+    for file, name in zip(files, ("walk", "look-around"), strict=True):
+        file.parent.mkdir()
+        shutil.copy(Path(__file__).parents[3] / "recordings" / f"{name}.csv", file)
+    chosen = "--strategy", "imposter", *TINY, "--headset", "flat-90", "--workers", "0", "--out", tmp_path / "out"
+    done = hmdwarp("compare", *files, *chosen)
+    assert done.returncode == InputError.exit_status
+    assert "are both called 'head': leave one out, or rename a file" in " ".join(done.stderr.split())
+
+
+@pytest.mark.slow(5)
+@pytest.mark.parametrize("scene", sorted({scene_for(name) for name in strategies.names()} - {"planes"}))
+def test_a_strategy_runs_by_its_name_where_a_scene_calls_for_it(scene, tmp_path):
+    names = [name for name in strategies.names() if scene_for(name) == scene]
+    data, _ = compared(tmp_path / "out", "--scene", scene, "--strategy", ",".join(names), "--quiet")
+    assert [row["strategy"] for row in data["rows"]] == names and not data["left_out"]
+    assert all(row["quality"]["psnr_db"]["mean"] > 5 for row in data["rows"])
+
+
+@pytest.mark.slow(10)
+def test_by_default_all_run_but_what_the_scene_does_not_call_for(tmp_path):
+    """What would do the same as another is left out too; terminal and page say how to have it."""
+    data, told = compared(tmp_path / "out", "--scene", "planes")
+    suited = {name for name in strategies.names() if scene_for(name) == "planes"}
+    assert {row["strategy"] for row in data["rows"]} == suited
+    assert {one["strategy"] for one in data["left_out"]} == {*strategies.names()} - suited
+    why = {one["strategy"]: one["why"] for one in data["left_out"]}
+    assert "its light stands still" in why["photons"]
+    assert why["soft_bodies"] == (
+        "nothing in 'planes' calls for it, so that it would do what 'depth_image' does; name it by --strategy to run it"
+    )
+    page = html.unescape((tmp_path / "out" / "compare.html").read_text(encoding="utf-8"))
+    for name, reason in why.items():
+        assert f"{name} is left out: {reason}" in told and f"{name} is left out: {reason}." in page
+    both, _ = compared(tmp_path / "two", "--scene", "planes", "--strategy", "depth_image,soft_bodies", "--quiet")
+    first, other = both["rows"]
+    assert (other["strategy"], other["quality"]) == ("soft_bodies", first["quality"]), "they do the same"
+
+
+def test_all_see_the_same_head_over_the_same_link(data):
+    for latency in (100, 200):
+        rows = [row for row in data["rows"] if row["latency_ms"] == latency]
+        assert len({row["frames"] for row in rows}) == 1
+        assert {row["link"]["codec"] for row in rows} == {"h264"}
+        assert all(row["mbit_s"] > 0 for row in rows)
+
+
+def test_a_proxy_stands_on_the_way_that_all_have(data):
+    ways = {row["latency_ms"]: row["link"]["proxy"] for row in data["rows"] if row["strategy"] == "proxy"}
+    assert {total: proxy["latency_ms"] for total, proxy in ways.items()} == {100: 75, 200: 150}
+    assert {total: proxy["total_latency_ms"] for total, proxy in ways.items()} == {100: 100, 200: 200}
+
+
+def test_what_crosses_once_is_counted_where_something_does(data):
+    start = {row["strategy"]: row["start_bytes"] for row in data["rows"]}
+    assert start["imposter"] == start["depth_image"] == 0 < start["light"]
+    held = {row["strategy"]: row["client_bytes"] for row in data["rows"]}
+    assert 0 < held["imposter"] < held["depth_image"] < held["light"] and held["light"] > start["light"]
+
+
+def test_clients_without_what_it_takes_are_told_why(data):
+    by_name = {row["strategy"]: row["unfit"] for row in data["rows"]}
+    assert by_name["imposter"] == {"class-1": "", "class-2": "", "class-3": ""}
+    assert "compute shaders" in by_name["depth_image"]["class-1"] and not by_name["depth_image"]["class-2"]
+    assert "the whole scene" in by_name["light"]["class-2"] and not by_name["light"]["class-3"]
+
+
+def test_the_table_and_the_page_hold_all_of_it(folder, data):
+    with (folder / "compare.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["strategy"] for row in rows] == [row["strategy"] for row in data["rows"]]
+    assert all(float(row["flip"]) > 0 and float(row["mbit_s"]) > 0 for row in rows)
+    page = (folder / "compare.html").read_text(encoding="utf-8")
+    # The truth and three strategies in two cases; two fronts in two cases for three clients.
+    assert page.count("<img") == 2 * (1 + len(NAMED)) and page.count("<svg") == 2 * 2 * 3
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', page)
+    for name in (*NAMED, "class-1", "class-2", "class-3"):
+        assert name in page
+
+
+def test_the_page_follows_from_the_data_and_escapes_it(data):
+    import numpy as np
+
+    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
+    odd = {**data, "command": "<script>alert(1)</script>"}
+    page = render_compare_page(odd, pictures)
+    assert page == render_compare_page(odd, pictures)
+    assert "<script>" not in page
+
+
+def test_a_page_of_many_cases_shows_the_first_and_says_so(data):
+    import numpy as np
+
+    numbers, count = first_cases(data["rows"], 1)
+    assert count == 2 and numbers == [
+        number for number, row in enumerate(data["rows"]) if row["latency_ms"] == data["rows"][0]["latency_ms"]
+    ]
+    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
+    page = render_compare_page(shown, [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(numbers))
+    assert "This page shows the first 1 of 2 cases" in page
+
+
+def test_nothing_sent_and_no_error_have_a_place_of_their_own_beside_the_rest(data):
+    import numpy as np
+
+    exact = {name: {**figures, "mean": 0.0} for name, figures in data["rows"][0]["quality"].items()}
+    rows = [{**data["rows"][0], "mbit_s": 0.0, "quality": exact}, *data["rows"][1:]]
+    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(rows)
+    ticks = [
+        re.findall(r">([\d.]+)</text>", render_compare_page({**data, "rows": shown}, pictures))
+        for shown in (data["rows"], rows)
+    ]
+    # Its error on both fronts, its traffic on one: for each of three clients.
+    assert [ticks_of.count("0") for ticks_of in ticks] == [0, 3 * 3]
+    assert {float(tick) for tick in ticks[1] if float(tick) < 0.01} == {0.0}, "no decades without a point"
+
+
+def test_markdown_has_each_case_with_the_least_error_first(data):
+    lines = compare_markdown(data["rows"]).splitlines()
+    assert len(lines) == 2 + len(data["rows"])
+    flips = [float(line.split("|")[3]) for line in lines[2:5]]
+    assert flips == sorted(flips)
+
+
+def test_a_rating_has_columns_where_every_row_has_one(data):
+    rated = [{**row, "jod": {"mean": 8.25, "truth_preferred": 0.88}} for row in data["rows"]]
+    head, _, first, *_ = compare_markdown(rated).splitlines()
+    assert head.endswith("| JOD | truth preferred % of people |")
+    assert first.endswith("| 8.25 | 88 |")
+    assert "JOD" not in compare_markdown([*rated[1:], data["rows"][0]])
+
+
+def test_the_best_for_whom_suits_them(data):
+    """None is better of those that the client can run, or that the link carries."""
+    lines = [
+        [cell.strip() for cell in line.split("|")[1:-1]] for line in chosen_markdown(data, [1e6, 1e-9]).splitlines()
+    ]
+    assert lines[0] == ["for whom", "100 ms", "200 ms"]
+    cells = {line[0]: line[1:] for line in lines[2:]}
+    assert len(cells) == 3 * len(data["clients"])
+    known = {client["name"]: client["summary"] for client in data["clients"]}
+    for column, latency in enumerate((100, 200)):
+        rows = [row for row in data["rows"] if row["latency_ms"] == latency]
+        for client in ("class-1", "class-2", "class-3"):
+            best = min(
+                (row for row in rows if not row["unfit"][client]), key=lambda row: row["quality"]["flip"]["mean"]
+            )
+            own = cells[f"`{client}`: {known[client]}"][column]
+            assert own.startswith(f"`{best['strategy']}` (FLIP ")
+            # What must cross before the first picture, and over a known link how long that takes.
+            first = f"{best['start_bytes'] * 1e-6:.1f} MB first"
+            assert (first in own) == (best["start_bytes"] > 0)
+            wide = cells[f"`{client}`: over a link of 1e+06 Mbit/s"][column]
+            assert wide == own.replace(first, f"{first}: 0 s")
+            least = min((row for row in rows if not row["unfit"][client]), key=lambda row: row["mbit_s"])
+            told = f"none; least: `{least['strategy']}`, {least['mbit_s']:.1f} Mbit/s"
+            assert cells[f"`{client}`: over a link of 1e-09 Mbit/s"][column] == told
+
+
+@pytest.mark.parametrize("client", client_names())
+def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
+    """By any class: a strategy that takes ten times what it has of either is not for it."""
+    plan = build_plan((), "none", "none", "none", client_geometry=False)
+    able = load_client(client)
+    row = next(row for row in data["rows"] if row["strategy"] == "imposter")
+    assert unfit(row, plan, EyeSizes((96, 60), (96, 60)), able) == ""
+    narrow = attrs.evolve(able, download_mbit_s=row["mbit_s"] / 10)
+    assert "Mbit/s" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), narrow)
+    slow = attrs.evolve(able, decoder_mpx_s=1e-3)
+    assert "the client decodes" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), slow)
+    timed = {**row, "clock": "gpu", "time_ms": {"total": {"median": 100.0}}}
+    assert "ms an eye" in unfit(timed, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, budget_ms=1.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--strategy", "impostor"), "did you mean 'imposter'"),
+        (("--client", "class-9"), "unknown client 'class-9'"),
+        (("--latency", "soon"), "--latency 'soon'"),
+        (("--seconds", "0"), "seconds"),
+        (("--start", "1e6"), "start"),
+        (("--size", "large"), "WIDTHxHEIGHT"),
+        (("--codec", "av2"), "unknown codec 'av2'"),
+    ],
+)
+def test_wrong_input_is_refused_before_anything_runs(options, words, tmp_path):
+    done = hmdwarp("compare", "look-around", *options, "--quiet", "--out", tmp_path / "out")
+    assert done.returncode == 2 and words in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_that_crosses_counts_packed_and_is_held_unpacked():
+    held = {"geometry_bytes": 500, "texture_bytes": 500}
+    crossed = {"start_up_bytes": 10, "first_picture_bytes": 60, "arrived_bytes": 400}
+    assert start_bytes({"client_models": [held, {**held, **crossed}]}) == 1000 + 60
+    assert start_bytes({"client_models": [{**held, **crossed, "first_picture_bytes": None}]}) == 400
+    assert start_bytes({}) == 0
+
+
+def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):
+    """One of its runs was lost and one failed: they alone are run again, on two workers."""
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    shutil.copytree(folder, out)
+    lost, failed, *kept = sorted((out / "cases").glob("*.json"))
+    lost.unlink()
+    failed.write_text(failed.read_text(encoding="utf-8").replace('"done"', '"failed"'), encoding="utf-8")
+    before = [path.stat().st_mtime_ns for path in kept]
+    chosen = [part for name in NAMED for part in ("--strategy", name)]
+    again = ("--latency", "100,200", *QUICK, "--resume", "--cluster", "local:2", "--out", out)
+    done = hmdwarp("compare", "look-around", *chosen, *again)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [path.stat().st_mtime_ns for path in kept] == before and len(kept) == 2 * len(NAMED) - 2
+    rows = json.loads((out / "compare.json").read_text(encoding="utf-8"))["rows"]
+    for name in ("strategy", "quality", "mbit_s", "unfit"):
+        assert [row[name] for row in rows] == [row[name] for row in data["rows"]]
+
+
+def test_recorded_frames_are_compared_by_what_colour_and_depth_allow(tmp_path):
+    """Strategies that send a scene, a mirror or a second eye are left out, each with its reason."""
+    frames = tmp_path / "walk-past"
+    frames.mkdir()
+    write_npz(frames, taken(12, (60, 40)))
+    said = ("--frames", frames, "--latency", "100", "--workers", "0", "--quiet", "--out", tmp_path / "out")
+    done = hmdwarp("compare", *said)
+    assert (done.returncode, done.stderr) == (0, "")
+    data = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
+    ran, left_out = {row["strategy"] for row in data["rows"]}, {one["strategy"] for one in data["left_out"]}
+    assert {"imposter", "depth_image"} <= ran and {"model", "proxy", "points"} <= left_out
+    assert {(row["scene"], row["trace"], row["headset"], *row["size"]) for row in data["rows"]} == {
+        ("walk-past", "walk-past", "camera", 60, 40)
+    }
+    by_name = {row["strategy"]: row["quality"]["psnr_db"]["mean"] for row in data["rows"]}
+    assert by_name["depth_image"] > by_name["imposter"] + 3
+    for wrong in (("walk",), ("--headset", "flat-90"), ("--scene", "room"), ("--rate", "60")):
+        refused = hmdwarp("compare", *wrong, *said)
+        assert (refused.returncode == 2) == (wrong != ("--scene", "room")), wrong  # the default says nothing

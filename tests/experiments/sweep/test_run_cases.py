@@ -1,0 +1,113 @@
+"""Sets of cases, run here and on a cluster: what is kept, what fails, what is run again."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.experiments.sweep import SweepOptions, identity_of, raise_failures
+
+from .cheap import sweep
+
+
+def squares(swept) -> dict[int, int]:
+    return {case.what.number: result["square"] for case, result in swept.results()}
+
+
+def ran(out) -> Counter:
+    return Counter(map(int, (out / "ran").read_text(encoding="utf-8").split()))
+
+
+def test_each_case_is_run_once_and_kept(tmp_path):
+    swept = sweep(tmp_path, 20)
+    assert squares(swept) == {number: number**2 for number in range(20)}
+    assert ran(tmp_path) == Counter(range(20))
+    raise_failures(swept)
+
+
+def test_what_is_done_is_not_run_again_and_what_failed_is(tmp_path):
+    first = sweep(tmp_path, 20, "wrong")
+    assert [one.why for one in first.failed] == ["13 is no number for this"]
+    with pytest.raises(InputError, match="1 of 20 cases failed: number 13: 13 is no number"):
+        raise_failures(first)
+    again = sweep(tmp_path, 20, "wrong", resume=True)
+    assert (again.known, len(again.failed)) == (19, 1)
+    assert ran(tmp_path) == Counter(range(20)) + Counter([13])
+
+
+def test_without_resume_all_are_run(tmp_path):
+    sweep(tmp_path, 3)
+    assert sweep(tmp_path, 3).known == 0 and ran(tmp_path) == Counter([0, 1, 2] * 2)
+
+
+@pytest.mark.parametrize("text", ["local", "local:0", "local:x", "somewhere", "tcp://host", "host:port"])
+def test_what_is_no_cluster_is_refused(text):
+    with pytest.raises(InputError, match="expected local:N, or the address of a Dask scheduler"):
+        SweepOptions(cluster=text)
+
+
+def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("hmdwarp.sweep.cluster.CONNECT_S", 0.2)
+    with pytest.raises(MachineError, match="no Dask scheduler there"):
+        sweep(tmp_path, 1, cluster="127.0.0.1:1")
+
+
+@pytest.mark.slow(15)
+def test_a_cluster_gives_what_this_process_gives(tmp_path):
+    """Data crosses with the case; a case that fails, or ends its worker, leaves the others."""
+    pytest.importorskip("distributed")
+    (tmp_path / "head.csv").write_text("a trace", encoding="utf-8")
+    said: list[str] = []
+    file, out = str(tmp_path / "head.csv"), tmp_path / "out"
+    swept = sweep(out, 20, "deadly", file, said.append, cluster="local:2")
+    wanted = {number: number**2 for number in range(20) if number != 13}
+    assert squares(swept) == wanted
+    assert {result["text"] for _, result in swept.results()} == {"a trace"}
+    assert len({result["pid"] for _, result in swept.results()}) >= 2
+    assert said[0].startswith("dashboard: http://127.0.0.1:")
+    # Once, and again twice; a neighbour on the same worker may have been lost with it.
+    assert ran(out)[13] == 3 and all(ran(out)[number] >= 1 for number in wanted)
+    with pytest.raises(MachineError, match="number 13: its worker died, and 2 more that ran it again"):
+        raise_failures(swept)
+    assert squares(sweep(out, 20, "plain", file, resume=True)).keys() == set(range(20))
+
+
+@pytest.mark.slow(10)
+def test_what_is_timed_on_one_runs_on_one(tmp_path):
+    pytest.importorskip("distributed")
+    swept = sweep(tmp_path / "out", 12, cluster="local:2", timing_on="one")
+    found = [result["pid"] for _, result in swept.results()]
+    assert len(found) == 12 and len({*found}) == 1
+    order = (tmp_path / "out" / "ran").read_text(encoding="utf-8").split()
+    assert order == [str(number) for number in range(12)]
+
+
+@pytest.mark.parametrize(
+    ("scene", "texture"),
+    [
+        ({"room.gltf": '{"images": [{"uri": "a%20wall.png"}]}', "a wall.png": "red"}, "a wall.png"),
+        ({"room.obj": "mtllib it.mtl", "it.mtl": " map_Kd wood/oak.png", "wood/oak.png": "red"}, "wood/oak.png"),
+        ({"room.ply": "ply\ncomment TextureFile oak.png", "oak.png": "red"}, "oak.png"),
+    ],
+)
+def test_a_scene_is_the_files_that_it_names_and_not_what_lies_beside(tmp_path, scene, texture):
+    """Results are often written beside it: a run would not know its own cases again."""
+    for name, text in scene.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    room = str(tmp_path / next(iter(scene)))
+    before = identity_of("kind", room)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "bench.json").write_text("{}", encoding="utf-8")
+    assert identity_of("kind", room) == before
+    (tmp_path / texture).write_text("green", encoding="utf-8")
+    assert identity_of("kind", room) != before
+
+
+def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
+    plain = identity_of("kind", 1)
+    assert len({plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("thesis/facts.py",))}) == 3
+    assert identity_of("kind", 1, ("nowhere/",)) == plain

@@ -1,0 +1,90 @@
+"""Requests and frames between both ends of the feed, without a renderer."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+from contextlib import contextmanager
+
+import attrs
+import numpy as np
+
+from hmdwarp.sources.feed.caller import Arrival, Caller
+from hmdwarp.sources.feed.listener import Listener
+
+from .test_message import ASK, FRAME
+
+_NUMBERS = itertools.count(1)
+
+
+def port_of(address: str) -> int:
+    """The port of an address."""
+    return int(address.rpartition(":")[2])
+
+
+def answered(listener: Listener, wait_ms: int = 20) -> bool:
+    """Answer the next request, if there is one within that time."""
+    asked = listener.next(wait_ms)
+    if asked is None:
+        return False
+    now_ns = time.monotonic_ns()
+    listener.answer(
+        asked,
+        attrs.evolve(
+            FRAME,
+            number=asked.ask.number,
+            views=asked.ask.views,
+            asked_ns=asked.ask.sent_ns,
+            received_ns=asked.received_ns,
+            sent_ns=now_ns,
+        ),
+    )
+    return True
+
+
+def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[Arrival, int]:
+    """Ask until a frame is there; return it, and how often it was asked for."""
+    for count in range(1, at_most):
+        caller.ask(attrs.evolve(ASK, number=next(_NUMBERS), token=bytes(32)))
+        answered(listener)
+        caller.wait_until(time.monotonic_ns() + 10_000_000)
+        if arrived := caller.take():
+            return arrived[-1], count
+    raise AssertionError("no frame came")
+
+
+@contextmanager
+def feeder(layers_of=lambda ask: (), views_of=lambda views: views):
+    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.
+
+    A red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
+    comes beside it. views_of(views): those that are drawn where these are asked for.
+    """
+    listener, done = Listener("127.0.0.1:*"), threading.Event()
+
+    def work() -> None:
+        while not done.is_set():
+            asked = listener.next(20)
+            if asked is None:
+                continue
+            (wide, high), ask = asked.ask.size, asked.ask
+            if len(ask.views) == 1:
+                listener.refuse(asked, "there is one camera")
+                continue
+            colour, flat = np.full((high, wide, 4), 0.5, np.float16), np.full((high, wide), 0.1, np.float32)
+            stripe = slice(2 * wide // 5, 3 * wide // 5)
+            colour[:, stripe], flat[:, stripe] = (1, 0, 0, 1), 0.5
+            views = views_of(ask.views)
+            pictures = {"colours": (colour,) * len(views), "inverse_depths": (flat,) * len(views)}
+            frame = attrs.evolve(FRAME, number=ask.number, views=views, **pictures)
+            listener.answer(asked, attrs.evolve(frame, asked_ns=ask.sent_ns, render_ns=0, layers=layers_of(ask)))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        yield listener.address
+    finally:
+        done.set()
+        thread.join()
+        listener.close()

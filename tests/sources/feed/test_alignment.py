@@ -1,0 +1,57 @@
+"""Clock alignment: the offset is right within half the round trip, a drift and a jump are told."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hmdwarp.sources.feed.alignment import Alignment, Exchange
+
+MS = 1_000_000
+
+
+def exchange(at: int, there: int, back: int, offset: float, drift: float = 0.0, work: int = MS) -> Exchange:
+    def theirs(time_ns: int) -> int:
+        return round(time_ns + offset + drift * time_ns)
+
+    arrived = at + there
+    return Exchange(at, theirs(arrived), theirs(arrived + work), arrived + work + back)
+
+
+WAYS = st.lists(st.tuples(st.integers(0, 300 * MS), st.integers(0, 300 * MS)), min_size=1, max_size=60)
+
+
+@given(WAYS, st.integers(-(10**15), 10**15))
+def test_the_offset_is_within_half_the_longest_round_trip_used(ways, offset):
+    found = Alignment()
+    for number, (there, back) in enumerate(ways):
+        assert not found.add(exchange(number * 16 * MS, there, back, offset))
+    best = sorted(there + back for there, back in ways)[: max(1, len(ways) // 4)]
+    # Each of those is off by half the difference of its two ways, at most half its round trip; ns.
+    assert abs(found.offset_at(0) - offset) <= max(best) / 2 + 2
+
+
+@given(st.floats(-2e-4, 2e-4))
+def test_a_drift_is_found(drift):
+    found = Alignment()
+    for number in range(200):
+        assert not found.add(exchange(number * 100 * MS, 5 * MS, 5 * MS, 10**12, drift))
+    # Both ways take the same, so only rounding to 1 ns is left, over seconds.
+    assert abs(found.drift - drift) < 1e-6 + 1e-3 * abs(drift)
+
+
+@given(st.integers(400 * MS, 10**15), st.sampled_from((1, -1)))
+def test_a_jump_is_told_once_and_followed(jump, sign):
+    found = Alignment()
+    told = [
+        found.add(exchange(number * 16 * MS, 20 * MS, 30 * MS, sign * jump if number >= 10 else 0))
+        for number in range(30)
+    ]
+    assert told.count(True) == 1 and told[10] and found.jumps == 1
+    # The two ways differ by 10 ms, and half of that is taken for offset.
+    assert abs(found.offset_at(29 * 16 * MS) - sign * jump) <= 5 * MS + 2
+
+
+def test_what_cannot_be_is_left_out():
+    found = Alignment()
+    found.add(Exchange(10, 0, 100, 20))
+    found.add(Exchange(10, 5, 4, 20))
+    assert not found.is_known

@@ -1,0 +1,106 @@
+"""A key pair: nobody else can read what crosses the network, nor gets in without the key."""
+
+import stat
+import time
+
+import attrs
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.run import LiveOptions, live
+from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.key_pairs import key_pair, public_key
+from hmdwarp.sources.feed.listener import Listener
+from hmdwarp.sources.feed.message import encode
+from hmdwarp.sources.feed.options import FeedOptions
+
+from .exchange import exchanged, port_of
+from .relay import Relay
+from .serving import Serving
+from .test_message import ASK, FRAME
+
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+
+
+@pytest.fixture
+def pair(tmp_path):
+    made, is_new = key_pair(tmp_path / "mine")
+    assert is_new
+    return made
+
+
+def test_a_pair_is_made_once_and_its_secret_is_this_users_alone(pair, tmp_path):
+    again, is_new = key_pair(tmp_path / "mine")
+    assert again == pair and not is_new
+    assert public_key(tmp_path / "mine.key") == pair.public
+    assert stat.S_IMODE((tmp_path / "mine.key_secret").stat().st_mode) == 0o600
+    assert pair.secret not in (tmp_path / "mine.key").read_bytes()
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["mine.key", "mine.key_secret"]
+
+
+@pytest.mark.parametrize("text", ["", 'curve\n    public-key = "short"\n', "\x00\xff"])
+def test_files_without_keys_are_named(tmp_path, text):
+    bad = tmp_path / "bad.key"
+    bad.write_text(text)
+    (tmp_path / "bad.key_secret").write_text(text)
+    for read in (lambda: public_key(bad), lambda: key_pair(tmp_path / "bad"), lambda: public_key(tmp_path)):
+        with pytest.raises(InputError, match="hmdwarp serve --key-pair"):
+            read()
+
+
+@pytest.mark.parametrize("encrypted", [True, False])
+def test_what_goes_by_on_the_network_is_plain_only_without_keys(pair, encrypted):
+    used = pair if encrypted else None
+    listener = Listener("127.0.0.1:*", pair=used)
+    with Relay(port_of(listener.address)) as relay:
+        relay.seen = bytearray()
+        caller = Caller(relay.address, server_key=used.public if used else b"")
+        # A request and a frame, both ways.
+        arrival, _ = exchanged(caller, listener)
+        caller.close()
+    listener.close()
+    assert arrival.frame.colours[0].tobytes() == FRAME.colours[0].tobytes()
+    pictures, magic = FRAME.colours[0].tobytes(), encode(ASK)[:4]
+    plain = pictures in relay.seen and magic in relay.seen
+    assert relay.seen and plain != encrypted
+    if encrypted:
+        assert pictures not in relay.seen and magic not in relay.seen and pair.public not in relay.seen
+
+
+@pytest.mark.parametrize("key", ["another server's", "none"])
+def test_who_has_not_the_key_gets_nothing_and_is_told(pair, tmp_path, key):
+    other = key_pair(tmp_path / "other")[0].public if key != "none" else b""
+    listener = Listener("127.0.0.1:*", pair=pair)
+    caller = Caller(listener.address, server_key=other)
+    lines: list[str] = []
+    while not lines:
+        caller.ask(attrs.evolve(ASK, token=bytes(32)))
+        assert listener.next(10) is None
+        lines = caller.lines()
+        time.sleep(0.01)
+    assert "no handshake" in lines[0] and "--server-key" in lines[0]
+    assert caller.take() == []
+    caller.close()
+    listener.close()
+
+
+def test_serve_and_live_speak_encrypted(tmp_path):
+    name = tmp_path / "mine"
+    with Serving("--listen", "0.0.0.0:*", "--key-pair", str(name)) as one:
+        there = "127.0.0.1:" + one.address.rpartition(":")[2]
+        said = {"source": "offscreen", "trace": "look-around", "connect": there, "panel": False, "pictures": 3}
+        done = live(LiveOptions.of({**said, "server_key": tmp_path / "mine.key", "size": "96x80"}))
+        assert done.summary["live"]["refreshes"] == 3
+        with pytest.raises(InputError, match="no handshake"):
+            live(LiveOptions.of({**said, "size": "96x80"}))
+
+
+def test_beyond_this_machine_a_key_pair_is_enough(pair):
+    Listener("0.0.0.0:*", pair=pair).close()
+    with pytest.raises(InputError, match="--key-pair NAME or --token-file FILE, or --open"):
+        Listener("0.0.0.0:*")
+
+
+def test_a_key_without_a_server_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="--connect"):
+        FeedOptions(server_key=tmp_path)

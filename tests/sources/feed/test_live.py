@@ -1,0 +1,179 @@
+"""`hmdwarp live --connect`: the live loop with frames from another process."""
+
+import itertools
+
+import attrs
+import numpy as np
+import pytest
+from replays import rows_of
+from run.offscreen import OffscreenDisplay, run_on
+
+from hmdwarp.display import Closed, Command
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.run import LiveOptions, live
+from hmdwarp.sources.feed.options import FeedOptions
+
+from .exchange import feeder
+from .serving import Serving
+
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+
+
+class Closable(OffscreenDisplay):
+    """A display whose user closes it in the middle of a run."""
+
+    def ask_to_close(self) -> None:
+        if not any(isinstance(event, Closed) for event in self._events.values()):
+            self._events[self._number + 3] = Closed("the window was closed")
+
+
+@pytest.fixture(scope="module")
+def serving():
+    with Serving() as one:
+        yield one
+
+
+def options(address: str, **more) -> LiveOptions:
+    said = {"source": "offscreen", "trace": "look-around", "connect": address, "predict": "none", "fill": "none"}
+    return LiveOptions.of({**said, "panel": False, **more})
+
+
+def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(serving, monkeypatch, tmp_path):
+    display = OffscreenDisplay(keeps=True)
+    asked = options(serving.address, pictures=12, latency=900.0, out=tmp_path / "out")
+    summary = run_on(monkeypatch, display, asked).summary
+    assert summary["scene"] == "server"  # whose address stands in link.feed
+    assert 0 < summary["latency_ms"] < 900
+    feed, live = summary["link"]["feed"], summary["live"]
+    assert feed["lost"] == 0 and feed["malformed"] == 0
+    assert live["refreshes"] == 12 and live["age_ms"]["median"] > 0
+    # The scene was drawn: nothing else here has any light.
+    assert max(picture.std() for picture in display.pictures) > 10
+    assert any("its scene is not loaded here" in line for line in display.said)
+
+
+def test_frames_are_coded_as_asked_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
+    """A video has pictures that need others: another size begins one, and nothing is lost."""
+    asked = options(
+        serving.address, pictures=14, codec="h264", crf=20, depth_code="exact", effects="none", out=tmp_path / "out"
+    )
+    display = OffscreenDisplay(asked={6: [Command("guard", 1.25)]}, keeps=True)
+    coded = run_on(monkeypatch, display, asked).summary
+    plain = run_on(monkeypatch, OffscreenDisplay(), options(serving.address, pictures=14)).summary
+    link, live = coded["link"], coded["live"]
+    assert link["codec"] == "h264" and plain["link"]["codec"] == "none"
+    assert link["feed"]["undecodable"] == link["feed"]["malformed"] == 0
+    assert [name for one in live["changes"] for name in one["what"]] == ["guard"]
+    # A drawn scene packs at least four times; both were asked for at the same rate.
+    assert 0 < link["mbit_s"] < plain["link"]["mbit_s"] / 4
+    for shown in (display.pictures[4:6], display.pictures[-3:]):
+        assert min(picture.std() for picture in shown) > 10
+
+
+def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkeypatch):
+    changes = {
+        3: [Command("latency")],
+        4: [Command("scene")],
+        5: [Command("guard", 1.75)],
+        6: [Command("warp", "none")],
+    }
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    summary = run_on(monkeypatch, display, options(serving.address, pictures=12)).summary
+    assert sum("latency and scene are the server's" in line for line in display.said) == 1
+    changed = [name for one in summary["live"]["changes"] for name in one["what"]]
+    assert changed == ["guard", "warp"]
+    assert max(picture.std() for picture in display.pictures[-3:]) > 10
+
+
+def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(monkeypatch):
+    changes = {4: [Command("warp", "layered")], 8: [Command("warp", "forward")]}
+    display = OffscreenDisplay(asked=changes, keeps=True)
+    with feeder() as address:
+        summary = run_on(monkeypatch, display, options(address, pictures=16, effects="none")).summary
+    assert sum("sends no layer 'peeled'" in line for line in display.said) == 1
+    assert summary["link"]["feed"]["malformed"] > 0 and display.pictures[-1].std() > 10
+
+
+def test_a_camera_that_stands_elsewhere_is_told_once_with_how_far_off_it_is(monkeypatch):
+    """0.3 m to the right, turned by 30 degrees, with a field of view of its own."""
+    there = Pose((0.3, 0, 0), (0, np.sin(np.pi / 12), 0, np.cos(np.pi / 12)))
+    own = Fov(*np.arctan([-0.5, 0.5, -0.5, 0.5]))
+    asked: list[Fov] = []
+
+    def camera(views: tuple[View, ...]) -> tuple[View, ...]:
+        asked.extend(one.fov for one in views)
+        return tuple(attrs.evolve(one, pose=one.pose @ there, fov=own) for one in views)
+
+    display = OffscreenDisplay()
+    with feeder(views_of=camera) as address:
+        summary = run_on(monkeypatch, display, options(address, pictures=6, guard="1")).summary
+    (told,) = [line for line in display.said if "other views than it is asked for" in line]
+    # Its unit square lies within each of the asked views.
+    areas = [(right - left) * (up - down) for left, right, down, up in (fov.tangents for fov in asked)]
+    assert min(abs(fov.tangents).min() for fov in asked) > 0.5
+    # To single bits of a double and of what the message normalises.
+    off = {"turned_deg": 30.0, "moved_m": 0.3, "field_share": 1 / max(areas)}
+    assert summary["link"]["feed"]["views_off"] == pytest.approx(off, rel=1e-12)
+    assert f"up to 30.00 degrees and 0.300 m off, with {1 / max(areas):.0%} of the field of view" in told
+    same = OffscreenDisplay()
+    with feeder() as address:
+        run_on(monkeypatch, same, options(address, pictures=6))
+    assert not any("other views" in line for line in same.said)
+
+
+def test_a_frame_of_one_eye_where_two_are_asked_for_is_left_out(monkeypatch):
+    """The first ones have both: else the server would not be one."""
+    count = itertools.count()
+    with feeder(views_of=lambda views: views if next(count) % 3 else views[:1]) as address:
+        summary = run_on(monkeypatch, OffscreenDisplay(), options(address, pictures=9)).summary
+    assert summary["link"]["feed"]["malformed"] > 0
+
+
+def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):
+    servers = [Serving()]
+    port = servers[0].address.rpartition(":")[2]
+    display = Closable()
+    before: list[int] = []
+
+    def look(number: int) -> None:
+        if number == 5:
+            servers[0].process.kill()
+        if len(servers) == 1 and any("no frame for" in line for line in display.said):
+            before.append(number)
+            servers.append(Serving("--listen", f"127.0.0.1:{port}"))
+        # Until it is back, and a little longer; the count is a fail-safe.
+        if any("come again" in line for line in display.said) or number > 20_000:
+            display.ask_to_close()
+
+    try:
+        summary = run_on(monkeypatch, display, options(servers[0].address, out=tmp_path / "out"), after=look).summary
+    finally:
+        for one in servers:
+            one.__exit__()
+    told = f"no frames from {servers[0].address}: the last one stays"
+    assert before and told in display.labels and display.labels[-1] == ""
+    assert summary["live"]["notices"][told] > 0
+    assert summary["link"]["feed"]["lost"] == 1 and summary["link"]["feed"]["away_s"] >= 2
+    assert len(rows_of(tmp_path / "out")) == 2 * summary["live"]["refreshes"]
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"scene": "planes"}, "the server has the scene"),
+        ({"warp": "multi:views=2"}, "have no views"),
+        ({"fill": "model"}, "the scene is at the server"),
+        ({"loss": "0.1"}, "the link is the real one"),
+        ({"send": "changes"}, "leave it out"),
+        ({"connect": "nowhere"}, "expected HOST:PORT"),
+    ],
+)
+def test_what_cannot_be_is_said_before_anybody_is_called(more, told):
+    with pytest.raises(InputError, match=told):
+        live(options(more.pop("connect", "127.0.0.1:1"), **more))
+
+
+def test_a_secret_without_a_server_is_an_error(tmp_path):
+    with pytest.raises(InputError, match="--connect"):
+        attrs.evolve(FeedOptions(), token_file=tmp_path)

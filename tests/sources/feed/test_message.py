@@ -1,0 +1,218 @@
+"""Messages: what is encoded comes back bit for bit; whatever else comes in is refused."""
+
+import random
+import struct
+import tracemalloc
+import zlib
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.sources.feed.message import (
+    DEPTH_EXACT,
+    DEPTH_VIDEO,
+    H264,
+    HEVC,
+    INVERSE_DEPTH,
+    MOST_BYTES,
+    Ask,
+    FrameMessage,
+    Malformed,
+    OtherVersion,
+    Refusal,
+    Wish,
+    decode,
+    encode,
+    token_of,
+)
+from hmdwarp.sources.feed.parts import BadPart, Packed, Wanted, packed
+
+HEAD = Pose((0.1, 1.6, -1e-9), (0.1, 0.2, 0.3, 0.9))
+VIEWS = tuple(View(HEAD @ Pose((x, 0, 0)), Fov(-0.8, 0.7, -0.6, 0.65), Pose((x, 0, 0))) for x in (-0.03, 0.03))
+ASK = Ask(7, -5, 2**62, 12, 6, (4, 3), HEAD, VIEWS, token_of("secret"))
+RNG = np.random.default_rng(1)
+FRAME = FrameMessage(
+    7,
+    1,
+    2,
+    3,
+    4,
+    5,
+    VIEWS,
+    tuple(RNG.random((3, 4, 4)).astype(np.float16) for _ in VIEWS),
+    tuple(RNG.random((3, 4)).astype(np.float32) for _ in VIEWS),
+)
+
+BYTES = attrs.evolve(FRAME, colours=tuple(RNG.integers(0, 256, (3, 4, 4), np.uint8) for _ in VIEWS))
+
+CODED = attrs.evolve(
+    FRAME,
+    colours=(b"colour", b"of two"),
+    inverse_depths=(b"depth", b""),
+    colour=HEVC,
+    depth=DEPTH_EXACT,
+    coded_size=(4, 3),
+    begins=False,
+    place=9,
+)
+
+WANTED = Wanted((("velocity", 1), ("peeled", 2)), (4, 2), tuple(view.fov for view in VIEWS))
+OF_EYE = {
+    "velocity": [RNG.random((3, 4, 4)).astype(np.float16)],
+    "ids": [RNG.integers(0, 9, (3, 4), np.uint16), RNG.random((9, 16))],
+    "peeled": [packed(RNG.random((3, 4, 4)).astype(np.float16)), packed(RNG.random((3, 4)).astype(np.float32))],
+}
+LAYERED = attrs.evolve(FRAME, layers=(OF_EYE, {name: OF_EYE[name] for name in ("ids",)}))
+
+
+def same_view(a: View, b: View) -> bool:
+    poses = ((a.pose, b.pose), (a.head_from_eye, b.head_from_eye))
+    exact = all(
+        (p.position_m == q.position_m).all() and (p.orientation_xyzw == q.orientation_xyzw).all() for p, q in poses
+    )
+    return exact and a.fov == b.fov
+
+
+def test_a_request_comes_back_bit_for_bit():
+    back = decode(encode(ASK))
+    assert isinstance(back, Ask)
+    plain = ("number", "sent_ns", "time_ns", "head_ns", "received", "size", "token")
+    assert [getattr(back, name) for name in plain] == [getattr(ASK, name) for name in plain]
+    assert all(map(same_view, back.views, VIEWS))
+
+
+def test_a_frame_comes_back_bit_for_bit():
+    back = decode(encode(FRAME))
+    assert isinstance(back, FrameMessage)
+    assert back.size == (4, 3) and (back.number, back.time_ns) == (7, 5)
+    for ours, theirs in zip(
+        (*FRAME.colours, *FRAME.inverse_depths), (*back.colours, *back.inverse_depths), strict=True
+    ):
+        np.testing.assert_array_equal(ours, theirs)
+    assert all(map(same_view, back.views, VIEWS))
+
+
+def test_bytes_of_colour_come_back_and_are_srgb():
+    colours = BYTES.colours
+    colours[0][0, 0, 3] = 0
+    back = decode(encode(BYTES))
+    assert isinstance(back, FrameMessage)
+    np.testing.assert_array_equal(back.colours[1], colours[1])
+    np.testing.assert_array_equal(srgb8_from_linear(back.light(0)[..., :3]), colours[0][..., :3])
+    assert back.light(0)[0, 0, 3] == 0 and (back.light(1)[..., 3] == (colours[1][..., 3] > 0)).all()
+
+
+def test_coded_pictures_and_the_wish_for_them_come_back_bit_for_bit():
+    wish = Wish(H264, DEPTH_VIDEO, 0, 72.0, 12.5, 2.0**-10)
+    back = decode(encode(attrs.evolve(ASK, wish=wish, anew=True)))
+    assert (back.wish, back.anew) == (wish, True)
+    assert decode(encode(attrs.evolve(ASK, wish=attrs.evolve(wish, crf=None)))).wish.crf is None
+    coded = decode(encode(CODED))
+    plain = ("colours", "inverse_depths", "colour", "depth", "size", "begins", "place")
+    assert [getattr(coded, name) for name in plain] == [getattr(CODED, name) for name in plain]
+    # One of the two coded: an engine with a video encoder and raw depth.
+    mixed = decode(encode(attrs.evolve(CODED, inverse_depths=FRAME.inverse_depths)))
+    assert mixed.colours == CODED.colours and mixed.depth == INVERSE_DEPTH
+    np.testing.assert_array_equal(mixed.inverse_depths[1], FRAME.inverse_depths[1])
+
+
+def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():
+    asked = decode(encode(attrs.evolve(ASK, wanted=WANTED)))
+    assert asked.wanted == WANTED
+    back = decode(encode(LAYERED))
+    assert [list(of_eye) for of_eye in back.layers] == [list(OF_EYE), ["ids"]]
+    for name, parts in OF_EYE.items():
+        for ours, theirs in zip(parts, back.layers[0][name], strict=True):
+            assert type(ours) is type(theirs)
+            sent, came = (one.numbers() if isinstance(one, Packed) else one for one in (ours, theirs))
+            np.testing.assert_array_equal(sent, came)
+            assert sent.dtype == came.dtype
+    assert back.bytes == LAYERED.bytes > FRAME.bytes
+    np.testing.assert_array_equal(back.inverse_depths[1], FRAME.inverse_depths[1])
+
+
+def test_a_packed_part_that_is_another_length_or_damaged_is_told():
+    whole = packed(np.zeros((3, 4), np.uint16))
+    for data in (whole.data[:-1], whole.data + b"0", b"", zlib.compress(bytes(1 << 20)), zlib.compress(bytes(8))):
+        tracemalloc.start()
+        with pytest.raises(BadPart):
+            attrs.evolve(whole, data=data).numbers()
+        assert tracemalloc.get_traced_memory()[1] < 1 << 16
+        tracemalloc.stop()
+
+
+def test_parts_that_would_be_too_much_as_numbers_are_refused():
+    parts = [Packed(1, (8192, 8192), b"")] * 2
+    with pytest.raises(Malformed, match="as numbers"):
+        decode(encode(attrs.evolve(FRAME, layers=({"peeled": parts}, {}))))
+
+
+def test_a_request_in_another_version_is_told_with_its_id_and_a_refusal_is_read_in_any():
+    data = bytearray(encode(ASK))
+    data[4:6] = struct.pack("<H", 4)
+    with pytest.raises(OtherVersion, match="version 4") as told:
+        decode(bytes(data))
+    assert told.value.number == ASK.number
+    data = bytearray(encode(Refusal(7, "no")))
+    data[4:6] = struct.pack("<H", 4)
+    assert decode(bytes(data)) == Refusal(7, "no")
+
+
+def test_a_refusal_is_one_printable_line():
+    back = decode(encode(Refusal(3, "no\n\x1b[31m room" + "é" * 10)))
+    assert back == Refusal(3, "no  [31m room" + "é" * 10)
+    # Too long a one ends with a whole letter.
+    assert decode(encode(Refusal(3, "a" + "é" * 300))) == Refusal(3, "a" + "é" * 249)
+
+
+@pytest.mark.parametrize(
+    ("at", "value", "told"),
+    [
+        (0, b"NOPE", "begins with"),
+        (4, struct.pack("<H", 2), "version 2"),
+        (6, struct.pack("<H", 9), "kind 9"),
+        (8, struct.pack("<I", 12), "it says 12"),
+        (8, struct.pack("<I", MOST_BYTES + 1), "it says"),
+    ],
+)
+def test_what_is_wrong_is_said(at, value, told):
+    data = bytearray(encode(ASK))
+    data[at : at + len(value)] = value
+    with pytest.raises(Malformed, match=told):
+        decode(bytes(data))
+
+
+def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
+    data = bytearray(encode(FRAME))
+    at = data.index(struct.pack("<II", 4, 3))
+    data[at : at + 8] = struct.pack("<II", 8192, 8192)
+    tracemalloc.start()
+    with pytest.raises(Malformed, match="expected"):
+        decode(bytes(data))
+    assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    tracemalloc.stop()
+
+
+def test_a_hundred_thousand_broken_messages_are_read_or_refused():
+    rng = random.Random(19)
+    asks = [encode(ASK), encode(attrs.evolve(ASK, wanted=WANTED))]
+    whole = [*asks, *map(encode, (FRAME, BYTES, CODED, LAYERED)), encode(Refusal(1, "why"))]
+    refused = 0
+    for _ in range(100_000):
+        data = bytearray(rng.choice(whole))
+        for _ in range(rng.randint(1, 4)):
+            data[rng.randrange(len(data))] = rng.choice((0, 1, 127, 128, 255, rng.randrange(256)))
+        if rng.random() < 0.3:
+            del data[rng.randrange(len(data)) :]
+        elif rng.random() < 0.2:
+            data += bytes(rng.randrange(20))
+        if rng.random() < 0.5 and len(data) >= 12:
+            data[8:12] = struct.pack("<I", len(data))
+        try:
+            decode(bytes(data))
+        except Malformed:
+            refused += 1
+    assert refused > 50_000

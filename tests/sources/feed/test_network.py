@@ -1,0 +1,282 @@
+"""What a network does to the feed: each of it is told, taken up again, and bounded."""
+
+import itertools
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import attrs
+import pytest
+
+from hmdwarp.geometry import Pose
+from hmdwarp.headsets import load_headset
+from hmdwarp.pipeline.remote import Remote
+from hmdwarp.poses import Origin, PoseSample, load_trace
+from hmdwarp.run import LiveOptions, live
+from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.listener import Listener
+from hmdwarp.sources.feed.options import FeedOptions
+
+from .exchange import answered, exchanged, port_of
+from .relay import Relay
+from .serving import Serving
+from .test_message import ASK, FRAME
+
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+
+
+@pytest.fixture
+def listener():
+    made = Listener("127.0.0.1:*")
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def relay(listener):
+    with Relay(port_of(listener.address)) as made:
+        yield made
+
+
+@pytest.fixture
+def caller(relay):
+    made = Caller(relay.address)
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize("jitter_s", [0.0, 0.04])
+def test_a_delay_is_measured_and_none_of_it_is_taken_for_the_clock(relay, listener, caller, jitter_s):
+    relay.delay_s, relay.jitter_s = 0.05, jitter_s
+    arrival, _ = exchanged(caller, listener)
+    for _ in range(5):
+        arrival, _ = exchanged(caller, listener)
+        # Both ways take the delay.
+        assert arrival.heard_ns - arrival.frame.asked_ns >= 2 * 50_000_000
+    # One machine has one clock: what is left is within half the shortest round trip.
+    assert abs(caller.clock.offset_at(arrival.heard_ns)) <= caller.clock.round_trip_ns / 2 + 1
+    assert caller.clock.jumps == 0 and caller.malformed == 0
+
+
+def test_a_narrow_link_slows_frames_and_the_server_holds_no_more_than_it_may(relay, listener, caller):
+    exchanged(caller, listener)
+    # Larger than what the kernel holds for a connection; a few of them take seconds.
+    width, height = 1024, 512
+    large = attrs.evolve(
+        FRAME,
+        colours=(FRAME.colours[0].repeat(height // 2, 0)[:height].repeat(width // 4, 1),) * 2,
+        inverse_depths=(FRAME.inverse_depths[0].repeat(height // 2, 0)[:height].repeat(width // 4, 1),) * 2,
+    )
+    relay.bytes_s = 20e6
+    sent = 0
+    for number in range(10_000, 10_200):
+        caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
+        asked = listener.next(20)
+        if asked is not None:
+            sent += listener.answer(asked, attrs.evolve(large, number=number))
+    # 256 MiB or 64 frames that are not acknowledged are the most.
+    assert 0 < sent <= 64 + 40
+    relay.bytes_s = None
+    exchanged(caller, listener)
+
+
+def test_a_cut_link_is_taken_up_again(relay, listener, caller):
+    for _ in range(3):
+        exchanged(caller, listener)
+        relay.cut()
+        exchanged(caller, listener)
+    assert caller.malformed == 0 and caller.clock.jumps == 0
+
+
+def test_a_link_that_is_down_for_a_while_is_taken_up_again(relay, listener, caller):
+    exchanged(caller, listener)
+    relay.is_down = True
+    relay.cut()
+    for number in range(5000, 5030):
+        caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
+        found = listener.next(5)
+        # None, or one that had got through before the cut and was not read yet.
+        assert found is None or not 5000 <= found.ask.number < 5030
+    relay.is_down = False
+    arrival, _ = exchanged(caller, listener)
+    # Requests of the time without a link were not kept for later.
+    assert not 5000 <= arrival.frame.number < 5029
+
+
+def test_a_cut_within_a_frame_leaves_nothing_of_it(relay, listener, caller):
+    exchanged(caller, listener)
+    for _ in range(20):
+        caller.ask(attrs.evolve(ASK, number=next(_LATE), token=bytes(32)))
+        relay.delay_s = 0.002
+        answered(listener)
+        relay.cut()
+    relay.delay_s = 0.0
+    exchanged(caller, listener)
+    assert caller.malformed == 0
+
+
+_LATE = iter(range(20_000, 30_000))
+
+
+def test_a_frame_that_a_cut_takes_back_does_not_end_the_session(relay, listener, monkeypatch):
+    """The library has told of a frame, and the link is cut before it is read."""
+    told, cut = threading.Event(), threading.Event()
+    # Before each hundredth message the library looks at what has happened to the connection.
+    frames = itertools.count(1)
+
+    class Slow(zmq.Poller):
+        def poll(self, timeout=None):
+            ready = super().poll(timeout)
+            if any(socket.type == zmq.DEALER for socket, _ in ready) and next(frames) == 100:
+                told.set()
+                cut.wait()
+            return ready
+
+    monkeypatch.setattr(zmq, "Poller", Slow)
+    caller = Caller(relay.address)
+    while not told.is_set():
+        caller.ask(attrs.evolve(ASK, number=next(_LATE), token=bytes(32)))
+        answered(listener)
+    connections = relay.accepted
+    relay.cut()
+    # The library has called again, and forgotten what it had from before.
+    while relay.accepted == connections:
+        time.sleep(0.01)
+    cut.set()
+    exchanged(caller, listener)
+    caller.close()
+
+
+def test_a_stall_is_told_and_frames_come_again(relay, listener):
+    lines: list[str] = []
+    remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
+    asked = (PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, (4, 3))
+
+    def step(number: int) -> None:
+        remote.ask(*asked, number * 16_000_000)
+        answered(listener, 10)
+        remote.arrived(number * 16_000_000)
+
+    numbers = iter(range(1, 100_000))  # a fail-safe
+    while not remote.summary()["clock"].get("shortest_round_trip_ms"):
+        step(next(numbers))
+    relay.is_stalled = True
+    while not remote.notice:
+        step(next(numbers))
+    assert "the last one stays" in lines[0]
+    relay.is_stalled = False
+    while remote.notice:
+        step(next(numbers))
+    assert "frames come again" in lines[1]
+    found = remote.summary()
+    assert found["lost"] == 1 and found["away_s"] >= 2
+    remote.close()
+
+
+def test_a_client_that_asks_for_nothing_for_a_while_misses_nothing(relay, listener):
+    """As while a pipeline is built, at the start and after a change."""
+    lines: list[str] = []
+    remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
+    time.sleep(2.1)
+    remote.ask(PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, (4, 3), 0)
+    remote.arrived(0)
+    assert not remote.notice and not lines and remote.summary()["lost"] == 0
+    remote.close()
+
+
+def test_a_clock_that_jumps_is_told_and_followed(relay, listener, caller):
+    """The server's clock is set back by an hour while it serves."""
+    hour_ns, numbers = 3_600_000_000_000, iter(range(40_000, 50_000))
+
+    def through(shift_ns: int) -> None:
+        for _ in range(500):
+            caller.ask(attrs.evolve(ASK, number=next(numbers), token=bytes(32)))
+            asked = listener.next(10)
+            if asked is not None:
+                now_ns = time.monotonic_ns() + shift_ns
+                times = {"asked_ns": asked.ask.sent_ns, "received_ns": asked.received_ns + shift_ns, "sent_ns": now_ns}
+                listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, **times))
+            caller.wait_until(time.monotonic_ns() + 5_000_000)
+            if caller.take():
+                return
+        raise AssertionError("no frame came")
+
+    through(0)
+    through(-hour_ns)
+    lines = caller.lines()
+    while not lines:
+        through(-hour_ns)
+        lines = caller.lines()
+    assert "has jumped" in lines[0] and caller.clock.jumps == 1
+    assert abs(caller.clock.offset_at(time.monotonic_ns()) + hour_ns) <= caller.clock.round_trip_ns / 2 + 1
+
+
+@pytest.mark.slow(10)
+def test_a_client_that_is_killed_leaves_a_whole_recording_and_the_server_goes_on(tmp_path):
+    with Serving() as one, Relay(port_of(one.address)) as relay:
+        said = ["--source", "offscreen", "--trace", "look-around", "--size", "96x80", "--no-panel"]
+        record = tmp_path / "head.csv"
+        client = subprocess.Popen(
+            [sys.executable, "-m", "hmdwarp", "live", *said, "--connect", relay.address, "--record", str(record)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        one.line("here")
+        while not record.exists() or record.stat().st_size < 2000:
+            assert client.poll() is None
+            time.sleep(0.05)
+        client.send_signal(signal.SIGKILL)
+        client.wait()
+        assert len(load_trace(str(record)).track.time_ns) > 5
+        # The next one is served through the same relay, whose link is cut in the middle of it.
+        options = LiveOptions.of(
+            {"source": "offscreen", "trace": "look-around", "size": "96x80", "panel": False, "pictures": 40}
+            | {"connect": relay.address, "record": tmp_path / "second.csv"}
+        )
+        done = live(options, after=lambda number: relay.cut() if number == 10 else None)
+        assert done.summary["live"]["refreshes"] == 40
+        assert len(load_trace(str(tmp_path / "second.csv")).track.time_ns) == 40
+        assert one.process.poll() is None
+
+
+@pytest.mark.slow(10)
+def test_two_machines_as_two_network_namespaces(tmp_path):
+    """Server and client have network stacks of their own, with a pair of interfaces in between."""
+    if shutil.which("ip") is None:
+        pytest.skip("iproute2 is not installed: there is no 'ip' to make network namespaces with")
+    names = [f"hmdwarp{os.getpid()}{side}" for side in "ab"]
+    made = subprocess.run(["ip", "netns", "add", names[0]], capture_output=True, text=True, check=False)
+    if made.returncode:
+        pytest.skip(f"network namespaces are not allowed here: {made.stderr.strip()}")
+    try:
+        _set_up_namespaces(names)
+        inside = ("ip", "netns", "exec", names[0])
+        with Serving("--listen", "10.203.77.1:5570", "--key-pair", str(tmp_path / "mine"), inside=inside) as one:
+            said = ["--source", "offscreen", "--trace", "look-around", "--size", "96x80", "--no-panel"]
+            key = ["--server-key", str(tmp_path / "mine.key")]
+            command = [sys.executable, "-m", "hmdwarp", "live", *said, *key, "--connect", "10.203.77.1:5570"]
+            out = ["--pictures", "5", "--out", str(tmp_path / "out")]
+            subprocess.run(["ip", "netns", "exec", names[1], *command, *out], check=True, capture_output=True)
+            assert one.process.poll() is None
+        summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+        assert summary["live"]["refreshes"] == 5 and summary["link"]["feed"]["malformed"] == 0
+    finally:
+        for name in names:
+            subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)
+
+
+def _set_up_namespaces(names: list[str]) -> None:
+    a, b = names
+    ends = f"hw{os.getpid() % 10_000}a", f"hw{os.getpid() % 10_000}b"
+    subprocess.run(["ip", "netns", "add", b], check=True)
+    subprocess.run(
+        ["ip", "link", "add", ends[0], "netns", a, "type", "veth", "peer", "name", ends[1], "netns", b], check=True
+    )
+    for name, end, address in zip(names, ends, ("10.203.77.1/24", "10.203.77.2/24"), strict=True):
+        for command in (["addr", "add", address, "dev", end], ["link", "set", end, "up"], ["link", "set", "lo", "up"]):
+            subprocess.run(["ip", "-n", name, *command], check=True)

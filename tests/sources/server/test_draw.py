@@ -1,0 +1,351 @@
+"""The server against rays cast in float64, and what a frame must promise to those who warp it."""
+
+from __future__ import annotations
+
+import attrs
+import moderngl
+import numpy as np
+import pytest
+from reference._rays import world_directions
+from reference.raycast import Hits, cast_quads, cast_spheres, cast_triangles, nearest
+from scipy import ndimage
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import SCALAR, allocate
+from hmdwarp.scenes import Background, Mesh, Scene, load_scene
+from hmdwarp.scenes.library.planes import BACKGROUND, QUADS
+from hmdwarp.scenes.library.spheres import BALLS, FLOOR
+from hmdwarp.sources.server import Server, Target
+
+SIZE = (97, 61)
+FLOAT32_UNIT = 2.0**-24
+# A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis (measured on
+# llvmpipe: it interpolates unsnapped).
+SNAP_PX = 1 / 256
+# Interpolation a + b x + c y: three rounded coefficients of a handful of operations each, on
+# numbers up to the largest in the picture.
+ROUNDING = 16 * FLOAT32_UNIT
+
+
+def random_view(seed: int, wide: float = 1.0) -> View:
+    """An eye near (0, 1.6, 0), turned anywhere within about 45 degrees of -z, with an asymmetric
+    field of view.
+    """
+    rng = np.random.default_rng(seed)
+    turn = Rotation.from_euler("YXZ", rng.uniform((-45, -30, -40), (45, 30, 40)), degrees=True)
+    fov = Fov(
+        -wide * rng.uniform(0.3, 0.9),
+        wide * rng.uniform(0.3, 0.9),
+        -wide * rng.uniform(0.2, 0.8),
+        wide * rng.uniform(0.3, 0.7),
+    )
+    return View(Pose(rng.uniform((-0.3, 1.3, -0.3), (0.3, 1.9, 0.3)), turn.as_quat()), fov)
+
+
+def read(texture: moderngl.Texture) -> np.ndarray:
+    """Bottom row first, as the rays are."""
+    dtype = np.float32 if texture.dtype == "f4" else np.float16
+    array = np.frombuffer(texture.read(), dtype).reshape(texture.height, texture.width, texture.components)
+    return (array[..., 0] if texture.components == 1 else array).astype(np.float64)
+
+
+def away_from_edges(shape: np.ndarray) -> np.ndarray:
+    """Pixels whose 3 x 3 neighbours all meet the same shape."""
+    same = np.ones(shape.shape, bool)
+    same[0], same[-1], same[:, 0], same[:, -1] = False, False, False, False
+    inner = shape[1:-1, 1:-1]
+    for dy in (0, 1, 2):
+        for dx in (0, 1, 2):
+            same[1:-1, 1:-1] &= shape[dy : dy + inner.shape[0], dx : dx + inner.shape[1]] == inner
+    return same
+
+
+def cast_planes(view: View, size: tuple[int, int]) -> Hits:
+    quads = [(q.centre, q.right, q.up) for q in QUADS]
+    return cast_quads(quads, view.pose.position_m, world_directions(view, size).reshape(-1, 3))
+
+
+def depth_tolerance(exact: np.ndarray) -> np.ndarray:
+    """SNAP_PX times the slope of inverse depth per pixel, plus float32 rounding of the largest
+    value.
+    """
+    slope = np.abs(np.gradient(exact, axis=0)) + np.abs(np.gradient(exact, axis=1))
+    return SNAP_PX * slope + ROUNDING * exact.max()
+
+
+@pytest.fixture(scope="module")
+def planes(gpu):
+    server = Server(gpu, load_scene("planes"))
+    yield server
+    server.close()
+
+
+@pytest.fixture(scope="module")
+def room(gpu):
+    server = Server(gpu, load_scene("room"))
+    yield server
+    server.close()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_inverse_depth_of_planes_is_that_of_rays(planes, seed):
+    view = random_view(seed)
+    hits = cast_planes(view, SIZE)
+    exact, shape = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape))
+    with_target = planes.draw(view, SIZE)
+    drawn = read(with_target.inverse_depth)
+    planes.pool(SIZE).release(with_target.colour)
+    safe = away_from_edges(shape)
+    assert safe.mean() > 0.5
+    assert (np.abs(drawn - exact) <= depth_tolerance(exact))[safe].all()
+    assert (drawn[safe & (shape < 0)] == 0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_cells(gpu, seed):
+    server, view = Server(gpu, load_scene("spheres")), random_view(seed)
+    rays, eye = world_directions(view, SIZE).reshape(-1, 3), view.pose.position_m
+    hits = nearest(
+        cast_spheres([(*b.centre, b.radius) for b in BALLS], eye, rays),
+        cast_quads([(FLOOR.centre, FLOOR.right, FLOOR.up)], eye, rays),
+    )
+    exact, shape, cosine = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape, hits.cosine))
+    drawn = read(server.draw(view, SIZE).inverse_depth)
+    server.close()
+    # A flat cell lies at most `sagitta` inside the ball: the ray goes at most sagitta / cosine
+    # farther (x 1.5, as the ball curves away meanwhile), and inverse depth falls by its square
+    # times that.
+    sagitta = np.array([*(ball.sagitta() for ball in BALLS), 0.0, 0.0])[shape]
+    safe = away_from_edges(shape) & (cosine > 0.35) & (shape < len(BALLS))
+    tolerance = depth_tolerance(exact) + 1.5 * exact**2 * sagitta / cosine
+    assert safe.mean() > 0.1
+    assert (np.abs(drawn - exact) <= tolerance)[safe].all()
+
+
+def test_inverse_depth_of_the_room_is_that_of_its_triangles(room):
+    scene, view, size = room.scene, random_view(3), (161, 101)
+    corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in scene.meshes if len(mesh.triangles)]).astype(
+        np.float64
+    )
+    eye_image = room.draw(view, size)
+    drawn = read(eye_image.inverse_depth)
+    room.pool(size).release(eye_image.colour)
+    rng, directions = np.random.default_rng(5), world_directions(view, size)
+    right, up = directions[0, 1] - directions[0, 0], directions[1, 0] - directions[0, 0]
+    checked = 0
+    for x, y in zip(rng.integers(0, size[0], 60), rng.integers(0, size[1], 60), strict=True):
+        around = directions[y, x] + np.array([0 * up, right, -right, up, -up]) * 0.05
+        hits = cast_triangles(corners, view.pose.position_m, around)
+        if (hits.shape != hits.shape[0]).any():
+            continue  # an edge within 1/20 pixel: either side of it would be right
+        checked += 1
+        slope = np.abs(hits.inverse_depth - hits.inverse_depth[0]).max() / 0.05 * 2
+        assert abs(drawn[y, x] - hits.inverse_depth[0]) <= SNAP_PX * slope + ROUNDING * drawn.max()
+    assert checked > 40
+
+
+def bilinear(image: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """A repeating linear-light picture (h, w, 3), top row first, at uv, as GL filters it."""
+    height, width = image.shape[:2]
+    x, y = u * width - 0.5, (1 - v) * height - 0.5
+    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
+    fx, fy = (x - x0)[..., None], (y - y0)[..., None]
+    at = [[image[(y0 + dy) % height, (x0 + dx) % width] for dx in (0, 1)] for dy in (0, 1)]
+    return (at[0][0] * (1 - fx) + at[0][1] * fx) * (1 - fy) + (at[1][0] * (1 - fx) + at[1][1] * fx) * fy
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed):
+    rng, quad, size = np.random.default_rng(seed), QUADS[0], (83, 71)
+    turn = Rotation.from_euler("YX", rng.uniform((24, -9), (28, -5)), degrees=True)
+    view = View(Pose((0.0, 1.6, 0.0), turn.as_quat()), Fov(-0.03, 0.04, -0.035, 0.03))
+    hits = cast_planes(view, size)
+    assert (hits.shape == 0).all()
+    values = planes.scene.textures[quad.texture].image / 255.0
+    linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    u, v = ((hits.uv + 1) / 2).reshape(*size[::-1], 2).transpose(2, 0, 1)
+    expected = bilinear(linear, u, v) * quad.light
+    eye_image = planes.draw(view, size)
+    drawn = read(eye_image.colour)
+    planes.pool(size).release(eye_image.colour)
+    # GL promises 8 bits of weight in each axis between texels; the uv may be off by SNAP_PX of a
+    # pixel, here under a texel; half floats keep 11 bits; 3e-3 is the room GL leaves for decoding
+    # sRGB (0.5/255 in the encoded value, slope of the curve at most 2.4). Weights and places act on
+    # the contrast of the texels around.
+    contrast = ndimage.maximum_filter(linear, (3, 3, 1), mode="wrap") - ndimage.minimum_filter(
+        linear, (3, 3, 1), mode="wrap"
+    )
+    high, wide = linear.shape[:2]
+    swing = contrast[np.floor((1 - v) * high).astype(int) % high, np.floor(u * wide).astype(int) % wide] * quad.light
+    assert (
+        np.abs(drawn[..., :3] - expected)
+        <= swing * (2 / 256 + 2 * SNAP_PX) + expected * 2**-10 + 3e-3 * (expected + 0.1)
+    ).all()
+    assert (drawn[..., 3] == 1).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_empty_space_is_the_background_infinitely_far_and_covered(gpu, seed):
+    server = Server(gpu, Scene("nothing", "", (), (), BACKGROUND))
+    view, size = random_view(seed), (33, 17)
+    drawn = server.draw(view, size)
+    colour, inverse_depth = read(drawn.colour), read(drawn.inverse_depth)
+    server.close()
+    directions = world_directions(view, size)
+    up = directions[..., 1] / np.linalg.norm(directions, axis=-1)
+    end = np.where(up[..., None] > 0, BACKGROUND.zenith, BACKGROUND.ground)
+    expected = np.array(BACKGROUND.horizon) + np.sqrt(np.abs(up))[..., None] * (end - np.array(BACKGROUND.horizon))
+    assert (inverse_depth == 0).all()
+    assert (colour[..., 3] == 1).all()
+    # Half floats are off by 2^-11 relative; the square root at the horizon turns 1e-6 of direction
+    # error into 1e-3.
+    assert np.abs(colour[..., :3] - expected).max() <= 2**-11 + 2e-3
+
+
+def test_the_guarded_picture_contains_the_unguarded_one(planes):
+    view, size = random_view(1, wide=0.8), (90, 64)
+    plain = planes.draw(view, size)
+    frame = planes.draw_frame([view], 7, size, guard=1.3)
+    grown = frame.eyes[0]
+    fov, grown_size = view.fov.guarded(1.3, size)
+    assert (frame.drawn_ns, grown.size, grown.view.fov) == (7, grown_size, fov)
+    left = round((view.fov.tangents[0] - fov.tangents[0]) * size[0] / np.ptp(view.fov.tangents[:2]))
+    down = round((view.fov.tangents[2] - fov.tangents[2]) * size[1] / np.ptp(view.fov.tangents[2:]))
+    assert left > 0
+    assert down > 0
+    inside = np.s_[down : down + size[1], left : left + size[0]]
+    hits = cast_planes(view, size)
+    exact, shape = (a.reshape(size[::-1]) for a in (hits.inverse_depth, hits.shape))
+    safe = away_from_edges(shape)
+    # Both projections round differently, each within the bound of the rays.
+    difference = np.abs(read(grown.inverse_depth)[inside] - read(plain.inverse_depth))
+    assert (difference <= 2 * depth_tolerance(exact))[safe].all()
+    a, b = read(grown.colour)[inside], read(plain.colour)
+    # A colour may move by 2 SNAP_PX of a pixel: that much of the swing to the neighbours, plus two
+    # half-float roundings.
+    swing = sum(np.abs(np.diff(b, axis=axis, prepend=np.nan)) for axis in (0, 1)) + sum(
+        np.abs(np.diff(b, axis=axis, append=np.nan)) for axis in (0, 1)
+    )
+    assert (np.abs(a - b) <= 4 * SNAP_PX * swing + 2**-9)[safe].all()
+    planes.recycle(frame)
+    planes.pool(size).release(plain.colour)
+
+
+def test_two_draws_and_depth_alone_are_bit_equal(room):
+    view, size = random_view(2), (129, 77)
+    first, second = room.draw(view, size), room.draw(view, size)
+    depth_alone = room.draw_depth(view, size, allocate(room.gpu.gl, size, SCALAR))
+    assert first.colour.read() == second.colour.read()
+    assert first.inverse_depth.read() == second.inverse_depth.read() == depth_alone.read()
+    for eye_image in (first, second):
+        room.pool(size).release(eye_image.colour)
+    depth_alone.release()
+
+
+def test_a_scene_a_million_metres_away_draws_the_same_picture_to_the_last_bit(gpu):
+    near, offset = (
+        load_scene("planes"),
+        np.array([2.0**20, -(2.0**19), 2.0**21]),
+    )  # powers of two: adding them rounds nothing here
+    view = View(Pose((0.125, 1.625, 0.25), random_view(4).pose.orientation_xyzw), random_view(4).fov)
+    far_view = View(Pose(view.pose.position_m + offset, view.pose.orientation_xyzw), view.fov)
+    pictures = []
+    for scene, eye in ((near, view), (attrs.evolve(near, origin_m=offset), far_view)):
+        server = Server(gpu, scene)
+        drawn = server.draw(eye, SIZE)
+        pictures.append((drawn.colour.read(), drawn.inverse_depth.read()))
+        server.close()
+    assert pictures[0] == pictures[1]
+
+
+def one_triangle(*, double_sided: bool) -> Scene:
+    """A large triangle 2 m in front, its front towards the origin."""
+    corners = [(-3, -3, -2), (3, -3, -2), (0, 4, -2)]
+    ones = np.ones((3, 3))
+    mesh = Mesh("triangle", corners, ones * (0, 0, 1), np.zeros((3, 2)), ones, [(0, 1, 2)], -1, double_sided)
+    return Scene("triangle", "", (mesh,), background=Background.uniform((0, 0, 0)))
+
+
+@pytest.mark.parametrize("double_sided", [False, True])
+def test_backs_are_left_out_unless_the_mesh_is_double_sided(gpu, double_sided):
+    server, fov = Server(gpu, one_triangle(double_sided=double_sided)), Fov.symmetric(0.4, 0.4)
+    front = View(Pose(), fov)
+    behind = View(Pose((0, 0, -4), (0, 1, 0, 0)), fov)
+    for view, visible in ((front, True), (behind, double_sided)):
+        drawn = read(server.draw(view, (9, 9)).inverse_depth)
+        assert (drawn == (0.5 if visible else 0)).all()
+    server.close()
+
+
+def test_nothing_is_culled_that_a_ray_can_see(room):
+    # Any chunk left out in error would show as a hole to the background inside the closed back half
+    # of the room.
+    for yaw in (120, 180, 240):
+        view = View(Pose((0, 1.6, 0.5), Rotation.from_euler("Y", yaw, degrees=True).as_quat()), Fov.symmetric(1.2, 1.0))
+        eye_image = room.draw(view, SIZE)
+        assert (read(eye_image.inverse_depth) > 0).all()
+        room.pool(SIZE).release(eye_image.colour)
+
+
+def test_a_frame_holds_both_eyes_and_recycled_targets_are_used_again(planes):
+    views, size = [random_view(5), random_view(6)], (40, 30)
+    pool = planes.pool(size)
+    frame = planes.draw_frame(views, 123, size)
+    assert [eye.view.pose for eye in frame.eyes] == [view.pose for view in views]
+    assert (frame.drawn_ns, pool.live) == (123, 2)
+    held = {eye.colour for eye in frame.eyes}
+    planes.recycle(frame)
+    again = planes.draw_frame(views, 124, size)
+    assert {eye.colour for eye in again.eyes} == held
+    assert (pool.live, pool.made) == (2, 2)
+    planes.recycle(again)
+    assert (pool.live, pool.made) == (0, 2)
+    with pytest.raises(ValueError, match="not out"):
+        planes.recycle(again)
+
+
+@pytest.mark.parametrize("size", [(0, 5), (5, 0), (10**6, 5)])
+def test_impossible_sizes_are_refused_by_name(planes, size):
+    with pytest.raises(InputError, match=f"{size[0]}x{size[1]}"):
+        planes.draw(random_view(0), size)
+
+
+def test_a_target_of_another_size_is_refused(planes):
+    target = planes.pool((8, 8)).acquire()
+    with pytest.raises(InputError, match="8x8"):
+        planes.draw(random_view(0), (9, 8), target)
+    planes.pool((8, 8)).release(target)
+
+
+def test_targets_of_others_work_and_a_reused_gl_name_is_not_mistaken_for_the_old_texture(planes):
+    view, size = random_view(0), (16, 12)
+    reference = planes.draw(view, size)
+    expected = reference.inverse_depth.read()
+    for _ in range(3):
+        target = Target(planes.gpu.gl.texture(size, 4, dtype="f2"), planes.gpu.gl.texture(size, 1, dtype="f4"))
+        assert planes.draw(view, size, target).inverse_depth.read() == expected
+        target.colour.release()
+        target.inverse_depth.release()
+    planes.pool(size).release(reference.colour)
+
+
+def test_drawing_leaves_culling_depth_test_and_framebuffer_as_they_were(planes):
+    gl = planes.gpu.gl
+    texture = gl.texture((4, 4), 1, dtype="f4")
+    framebuffer = gl.framebuffer([texture], gl.depth_renderbuffer((4, 4)))
+    program = gl.program(
+        vertex_shader="#version 430\nvoid main() { int i = gl_VertexID; "
+        "gl_Position = vec4(i == 2 ? 3 : -1, i == 1 ? 3 : -1, 0.5, 1); }",
+        fragment_shader="#version 430\nout float value; void main() { value = 1.0; }",
+    )
+    framebuffer.use()
+    framebuffer.clear(depth=0.0)
+    eye_image = planes.draw(random_view(0), (8, 8))
+    # Clockwise, and farther than the depth buffer says: with culling or the depth test left on,
+    # nothing is drawn.
+    gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
+    assert gl.fbo is framebuffer
+    assert (read(texture) == 1).all()
+    planes.pool((8, 8)).release(eye_image.colour)

@@ -1,0 +1,254 @@
+"""The server draws moving things at the requested instant, with their ids and velocity."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from reference._rays import world_directions
+from reference.raycast import cast_triangles
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import SceneError
+from hmdwarp.frames import Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import SCALAR, allocate
+from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Track, load_scene
+from hmdwarp.sources.server import Server
+
+MS = 1_000_000
+SIZE = (90, 70)
+EYE = View(Pose((0.1, 1.5, 0.3), Rotation.from_euler("y", 0.1).as_quat()), Fov(-0.8, 0.7, -0.6, 0.65))
+ALL = Needs(ids=True, velocity=True)
+
+
+def read(texture) -> np.ndarray:
+    dtype = {"f2": np.float16, "f4": np.float32, "u2": np.uint16}[texture.dtype]
+    array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, texture.components)
+    return array[..., 0] if texture.components == 1 else array
+
+
+def quad(name: str, z: float, half: float, colour: tuple, **settings) -> Mesh:
+    positions = np.array([(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)])
+    light = np.tile(colour, (4, 1))
+    return Mesh(
+        name, positions, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], **settings
+    )
+
+
+class Breathing:
+    """A deformation that counts how often it is asked."""
+
+    def __init__(self, rest: np.ndarray) -> None:
+        self.rest, self.asked = rest, 0
+
+    def positions(self, time_ns: int) -> np.ndarray:
+        self.asked += 1
+        return self.rest * (1 + time_ns * 1e-9)
+
+    def velocities(self, time_ns: int) -> np.ndarray:
+        return self.rest
+
+
+DOOR = Spinning(Pose((0.5, 1.5, -2.0)), (0, 1, 0), 1.0)
+RUNNER = Track([0, 1], [(-30, 1.4, -3), (30, 1.4, -3)], loops=False)
+
+
+def moving_scene() -> Scene:
+    soft = quad("soft", 0, 0.4, (0, 0, 1))
+    soft = attrs.evolve(soft, positions=soft.positions + np.float32((-0.6, 1.4, -2.5)))
+    return Scene(
+        "moving",
+        "",
+        [
+            quad("wall", -4, 9, (0.5, 0.5, 0.5)),
+            quad("door", 0, 0.3, (1, 0, 0), body=1, double_sided=True),
+            quad("runner", 0, 0.3, (0, 1, 0), body=2),
+            attrs.evolve(soft, deformation=Breathing(soft.positions.astype(np.float64))),
+        ],
+        bodies=[Body("door", DOOR), Body("runner", RUNNER)],
+        origin_m=(0.0, 0.0, 0.0),
+    )
+
+
+@pytest.fixture(scope="module")
+def server(gpu):
+    made = Server(gpu, moving_scene())
+    yield made
+    made.close()
+
+
+def corners_at(scene: Scene, time_ns: int) -> tuple[np.ndarray, np.ndarray]:
+    """(m, 3, 3) triangles of the scene in the world then, and which mesh each is of."""
+    found, of = [], []
+    for index, mesh in enumerate(scene.meshes):
+        points = mesh.positions.astype(np.float64)
+        if mesh.deformation is not None:
+            points = mesh.deformation.positions(time_ns)
+        if mesh.body:
+            points = scene.bodies[mesh.body - 1].motion.state(time_ns).pose.transform(points)
+        found.append(points[mesh.triangles])
+        of += [index] * len(mesh.triangles)
+    return np.concatenate(found), np.array(of)
+
+
+def away_from_edges(shape: np.ndarray) -> np.ndarray:
+    same = np.zeros(shape.shape, bool)
+    inner = shape[1:-1, 1:-1]
+    same[1:-1, 1:-1] = np.all(
+        [shape[y : y + inner.shape[0], x : x + inner.shape[1]] == inner for y in range(3) for x in range(3)], axis=0
+    )
+    return same
+
+
+@pytest.mark.parametrize("time_ns", [0, 400 * MS, 500 * MS, 570 * MS])
+def test_everything_is_drawn_where_it_is_then(gpu, server, time_ns):
+    """Against rays.
+
+    The runner is in sight around 0.5 s alone, 30 m from where its positions at time 0 would have it
+    culled.
+    """
+    corners, of = corners_at(server.scene, time_ns)
+    hits = cast_triangles(corners, EYE.pose.position_m, world_directions(EYE, SIZE).reshape(-1, 3))
+    exact, mesh = hits.inverse_depth.reshape(SIZE[::-1]), np.append(of, -1)[hits.shape].reshape(SIZE[::-1])
+    frame = server.draw_frame([EYE], time_ns, SIZE, needs=ALL)
+    (eye,), sure = frame.eyes, away_from_edges(mesh)
+    drawn = read(eye.inverse_depth)
+    assert sure.mean() > 0.6
+    assert np.abs(drawn - exact)[sure].max() < 1e-5  # 1/m, float32: 16 roundings of 2^-24
+    ids, velocity = read(eye["ids"].numbers), read(eye["velocity"]).astype(np.float64)
+    assert np.array_equal(ids[sure], np.array([0, 1, 2, 0, 0])[mesh][sure])
+    assert np.array_equal(velocity[..., 3][sure] == 1, (mesh == 3)[sure])
+    assert (2 in ids) == (time_ns == 500 * MS)
+    assert 1 in ids
+    for state, body in zip(eye["ids"].bodies, server.scene.bodies, strict=True):
+        assert state.pose.isclose(body.motion.state(time_ns).pose)
+    assert eye.drawn_ns == time_ns
+    server.recycle(frame)
+
+
+def test_velocities_are_those_of_the_surface_along_the_axes_of_the_eye(server):
+    time_ns = 200 * MS
+    frame = server.draw_frame([EYE], time_ns, SIZE, needs=ALL)
+    eye = frame.eyes[0]
+    velocity, depth = read(eye["velocity"]).astype(np.float64), read(eye.inverse_depth).astype(np.float64)
+    soft = velocity[..., 3] == 1
+    points = world_directions(EYE, SIZE)[soft] / depth[soft][:, None] + EYE.pose.position_m
+    exact = (
+        points / 1.2
+    ) @ EYE.pose.rotation.as_matrix()  # it grows by its rest place each second, and is 1.2 of that now
+    assert np.abs(velocity[soft][:, :3] - exact).max() < 2.0**-10 * np.abs(exact).max() + 1e-5
+    assert (velocity[~soft] == 0).all()
+    server.recycle(frame)
+
+
+def test_depth_alone_is_that_of_the_picture(gpu, server):
+    depth = allocate(gpu.gl, SIZE, SCALAR)
+    for time_ns in (500 * MS, 0, 250 * MS):
+        picture = server.draw(EYE, SIZE, time_ns=time_ns)
+        server.draw_depth(EYE, SIZE, depth, time_ns)
+        assert np.array_equal(read(depth), read(picture.inverse_depth))
+        server.pool(SIZE).release(picture.colour)
+    depth.release()
+
+
+def test_a_mesh_is_written_once_for_each_instant(gpu):
+    scene = moving_scene()
+    counts, server = scene.meshes[3].deformation, Server(gpu, scene)
+    for time_ns, asked in ((0, 1), (0, 1), (100 * MS, 2), (0, 3)):
+        frame = server.draw_frame([EYE, EYE], time_ns, SIZE, needs=ALL)
+        server.recycle(frame)
+        assert counts.asked == asked
+    server.close()
+
+
+def test_the_same_instant_gives_the_same_bits(server):
+    found = []
+    for time_ns in (300 * MS, 700 * MS, 300 * MS):
+        frame = server.draw_frame([EYE], time_ns, SIZE, needs=ALL)
+        found.append([texture.read() for texture in frame.eyes[0].textures()])
+        server.recycle(frame)
+    assert found[0] == found[2] != found[1]
+
+
+def test_what_a_layer_tells_of_is_asked_for_by_name(server):
+    for needs in (Needs(), Needs(ids=True), Needs(velocity=True)):
+        frame = server.draw_frame([EYE], 0, SIZE, needs=needs)
+        eye = frame.eyes[0]
+        assert ("ids" in eye, "velocity" in eye) == ("ids" in needs, "velocity" in needs)
+        assert "ids" not in eye or len(eye["ids"].bodies) == 2
+        server.recycle(frame)
+
+
+def test_layers_behind_leave_out_what_the_client_moves(server):
+    """Behind the door is the wall.
+
+    Where nobody compensates, the door is behind what hides it as everything else.
+    """
+    for needs in (Needs(peeled=1), Needs(peeled=1, ids=True), Needs(peeled=2, ids=True, velocity=True)):
+        frame = server.draw_frame([EYE], 0, SIZE, needs=needs)
+        eye = frame.eyes[0]
+        red = read(eye.colour)[..., 0] == 1
+        behind = read(eye["peeled"][0].colour).astype(np.float64)
+        assert red.sum() > 50
+        assert np.abs(behind[red][:, :3] - 0.5).max() < 2.0**-10
+        if "ids" in needs:
+            assert not ((behind[..., 0] == 1) | ((behind[..., 1] == 1) & (behind[..., 0] == 0))).any()
+        server.recycle(frame)
+
+
+def test_the_cube_shows_the_same_instant(gpu, server):
+    found = []
+    for time_ns in (0, 500 * MS):
+        frame = server.draw_frame([EYE], time_ns, SIZE, needs=Needs(cube=True))
+        found.append(read(frame.eyes[0]["cube"]).astype(np.float64))
+        server.recycle(frame)
+    assert not (found[0][..., 1] > found[0][..., 0] + 0.4).any()
+    assert (found[1][..., 1] > found[1][..., 0] + 0.4).any()  # the runner is there
+
+
+def test_a_scene_of_moving_things_alone_can_be_drawn(gpu):
+    scene = Scene("door", "", [quad("door", 0, 0.3, (1, 0, 0), body=1)], bodies=[Body("door", DOOR)])
+    server = Server(gpu, scene)
+    assert (read(server.draw(EYE, SIZE).colour)[..., 0] == 1).any()
+    server.close()
+
+
+def test_what_deforms_without_triangles_is_nothing_to_draw(gpu):
+    bare = attrs.evolve(quad("bare", 0, 0.3, (1, 0, 0)), triangles=np.empty((0, 3), np.uint32))
+    server = Server(gpu, Scene("bare", "", [attrs.evolve(bare, deformation=Breathing(bare.positions))]))
+    assert (read(server.draw(EYE, SIZE).inverse_depth) == 0).all()
+    server.close()
+
+
+def test_a_plain_scene_has_nothing_to_tell_and_pays_nothing(gpu):
+    server = Server(gpu, load_scene("planes"))
+    before = gpu.shaders.compiled
+    server.recycle(server.draw_frame([EYE], 0, SIZE))
+    assert not server._moving
+    assert gpu.shaders.compiled == before
+    frame = server.draw_frame([EYE], 0, SIZE, needs=ALL)  # forced: empty layers
+    assert not read(frame.eyes[0]["ids"].numbers).any()
+    assert not read(frame.eyes[0]["velocity"]).any()
+    server.close()
+
+
+class Growing(Breathing):
+    def positions(self, time_ns: int) -> np.ndarray:
+        return np.zeros((7, 3))
+
+
+class Lost(Breathing):
+    def positions(self, time_ns: int) -> np.ndarray:
+        return self.rest * np.nan
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"), [(Growing, r"positions of shape \(7, 3\), expected \(4, 3\)"), (Lost, "not finite numbers")]
+)
+def test_a_broken_deformation_is_told_by_the_name_of_its_mesh(gpu, kind, message):
+    mesh = quad("soft", -2, 0.4, (0, 0, 1))
+    server = Server(gpu, Scene("bent", "", [attrs.evolve(mesh, deformation=kind(mesh.positions))]))
+    with pytest.raises(SceneError, match=f"mesh 'soft': its deformation gives .*{message}"):
+        server.draw(EYE, SIZE)
+    server.close()

@@ -1,0 +1,141 @@
+"""The layers that the server peels.
+
+What rays meet second and third, and nothing where they meet no more.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from reference._rays import world_directions
+
+from hmdwarp.frames import Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.scenes import Background, Mesh, Scene, load_scene
+from hmdwarp.sources.server import Server
+
+SIZE = (61, 47)
+FOV = Fov(-0.6, 0.7, -0.5, 0.55)
+SKY = (0.25, 0.5, 1.0)
+AHEAD = View(Pose(), FOV)
+
+
+def read(texture) -> np.ndarray:
+    dtype = np.float32 if texture.dtype == "f4" else np.float16
+    array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1)
+    return (array[..., 0] if texture.components == 1 else array).astype(np.float64)
+
+
+def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
+    """Squares of half edge `half` times their distance, one behind the other before the origin,
+    number k of brightness k + 1.
+    """
+    meshes = []
+    for k, depth in enumerate(depths_m):
+        r = half * depth
+        corners = [
+            (-r * facing, -r, -depth),
+            (r * facing, -r, -depth),
+            (r * facing, r, -depth),
+            (-r * facing, r, -depth),
+        ]
+        light = np.full((4, 3), k + 1.0)
+        triangles = [(0, 1, 2), (0, 2, 3)]
+        meshes.append(
+            Mesh(
+                f"wall {k}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, triangles, -1, double_sided
+            )
+        )
+    return Scene("walls", "", tuple(meshes), background=Background.uniform(SKY))
+
+
+def peeled(gpu, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.ndarray, np.ndarray]]:
+    """(colour, inverse depth) of the visible layer and `count` behind it."""
+    server = Server(gpu, scene)
+    eye = server.draw_frame([view], 0, SIZE, needs=Needs(peeled=count)).eyes[0]
+    assert len(eye["peeled"]) == count
+    out = [(read(each.colour), read(each.inverse_depth)) for each in (eye, *eye["peeled"])]
+    server.close()
+    return out
+
+
+def middle() -> np.ndarray:
+    """Pixels whose rays pass well within the squares."""
+    rays = world_directions(AHEAD, SIZE)
+    return (np.abs(rays[..., :2] / rays[..., 2:]) < 0.27).all(axis=-1)
+
+
+def outside() -> np.ndarray:
+    rays = world_directions(AHEAD, SIZE)
+    return (np.abs(rays[..., :2] / rays[..., 2:]) > 0.33).any(axis=-1)
+
+
+def test_walls_one_behind_the_other_then_the_sky_then_nothing(gpu):
+    layers = peeled(gpu, walls(1, 2, 5), 4)
+    for k, (colour, depth) in enumerate(layers[:3]):
+        assert depth[middle()] == pytest.approx(1 / (1, 2, 5)[k], rel=1e-6)
+        assert (colour[middle()] == (k + 1, k + 1, k + 1, 1)).all()
+    sky_colour, sky_depth = layers[3]
+    assert (sky_depth[middle()] == 0).all()
+    assert np.abs(sky_colour[middle()] - (*SKY, 1)).max() < 1e-3
+    nothing_colour, nothing_depth = layers[4]
+    assert (nothing_depth == -1).all()
+    assert (nothing_colour == 0).all()
+
+
+def test_the_sky_belongs_to_the_last_layer_that_holds_anything(gpu):
+    """Beside the wall the sky is visible, so behind it is nothing.
+
+    Behind the wall it is the next layer.
+    """
+    (_, first), (colour, second), (_, third) = peeled(gpu, walls(3), 2)
+    assert (first[outside()] == 0).all()
+    assert (second[outside()] == -1).all()
+    assert (colour[outside()] == 0).all()
+    assert (second[middle()] == 0).all()
+    assert (third == -1).all()
+
+
+def test_close_behind_is_behind_and_a_surface_is_not_behind_itself(gpu):
+    """1 mm at 2 m: a picture on a wall."""
+    layers = peeled(gpu, walls(2, 2.001), 2)
+    assert layers[1][1][middle()] == pytest.approx(1 / 2.001, rel=1e-6)
+    assert (layers[2][1][middle()] == 0).all()
+
+
+@pytest.mark.parametrize("double_sided", [False, True])
+def test_backs_are_left_out_as_in_the_picture_itself(gpu, double_sided):
+    layers = peeled(gpu, walls(1, 2, double_sided=double_sided, facing=-1), 1)
+    assert layers[0][1][middle()] == pytest.approx(1.0 if double_sided else 0)
+    assert layers[1][1][middle()] == pytest.approx(0.5 if double_sided else -1)
+
+
+def test_in_the_room_each_layer_lies_behind_the_one_before(gpu):
+    layers = peeled(gpu, load_scene("room"), 3, View(Pose((0, 1.6, 0), (0.1, 0.2, 0, 1)), FOV))
+    for (_, front), (colour, behind) in zip(layers, layers[1:], strict=False):
+        there = behind >= 0
+        assert there.any()
+        assert (behind[there] < front[there]).all()
+        assert (front[there] > 0).all()
+        assert (colour[..., 3] == there).all()
+        assert (colour[~there] == 0).all()
+    hidden = layers[1][1] > 0
+    assert hidden.mean() > 0.05, "furniture hides walls"
+
+
+def test_the_picture_itself_is_the_same_with_layers_and_they_are_used_again(gpu):
+    server, view = Server(gpu, load_scene("planes")), View(Pose((0, 1.6, 0)), FOV)
+    alone = server.draw_frame([view], 0, SIZE).eyes[0]
+    frame = server.draw_frame([view, view], 0, SIZE, needs=Needs(peeled=2))
+    assert "peeled" not in alone
+    assert frame.eyes[0].colour.read() == alone.colour.read()
+    assert frame.eyes[0]["peeled"][0].colour.read() == frame.eyes[1]["peeled"][0].colour.read()
+    pool = server.pool(SIZE)
+    assert pool.live == 1 + 2 * 3
+    held = {layer.colour for eye in frame.eyes for layer in (eye, *eye["peeled"])}
+    server.recycle(frame)
+    again = server.draw_frame([view, view], 1, SIZE, needs=Needs(peeled=2))
+    assert {layer.colour for eye in again.eyes for layer in (eye, *eye["peeled"])} == held
+    server.recycle(again)
+    assert (pool.live, pool.made) == (1, 7)
+    server.close()

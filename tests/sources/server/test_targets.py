@@ -1,0 +1,88 @@
+"""What a burst of frames leaves behind: as many targets as are used, and pictures as before."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import download
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources.server import Server
+from hmdwarp.sources.server.targets import IDLE_AFTER
+
+SIZE, VIEW = (256, 256), View(Pose((0, 1.6, 0)), Fov.symmetric(1.0, 1.0))
+BYTES = SIZE[0] * SIZE[1] * (8 + 4)
+
+
+@pytest.fixture
+def server(gpu):
+    made = Server(gpu, load_scene("planes"))
+    yield made
+    made.close()
+
+
+def burst(server: Server, number: int) -> None:
+    """Draw so many frames before the first is taken back."""
+    frames = []
+    for each in range(number):
+        frames.append(server.draw_frame([VIEW], each, SIZE))
+        # llvmpipe keeps what it draws at the same time for as long as it likes.
+        server.gpu.gl.finish()
+    for frame in frames:
+        server.recycle(frame)
+
+
+def rest(server: Server, hand_outs: int = 2 * IDLE_AFTER) -> None:
+    """Hand out one target at a time; what a hand-out needed stays for IDLE_AFTER more."""
+    pool = server.pool(SIZE)
+    for _ in range(hand_outs):
+        pool.release(pool.acquire())
+
+
+def test_targets_of_a_burst_are_freed_and_the_others_keep_their_pictures(server):
+    pool, held = server.pool(SIZE), server.draw_frame([VIEW], 0, SIZE)
+    picture = download(held.eyes[0].colour)
+    burst(server, 16)
+    assert (pool.live, pool.made) == (1, 17)
+    rest(server)
+    assert (pool.live, pool.made) == (1, 2)
+    np.testing.assert_array_equal(download(held.eyes[0].colour), picture)
+    # GL gives names of freed textures to new ones, which need framebuffers of their own.
+    frames = [server.draw_frame([VIEW], each, SIZE) for each in range(16)]
+    for frame in frames:
+        np.testing.assert_array_equal(download(frame.eyes[0].colour), picture)
+        server.recycle(frame)
+    server.recycle(held)
+
+
+def test_targets_that_are_needed_now_and_then_are_kept(server):
+    pool = server.pool(SIZE)
+    kept = set()
+    for _ in range(4):
+        burst(server, 3)
+        rest(server, IDLE_AFTER // 2)
+        kept.add(pool.made)
+    assert kept == {3}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the C library's heap is asked only on Linux")
+def test_memory_of_a_burst_goes_back_to_the_system(server):
+    if not server.gpu.is_software:
+        pytest.skip("a GPU's textures are not in this process's memory")
+    burst(server, 1)
+    server.gpu.give_back_memory()
+    before = resident()
+    burst(server, 64)
+    assert resident() - before > 60 * BYTES
+    rest(server)
+    assert resident() - before < 16 * BYTES
+
+
+def resident() -> int:
+    """Bytes that this process holds in memory."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")

@@ -1,0 +1,176 @@
+"""Further views: where they are drawn from, and what they show."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from replays import each_refresh, run, small
+
+from hmdwarp.client import build_plan, parse_warp
+from hmdwarp.client.capability import lacking
+from hmdwarp.client.classes import load_client
+from hmdwarp.frames import Needs
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import download
+from hmdwarp.link import LinkOptions
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources.server import Server
+from hmdwarp.sources.server.view_choice import LEAST_M, Motion, chosen, moved, seen
+
+FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
+SIZE = (120, 96)
+WALL_M, SQUARE_M, HALF_M = 3.0, 1.0, 0.25
+MS = 1_000_000
+RIGHT = np.array([0.1, 0, 0])
+
+
+def view_at(place) -> View:
+    return View(Pose(place), FOV)
+
+
+def depth_of(view: View) -> np.ndarray:
+    """A square 1 m before the origin and a wall behind it, which all views look straight at."""
+    x, y, z = view.pose.position_m
+    rays = view.rays(SIZE)
+    away = SQUARE_M + z
+    on_square = (np.abs(x + away * rays[..., 0]) <= HALF_M) & (np.abs(y + away * rays[..., 1]) <= HALF_M)
+    return np.where(on_square, 1 / away, 1 / (WALL_M + z))
+
+
+def hidden_behind_square(view: View, target: View) -> np.ndarray:
+    """Which points of the wall in the target's pixels lie behind the square, by straight lines."""
+    (x, y, z), from_eye = target.pose.position_m, view.pose.position_m
+    rays = target.rays(SIZE)
+    wall = np.stack([x + (WALL_M + z) * rays[..., 0], y + (WALL_M + z) * rays[..., 1]], axis=-1)
+    part = (SQUARE_M + from_eye[2]) / (WALL_M + from_eye[2])
+    through = from_eye[:2] + part * (wall - from_eye[:2])
+    return (np.abs(through) <= HALF_M).all(axis=-1) & (depth_of(target) < 0.5)
+
+
+@pytest.mark.parametrize("way", [RIGHT, -RIGHT, (0.05, 0.08, 0), (0, 0, -0.2), (0, 0, 0.3)], ids=str)
+def test_a_picture_shows_what_no_straight_line_to_it_meets_anything_before(way):
+    view, target = view_at((0, 0, 0)), view_at(way)
+    found = seen(view, depth_of(view), target, depth_of(target), SIZE)
+    hidden = hidden_behind_square(view, target)
+    tangents = target.pose.position_m[:2] + (1 / depth_of(target))[..., None] * target.rays(SIZE)[..., :2]
+    away = 1 / depth_of(target) - target.pose.position_m[2] + view.pose.position_m[2]
+    outside = (np.abs(tangents / away[..., None]) >= (1, 0.8)).any(axis=-1)
+    wrong = found == (hidden | outside)
+    # Only where the nearest pixel of the picture lies across an edge: beside the outline of the
+    # square, at most one pixel on either side, and beside the picture's own.
+    outline = 2 * 4 * 2 * HALF_M / SQUARE_M * SIZE[0] / 2 / 0.8
+    assert wrong.sum() <= outline + 2 * sum(SIZE)
+    assert way[0] == 0 or hidden.sum() > 30
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_first_view_is_taken_from_where_the_eye_goes(sign):
+    view = view_at((0, 0, 0))
+    motion = Motion.of(view, sign * np.array([0.5, 0, 0]), 0.2)
+    first, second = chosen(view, SIZE, motion, 2, depth_of)
+    assert first @ RIGHT * sign > 0 and np.linalg.norm(first) >= 0.04
+    assert not np.array_equal(first, second)
+    target = moved(view, motion.along)
+    wanted = depth_of(target)
+
+    def empty(*ways) -> float:
+        shown = [seen(place, depth_of(place), target, wanted, SIZE) for way in ways for place in [moved(view, way)]]
+        return 1 - np.any(shown, axis=0).mean()
+
+    assert empty(np.zeros(3), first) < 0.2 * empty(np.zeros(3))
+    assert empty(np.zeros(3), first, second) <= empty(np.zeros(3), first)
+
+
+@pytest.mark.parametrize("velocity", [(0, 0, 0), (1e-12, 0, 0), (0, 2, 0), (1, 0, -3), (1e6, 0, 0)], ids=str)
+def test_candidates_lie_along_the_motion_and_across_it(velocity):
+    motion = Motion.of(view_at((1, 1.6, 2)), np.array(velocity, float), 0.4)
+    reach = max(0.4 * np.linalg.norm(velocity), LEAST_M)
+    assert np.linalg.norm(motion.along) == pytest.approx(reach) == np.linalg.norm(motion.across)
+    assert motion.along @ motion.across == pytest.approx(0, abs=1e-9 * reach**2)
+    ways = motion.candidates()
+    assert len(ways) == 12 and all(np.isfinite(way).all() for way in ways)
+    assert max(map(np.linalg.norm, ways)) == pytest.approx(reach)
+
+
+def test_nothing_anywhere_and_everything_beside_the_picture_still_give_views():
+    motion = Motion.of(view_at((0, 0, 0)), np.array([1.0, 0, 0]), 0.2)
+    for depth in (-1.0, 0.0, 1e-6, 50.0):
+        ways = chosen(view_at((0, 0, 0)), (6, 5), motion, 3, lambda view, depth=depth: np.full((5, 6), depth))
+        assert len({tuple(way) for way in ways}) == 3
+
+
+def test_the_server_draws_them_as_any_other_picture(gpu):
+    scene = load_scene("room")
+    server, needs, age_ns = Server(gpu, scene), Needs(views=2), 400 * MS
+    place = scene.viewpoint.position_m
+    try:
+        for number in range(3):
+            eyes = [view_at(place + (0.03 * number + x, 0, 0)) for x in (-0.03, 0.03)]
+            frame = server.draw_frame(eyes, number * 100 * MS, SIZE, needs=needs, age_ns=age_ns)
+            ways = [
+                [view.view.pose.position_m - eye.view.pose.position_m for view in eye["views"]] for eye in frame.eyes
+            ]
+            assert np.allclose(ways[0], ways[1]), "as far from each eye"
+            # 0.3 m/s for 0.4 s, once there is a frame before.
+            reach = 0.12 if number else LEAST_M
+            assert np.linalg.norm(ways, axis=-1).max() <= reach + 1e-9
+            for eye in frame.eyes:
+                for view in eye["views"]:
+                    again = server.draw(view.view, SIZE, time_ns=frame.drawn_ns)
+                    assert np.array_equal(download(again.colour), download(view.colour))
+                    server.pool(SIZE).release(again.colour)
+            server.recycle(frame)
+        assert server.pool(SIZE).made == 2 * 3 + 1, "two eyes of three pictures, and the one to compare with"
+    finally:
+        server.close()
+
+
+def empty_shares(warp: str) -> list[float]:
+    """What the warp leaves empty of the pictures of a walk, once the server knows the motion."""
+    found: list[float] = []
+
+    def look(setup, number, refresh) -> None:
+        if number >= 6:
+            found.extend(float((download(eye.warped.texture)[..., 3] == 0).mean()) for eye in refresh.eyes)
+
+    options = {"trace": "walk", "scene": "room", "headset": "rift-dk1", "size": (120, 150), "latency_ms": 400.0}
+    each_refresh(small(warp=warp, **options, start_s=5.0, seconds=0.5, rate_hz=20.0, guard=1.5), look)
+    return found
+
+
+def test_they_leave_less_empty_than_what_comes_anyway():
+    anyway, with_views = (np.mean(empty_shares(warp)) for warp in ("multi", "multi:views=2,frames=1,eye=own"))
+    assert with_views < 0.5 * anyway, (with_views, anyway)
+
+
+def test_the_link_counts_what_they_weigh(tmp_path):
+    rates = run(tmp_path, warp="multi:views=2", seconds=0.1).summary["link"]["layers_mbit_s"]
+    assert rates["views"] == pytest.approx(2 * (rates["colour"] + rates["inverse_depth"]))
+
+
+def test_a_head_at_rest_sends_them_once_and_a_lost_frame_again(tmp_path):
+    times = np.arange(301) / 100
+    (tmp_path / "still.txt").write_text(
+        "# timestamp tx ty tz qx qy qz qw\n" + "".join(f"{t} 0 1.6 0 0 0 0 1\n" for t in times), encoding="utf-8"
+    )
+    network = LinkOptions(send="changes")
+    options = {"trace": str(tmp_path / "still.txt"), "warp": "multi:views=2", "latency_ms": 50.0}
+    frames = run(tmp_path / "run", network=network, **options).summary["link"]["frames"]
+    assert (frames["drawn"], frames["shown"]) == (1, 1)
+
+
+def test_an_eye_that_turns_away_falls_back_on_an_older_frame():
+    found: list[int] = []
+    options = {"warp": "multi:views=2,frames=1,eye=own,spacing=50", "latency_ms": 50.0, "size": (32, 24)}
+    each_refresh(small(**options), lambda setup, number, refresh: found.append(len(refresh.inputs[0].others)))
+    assert found[-1] == 3, "two views and the older frame"
+
+
+def test_a_client_that_gets_a_picture_alone_cannot_have_them():
+    client = load_client("picture")
+    plans = [build_plan((), warp, "none", "none", client_geometry=True) for warp in ("multi", "multi:views=1")]
+    assert lacking(plans[0], client) == ""
+    assert "rendered.views" in lacking(plans[1], client)
+    assert parse_warp("multi:views=1").entry.bytes_moved(100, 100, parse_warp("multi:views=1").settings) > parse_warp(
+        "multi"
+    ).entry.bytes_moved(100, 100, parse_warp("multi").settings)
