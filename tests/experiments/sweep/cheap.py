@@ -1,6 +1,6 @@
 """Cases that cost nearly nothing, and a program that runs a set of them.
 
-    python -m tests.sweep.cheap OUT COUNT [--resume] [--cluster WHERE] [--file FILE]
+    python -m tests.experiments.sweep.cheap OUT COUNT [--resume] [--cluster WHERE] [--file FILE]
 
 The real sweep with the real Dask; only what a case computes is cheap. A case leaves a line in
 `OUT/ran` each time it is run. Case number 13 of `deadly` ends its process.

@@ -1,6 +1,6 @@
 """Sweeps whose worker, scheduler or driver is killed in mid-run, and what must be true after it.
 
-    python -m tests.sweep.killing MOMENTS [SEED]
+    python -m tests.experiments.sweep.killing MOMENTS [SEED]
 
 A kill is SIGKILL. Then the run is resumed in one process.
 """
@@ -37,7 +37,7 @@ def kill_in(victim: str, out: Path, chance: random.Random) -> list[str]:
         cluster, scheduler = "local:2", None
         if victim == "scheduler":
             cluster, scheduler = _cluster(out, stack)
-        words = [sys.executable, "-m", "tests.sweep.cheap", str(out), str(COUNT), "--cluster", cluster]
+        words = [sys.executable, "-m", "tests.experiments.sweep.cheap", str(out), str(COUNT), "--cluster", cluster]
         driver = subprocess.Popen(words, cwd=ROOT, stderr=subprocess.PIPE, text=True)
         stack.callback(_end, driver)
         _wait(driver, out, chance.randrange(COUNT - 4))
