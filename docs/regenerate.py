@@ -597,7 +597,7 @@ def trace_layouts(_: Path) -> None:
 
 def sweeps(_: Path) -> None:
     """Kill sweeps at random moments, and measure what one costs; needs the extra `cluster`."""
-    command = [sys.executable, "-m", "tests.sweep.killing", "40"]
+    command = [sys.executable, "-m", "tests.experiments.sweep.killing", "40"]
     done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT)
     replace("kills", done.stdout.splitlines()[-1])
     replace("sweeps", printed("sweep_scale.py", markdown=True))

@@ -137,7 +137,16 @@ def efficiency_text(found: Efficiency) -> str:
 
 def light(folder: Path, count: int, content: Path) -> tuple[float, float]:
     """Return processor seconds and MB of driver and scheduler for cases that cost nothing."""
-    words = ("-m", "tests.experiments.sweep.cheap", folder / str(count), count, "--cluster", "local:1", "--file", content)
+    words = (
+        "-m",
+        "tests.experiments.sweep.cheap",
+        folder / str(count),
+        count,
+        "--cluster",
+        "local:1",
+        "--file",
+        content,
+    )
     done = subprocess.run(
         [sys.executable, *map(str, words)], cwd=ROOT, capture_output=True, text=True, check=True, env=os.environ
     )

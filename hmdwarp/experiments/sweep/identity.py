@@ -18,7 +18,7 @@ from ...resources import __version__
 from ...resources import folder as resource_folder
 
 # What neither draws nor measures a picture: a change there leaves most results as they are.
-_NOT_OF_RESULTS = ("cli", "display", "doctor", "report", "study", "sweep", "thesis")
+_NOT_OF_RESULTS = ("cli/", "display/", "report/", "study/", "experiments/sweep/", "thesis/")
 # Fields of options that say where results go and how they are made, but not what they are.
 HOW = ("out", "force", "command", "workers", "parquet", "sweep")
 # What begins the lines of a scene's files that name another file.
@@ -45,13 +45,12 @@ def program_hash(*also: str) -> str:
     also: beginnings of paths in the package that this kind of results depends on besides what draws
     and measures pictures, such as `study/`.
     """
-    package, shaders = Path(__file__).resolve().parents[1], resource_folder("shaders")
+    package, shaders = Path(__file__).resolve().parents[2], resource_folder("shaders")
     found = hashlib.sha256()
     for base, pattern in ((package, "**/*.py"), (package, "**/*.toml"), (shaders, "**/*.*")):
         for path in sorted(base.glob(pattern)):
-            parts = path.relative_to(base).parts
-            name = "/".join(parts)
-            counts = parts[0] not in (*_NOT_OF_RESULTS, "_data") or name.startswith(also)
+            name = path.relative_to(base).as_posix()
+            counts = not name.startswith((*_NOT_OF_RESULTS, "_data/")) or name.startswith(also)
             if path.is_file() and counts:
                 found.update(name.encode() + b"\0" + path.read_bytes())
     return found.hexdigest()[:16]
@@ -59,7 +58,7 @@ def program_hash(*also: str) -> str:
 
 def whole_program_hash() -> str:
     """Return a hash of all files of the program: the same wheel has the same one."""
-    return program_hash(*(f"{one}/" for one in _NOT_OF_RESULTS))
+    return program_hash(*_NOT_OF_RESULTS)
 
 
 def files_at(place: str | Path) -> list[Path]:

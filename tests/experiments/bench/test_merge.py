@@ -97,7 +97,7 @@ def test_a_picture_that_one_machine_rated_is_rated(benches, tmp_path):
 
 
 def test_a_page_of_many_cases_shows_the_first(benches, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.bench.bench_run.MOST_SHOWN", 1)
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MOST_SHOWN", 1)
     result = merge(MergeOptions(folders=benches[1:], out=tmp_path / "merged"))
     page = result.report.read_text(encoding="utf-8")
     assert "shows the first 1 of 2 cases" in page and "50 ms" in page and "100 ms" not in page

@@ -259,7 +259,7 @@ def test_segments_go_with_their_client(address, names, monkeypatch):
     with closing(Listener(address)) as listener:
         with closing(Caller(address)) as caller:
             exchanged(caller, listener)
-        monkeypatch.setattr("hmdwarp.feed.listener._SILENT_NS", 0)
+        monkeypatch.setattr("hmdwarp.sources.feed.listener._SILENT_NS", 0)
         while len(left(names)) > 1:  # the lock, which is the server's
             listener.next(1)
 
