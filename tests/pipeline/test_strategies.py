@@ -77,7 +77,7 @@ SCENES = sorted({scene_for(name) for name in NAMES})
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_bench_compares_all(scene, tmp_path):
-    """Each in the scene that calls for it: tests/experiments/bench/test_strategy_rows.py has the figures."""
+    """Each in the scene that calls for it; test_strategy_rows.py of the bench has the figures."""
     chosen = [part for name in NAMES if scene_for(name) == scene for part in ("--strategy", name)]
     options = ("--instants", 1, "--rounds", 1, "--workers", 0, "--no-grid", "--no-fused", "--out", tmp_path / "bench")
     done = hmdwarp("bench", "look-around", *chosen, *SMALL, "--scene", scene, *options)
