@@ -205,6 +205,7 @@ APART_BY_S = {
     "frame": "the class, in its package",
     "metric": "the class, in its package",
     "pose": "the class; the package of poses over time",
+    "source": "what gives a run its frames; the package of renderers, recordings and feeds",
 }
 
 

@@ -11,7 +11,8 @@ import typer
 
 from ..errors import InputError, counted
 from ..options import DEFAULT_GUARD, Option
-from ..pipeline.options import PipelineOptions
+from ..pipeline.options import AUTO, PipelineOptions
+from ..pipeline.source_kinds import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
@@ -35,8 +36,8 @@ def plan(said: Said) -> None:
     Tells what makes the scene slow to draw, and what to do about it.
     """
     from ..headsets import load_headset
-    from ..pipeline.recorded_scene import fitted, headset_of, scene_of
-    from ..run import check_names, recorded_notes
+    from ..pipeline import source_of
+    from ..run import check_names
     from ..scenes import slow_in
 
     source = said["source"]
@@ -46,12 +47,12 @@ def plan(said: Said) -> None:
         said["lens"] = "none"
     options = kind.of(said)
     check_names(options)
-    scene = scene_of(options)
-    options, headset = fitted(options, scene), headset_of(options, scene)
-    slow, noted = list(slow_in(scene)), [*recorded_notes(options, scene), *scene.notes]
-    about = (_auto if options.chooses_warp else _passes)(options, headset, scene, told)
+    frames = source_of(options)
+    options, headset, scene = frames.fitted(options), frames.headset, frames.scene
+    slow, noted = list(slow_in(scene)), [*frames.notes, *scene.notes]
+    about = (_auto if options.warp == AUTO else _passes)(options, headset, scene, told)
     if said["json"]:
-        names = ("scene", "indirect", "warp", *(() if options.chooses_warp else ("fill",)), "lens", "headset")
+        names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
         notes = [*about.notes, *noted]
         typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": notes}))
@@ -76,7 +77,7 @@ def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict
     from ..pipeline.planning import build_plan_for, proxy_plan_for
 
     built = build_plan_for(options, headset, scene, **told)
-    proxy = proxy_plan_for(options, scene) if options.proxy.on else None
+    proxy = proxy_plan_for(options, scene) if options.source_kind is PROXY else None
     frame = _frame(options, headset, [built])
     notes = _guard_notes(options, frame)
 
@@ -181,13 +182,12 @@ def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dic
     """Return the bytes of frames that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..frames import frame_bytes
-    from ..pipeline.build import frames_held
+    from ..pipeline.link_times import frames_held
     from ..pipeline.sizes import eye_sizes, rendered_entry
 
     rate_hz = options.rate_hz or headset.refresh_hz
     needs, sizes = needs_of(plans), eye_sizes(options.guard_band, headset, options.size or headset.eye_size_px)
-    # One picture of a camera serves all eyes.
-    pictures = 1 if options.is_recorded else 2
+    pictures = options.source_kind.eyes
     layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
     return {
         "eyes": pictures,

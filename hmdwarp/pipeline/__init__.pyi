@@ -1,4 +1,3 @@
-from .build import Target as Target
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
 from .channel import Channel as Channel
@@ -6,6 +5,7 @@ from .client_scene import ClientScene as ClientScene
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames
+from .frame_source import Target as Target
 from .layers_read import Reads as Reads
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh
@@ -15,3 +15,5 @@ from .planning import plans_for as plans_for
 from .requested import PoseRequest as PoseRequest
 from .sizes import eye_sizes as eye_sizes
 from .sizes import memory_bytes as memory_bytes
+from .source import Source as Source
+from .source_choice import source_of as source_of

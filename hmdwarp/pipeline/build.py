@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from collections.abc import Sequence as Several
 from contextlib import ExitStack
 
@@ -14,108 +12,29 @@ from ..client.compensator import Compensator
 from ..client.history import History
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
-from ..frames import EyeSizes, Frame, Needs, frame_bytes, video_pixels
-from ..geometry import Eyes, GuardBand, Pose
+from ..frames import EyeSizes, frame_bytes, video_pixels
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link import CHANGES, RESOLUTION, LinkOptions
-from ..link.codec import Coding, codecs
+from ..link import CHANGES, RESOLUTION
+from ..link.codec import codecs
 from ..poses.looped import Moment
-from ..scenes import Scene
-from ..sources.server import Server
+from ..sources.server import Renderer
 from .auto.adaptive import AdaptiveCompensator
 from .auto.governor import Governor
 from .auto.levels import QualityLevel
 from .changes import Changes
 from .channel import Channel
 from .client_scene import ClientScene
-from .frame_coder import Coder
-from .frame_source import FrameSource, ServerFrames
+from .frame_source import Target, settling
 from .layers_read import Reads
+from .link_times import check_held, expected_age_ns
 from .loop import Loop
 from .options import PipelineOptions
-from .planning import proxy_plan_for
-from .proxy import GuardedEyes, KnownHead, Proxy
-from .recorded_scene import RecordedScene
-from .recorded_server import MomentOf, RecordedServer
-from .remote import Remote, RemoteChannel, RemoteFrames
-from .remote_server import SERVER_SCENE, RemoteServer
+from .recorded_renderer import MomentOf
 from .requested import PoseRequest
 from .sized import SizedCompensator
-from .sizes import check_room, eye_sizes, rendered_entry
-
-# A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
-# refresh at 60 Hz, not a little more.
-_SAME_REFRESH = 1e-3
-
-
-def latency_ns(options: PipelineOptions) -> int:
-    """Return the motion-to-photon latency that the options set."""
-    return round(options.latency_ms * 1e6)
-
-
-def refreshes_of(latency_ms: float, rate_hz: float) -> int:
-    """Return how many refreshes after drawing a frame is shown: the first one after it arrives."""
-    return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
-
-
-def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """Return the largest number of frames alive at once.
-
-    Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
-    read.
-    """
-    return _held(options.client_link, options.latency_ms, rate_hz, needs)
-
-
-def _held(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs) -> int:
-    sends_hz = link.sends_hz(rate_hz)
-    if link.is_plain:
-        # Those sent since the refresh before, less the latency.
-        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
-    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + needs.others.past
-
-
-def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
-    """Return the mean age of a frame when it is seen.
-
-    plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
-    """
-    return _expected(options.client_link, options.latency_ms, plain_ns, rate_hz)
-
-
-def _expected(link: LinkOptions, latency_ms: float, plain_ns: int, rate_hz: float) -> int:
-    stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
-    newest_ns = plain_ns if link.is_plain else link.typical_ns(round(latency_ms * 1e6))
-    return newest_ns + round(stays_ns / 2)
-
-
-def refreshes_to_proxy(options: PipelineOptions, rate_hz: float) -> int:
-    """Return how many refreshes after drawing a frame the proxy has it, 0 without a proxy."""
-    if not options.proxy.on:
-        return 0
-    first, _ = options.proxy.links(options.network)
-    return refreshes_of(first.longest_ns(round(options.proxy.latency_ms * 1e6)) / 1e6, rate_hz)
-
-
-def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
-    """Check that the largest number of frames alive at once fits. Errors: as check_room."""
-    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
-
-
-@attrs.frozen(eq=False)
-class Target:
-    """Where the pictures of a run go."""
-
-    # Belongs to the caller.
-    gpu: Gpu
-    eyes: Eyes
-    # Refresh rate of the display.
-    rate_hz: float
-    # Delay of the link alone, without the wait for the next refresh.
-    link_latency_ns: int
-    # Headset whose lens the plans correct, or None.
-    lens_of: Headset | None = None
+from .sizes import eye_sizes
+from .source import Source
 
 
 @attrs.define(eq=False)
@@ -130,10 +49,8 @@ class Pipeline:
     requested: PoseRequest
     sizes: EyeSizes
     gpu: Gpu
-    server: Server
+    server: Renderer
     geometry: ClientScene
-    # Between the server and the channel; None without one.
-    proxy: Proxy | None
     channel: Channel
     loop: Loop
     # Chooses the warp; None where the options name one.
@@ -187,18 +104,16 @@ class Pipeline:
 
 def build_pipeline(
     options: PipelineOptions,
-    scene: Scene,
+    source: Source,
     target: Target,
     plans: Several[Plan],
     requested: PoseRequest,
     levels: tuple[QualityLevel, ...] = (),
-    remote: Remote | None = None,
     moment_of: MomentOf = Moment,
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level. remote: draws the frames elsewhere; it belongs to the
-    caller. moment_of: where recorded frames are at an instant.
+    plans: one, or one for each quality level. moment_of: where recorded frames are at an instant.
     Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
     needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
@@ -206,19 +121,25 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = _server(options, gpu, scene, remote, moment_of)
+        server = source.renderer(gpu, options.mirrors, moment_of)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)
-        proxy = _proxy(options, server, target, requested, sizes, stack) if options.proxy.on else None
-        source: FrameSource = proxy or ServerFrames(server, requested, target.eyes)
-        if remote is not None:
-            source = RemoteFrames(remote, server, requested, target.eyes)
-        history = History(needs.others.past, needs.others.spacing_ns, source.recycle)
+        frames = source.frames(options, server, target, requested, stack)
+        history = History(needs.others.past, needs.others.spacing_ns, frames.recycle)
         stack.callback(history.close)
-        channel = _channel(options, target, plans, history, source, geometry)
+        # It waits for the next refresh at most.
+        age_ns = expected_age_ns(options, target.link_latency_ns + round(1e9 / target.rate_hz), target.rate_hz)
+        channel = frames.channel(
+            options.client_link,
+            target.link_latency_ns,
+            source.coder(options.coding, target.rate_hz, age_ns),
+            Reads.of(plans),
+            history.offer,
+            target.rate_hz,
+            settling(frames, geometry),
+        )
         stack.callback(channel.close)
-        channel.before = proxy.summary if proxy is not None else None
         with ExitStack() as unfinished:
             compensators = []
             for plan in plans:
@@ -230,111 +151,10 @@ def build_pipeline(
             governor = Governor(levels, options.budget_ms)
             auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
-        changes = Changes(scene) if options.network.send == CHANGES else None
-        loop = Loop(requested, source, channel, history, compensator, target.eyes, changes)
-        parts = (gpu, server, geometry, proxy, channel, loop, auto, lens_of, options)
+        changes = Changes(source.scene) if options.network.send == CHANGES else None
+        loop = Loop(requested, frames, channel, history, compensator, target.eyes, changes)
+        parts = (gpu, server, geometry, channel, loop, auto, lens_of, options)
         return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
-
-
-def _server(options: PipelineOptions, gpu: Gpu, scene: Scene, remote: Remote | None, moment_of: MomentOf) -> Server:
-    if isinstance(scene, RecordedScene):
-        return RecordedServer(gpu, scene, moment_of)
-    if remote is not None and options.scene == SERVER_SCENE:
-        return RemoteServer(gpu, remote.feed)
-    return Server(gpu, scene, options.mirrors)
-
-
-def _channel(
-    options: PipelineOptions,
-    target: Target,
-    plans: Several[Plan],
-    history: History,
-    source: FrameSource,
-    geometry: ClientScene,
-) -> Channel:
-    link, latency, rate_hz = options.client_link, target.link_latency_ns, target.rate_hz
-    if isinstance(source, RemoteFrames):
-        settled = _settled(source, geometry)
-        return RemoteChannel(source, latency, Reads.of(plans), history.offer, rate_hz, settled, link)
-    # It waits for the next refresh at most.
-    age_ns = expected_age_ns(options, latency + round(1e9 / rate_hz), rate_hz)
-    coder, settled = _coder(options.coding, rate_hz, age_ns), _settled(source, geometry)
-    return Channel(link, latency, coder, Reads.of(plans), history.offer, source.recycle, rate_hz, settled)
-
-
-def _settled(source: FrameSource, geometry: ClientScene) -> Callable[[Frame, bool, int], None]:
-    """Return what is done with a frame whose fate is known: both ends take note of it."""
-
-    def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:
-        if arrived:
-            geometry.receive(frame)
-        source.heard(frame, arrived, heard_ns)
-
-    return settled
-
-
-def _coder(coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
-    return None if codecs.get(coding.codec).is_none else Coder(coding, rate_hz, age_ns * 1e-9)
-
-
-def _proxy(
-    options: PipelineOptions, server: Server, target: Target, requested: PoseRequest, sizes: EyeSizes, stack: ExitStack
-) -> Proxy:
-    """Return the proxy: a loop like the client's, over frames that the server draws for it.
-
-    What it needs is freed with the stack. Errors: as build_pipeline.
-    """
-    asked, gpu, rate_hz = options.proxy, target.gpu, target.rate_hz
-    (first, _), plan = asked.links(options.network), proxy_plan_for(options, server.scene)
-    eyes, known = GuardedEyes(target.eyes, requested.guard, requested.size), KnownHead()
-    if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
-        raise InputError(f"--proxy-warp {asked.warp} looks into the other eye's picture, and there is one eye")
-    made = eye_sizes(asked.guard, eyes, sizes.rendered)
-    check_room(
-        gpu,
-        plan.needs,
-        made,
-        GuardBand.of(asked.guard),
-        _held(first, asked.latency_ms, rate_hz, plan.needs),
-        asked.latency_ms,
-    )
-    refresh_ns = refreshes_to_proxy(options, rate_hz) * 1e9 / rate_hz
-    latency_ns = round(asked.latency_ms * 1e6)
-    if first.is_plain:
-        # At most the time between any two refreshes so far apart, which are rounded to whole ns.
-        latency_ns = min(latency_ns, max(0, round(refresh_ns) - 2))
-    age_ns = _expected(first, asked.latency_ms, round(refresh_ns), rate_hz)
-    history = History(plan.needs.others.past, plan.needs.others.spacing_ns, server.recycle)
-    stack.callback(history.close)
-    geometry = ClientScene(server)
-    stack.callback(geometry.close)
-    compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
-    stack.callback(compensator.close)
-    # What it shows is for the head that it was asked for; what the server draws is seen later.
-    request = PoseRequest(
-        known,
-        requested.for_server,
-        made.shown,
-        asked.guard,
-        plan.needs,
-        age_ns=age_ns,
-    )
-    frames, coder = ServerFrames(server, request, eyes), _coder(asked.coding, rate_hz, age_ns)
-    reads, settled = Reads.of([plan]), _settled(frames, geometry)
-    channel = Channel(first, latency_ns, coder, reads, history.offer, frames.recycle, rate_hz, settled)
-    stack.callback(channel.close)
-    loop = Loop(request, frames, channel, history, compensator, eyes)
-    about = {
-        "latency_ms": asked.latency_ms,
-        "total_latency_ms": options.total_latency_ms,
-        "warp": asked.warp,
-        "fill": asked.fill,
-        "effects": list(plan.effects),
-        "rendered": rendered_entry(asked.guard, made),
-    }
-    proxy = Proxy(loop, known, channel, made.shown, about)
-    stack.callback(proxy.close)
-    return proxy
 
 
 def _check_decoder(options: PipelineOptions, plans: Several[Plan], sizes: EyeSizes, rate_hz: float) -> None:

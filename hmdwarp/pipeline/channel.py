@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from ..frames import Frame
     from ..link import Link, LinkOptions, TransitStats
 
+# Called with a frame, whether it arrived, and when the sender hears of it.
+Settled = Callable[["Frame", bool, int], None]
+
 
 class Channel:
     """Send each frame that the server draws; return the newest that has arrived, as it arrived.
@@ -41,7 +44,7 @@ class Channel:
         offer: Callable[[Frame], None],
         recycle: Callable[[Frame], None],
         rate_hz: float,
-        settled: Callable[[Frame, bool, int], None] = lambda frame, arrived, heard_ns: None,
+        settled: Settled = lambda frame, arrived, heard_ns: None,
     ) -> None:
         self._coder, self._reads, self._beside = coder, reads, Reads()
         self.latency_ns = latency_ns

@@ -13,6 +13,7 @@ from ..gpu.textures import SCALAR, allocate
 from ..scenes import Pieces, partial_scene, pieces_of, reduced, unlit, with_lamps_stopped
 from ..sources.server import (
     Framebuffers,
+    Renderer,
     SceneBuffers,
     ScenePasses,
     SceneTextures,
@@ -52,7 +53,7 @@ class ClientScene:
     the user's cache folder. A model is reduced and uploaded on first use.
     """
 
-    def __init__(self, server: Server, cache: Path | None = None) -> None:
+    def __init__(self, server: Renderer, cache: Path | None = None) -> None:
         self._server, self._cache = server, cache
         self._models: dict[_Key, DrawnModel] = {}
         self._scenes: dict[_Key, SceneOnClient] = {}
@@ -178,7 +179,7 @@ class ClientScene:
 class SceneOnClient:
     """A client.DrawnScene: a renderer of the client's own, or the server's for the same scene."""
 
-    def __init__(self, server: Server, scene: Scene) -> None:
+    def __init__(self, server: Renderer, scene: Scene) -> None:
         self.scene = scene
         self._is_own = scene is not server.scene
         self._renderer = Server(server.gpu, scene) if self._is_own else server

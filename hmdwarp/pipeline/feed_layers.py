@@ -22,7 +22,7 @@ from .motion_vectors import velocity_of
 if TYPE_CHECKING:
     from ..frames import EyeImage
     from ..geometry import View
-    from ..sources.server import Server
+    from ..sources.server import Renderer
 
 Array = NDArray[Any]
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
@@ -131,7 +131,7 @@ def _misfit_of(layer: type[Layer], number: int, parts: list[Any], sizes: EyeSize
     return layer.misfit(pictures, numbers[0] if numbers else None)
 
 
-def made(server: Server, parts: Layers, wanted: Wanted | None) -> dict[str, Any]:
+def made(server: Renderer, parts: Layers, wanted: Wanted | None) -> dict[str, Any]:
     """Return the data of the wanted layers of one eye, in textures of the server's pools."""
     return {name: _made(server, layers.get(name), number, parts[name]) for name, number in _of(wanted)}
 
@@ -140,7 +140,7 @@ def _of(wanted: Wanted | None) -> tuple[tuple[str, int], ...]:
     return () if wanted is None else wanted.layers
 
 
-def _made(server: Server, layer: type[Layer], number: int, parts: Sequence[Any]) -> Any:
+def _made(server: Renderer, layer: type[Layer], number: int, parts: Sequence[Any]) -> Any:
     formats, textures = layer.pictures(number), []
     for one, form in zip(parts, formats, strict=False):
         textures.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)

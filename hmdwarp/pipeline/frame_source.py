@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Callable
+from typing import Protocol
 
 import attrs
 
-from ..geometry import GuardBand
-from ..link import scaled_size
+from ..frames import Frame
+from ..geometry import Eyes, Guard, GuardBand
+from ..gpu.context import Gpu
+from ..headsets import Headset
+from ..link import LinkOptions, scaled_size
+from ..poses import PoseSample
+from ..sources.server import Renderer
+from .channel import Channel, Settled
+from .client_scene import ClientScene
+from .frame_coder import Coder
+from .layers_read import Reads
+from .requested import PoseRequest
 
-if TYPE_CHECKING:
-    from ..frames import Frame
-    from ..geometry import Eyes, Guard
-    from ..poses import PoseSample
-    from ..sources.server import Server
-    from .requested import PoseRequest
+
+@attrs.frozen(eq=False)
+class Target:
+    """Where the pictures of a run go."""
+
+    # Belongs to the caller.
+    gpu: Gpu
+    eyes: Eyes
+    # Refresh rate of the display.
+    rate_hz: float
+    # Delay of the link alone, without the wait for the next refresh.
+    link_latency_ns: int
+    # Headset whose lens the plans correct, or None.
+    lens_of: Headset | None = None
 
 
 class FrameSource(Protocol):
@@ -35,6 +54,18 @@ class FrameSource(Protocol):
     def recycle(self, frame: Frame) -> None:
         """Take back a frame that is no longer needed."""
 
+    def channel(
+        self,
+        link: LinkOptions,
+        latency_ns: int,
+        coder: Coder | None,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        rate_hz: float,
+        settled: Settled,
+    ) -> Channel:
+        """Return the channel that the frames come through, see Channel."""
+
 
 @attrs.frozen(eq=False)
 class ServerFrames:
@@ -43,7 +74,7 @@ class ServerFrames:
     requested: their format. eyes: the views that belong to a head pose.
     """
 
-    server: Server
+    server: Renderer
     requested: PoseRequest
     eyes: Eyes
 
@@ -76,9 +107,33 @@ class ServerFrames:
         """Return the frame to the server's pools."""
         self.server.recycle(frame)
 
+    def channel(
+        self,
+        link: LinkOptions,
+        latency_ns: int,
+        coder: Coder | None,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        rate_hz: float,
+        settled: Settled,
+    ) -> Channel:
+        """Return a channel over the link."""
+        return Channel(link, latency_ns, coder, reads, offer, self.recycle, rate_hz, settled)
+
     def _resolution(self, scale: float) -> tuple[tuple[int, int], Guard]:
         """Return the size to draw in, without the guard band, and the guard band."""
         asked = self.requested
         if scale == 1:
             return asked.size, asked.guard
         return scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
+
+
+def settling(frames: FrameSource, geometry: ClientScene) -> Settled:
+    """Return what is done with a frame whose fate is known: both ends take note of it."""
+
+    def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:
+        if arrived:
+            geometry.receive(frame)
+        frames.heard(frame, arrived, heard_ns)
+
+    return settled

@@ -14,6 +14,7 @@ from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
+from ..link.options import ALL, DROP
 from ..options import (
     AUTO,
     DEFAULT_GUARD,
@@ -37,7 +38,7 @@ from ..scenes.options import SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
 from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
 from .proxy_options import ProxyOptions
-from .recorded_options import refuse_set, with_frames
+from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
@@ -75,6 +76,8 @@ class PipelineOptions(Declared):
 
     # Where recorded frames are shown.
     usual_eye_distance_mm: ClassVar[float] = 0.0
+    # Whether pictures are compared with the truth, which a server elsewhere may draw.
+    draws_truth: ClassVar[bool] = False
 
     scene: str = option(
         "room", f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.", study=PICTURE
@@ -227,7 +230,9 @@ class PipelineOptions(Declared):
     )
 
     def __attrs_post_init__(self) -> None:
-        if self.is_recorded:
+        if self.source_kind is REMOTE:
+            self._check_remote()
+        if self.source_kind is RECORDING:
             self._check_recorded()
         else:
             self.sequence_options.refuse_unused()
@@ -236,7 +241,7 @@ class PipelineOptions(Declared):
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()
-        if self.chooses_warp:
+        if self.warp == AUTO:
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
@@ -266,19 +271,14 @@ class PipelineOptions(Declared):
         return self.scene, self.scene_options, self.frames, self.sequence_options, self.repair
 
     @property
-    def is_recorded(self) -> bool:
-        """Whether recorded frames take the place of a scene."""
-        return self.frames is not None
-
-    @property
-    def chooses_warp(self) -> bool:
-        """Whether the run chooses warp and fill itself, to stay within its budget."""
-        return self.warp == AUTO
+    def source_kind(self) -> SourceKind:
+        """What gives the frames, as far as it is known before it is opened."""
+        return RECORDING if self.frames is not None else PROXY if self.proxy.on else SCENE
 
     @property
     def client_name(self) -> str:
         """The client whose abilities count; "" where anything goes."""
-        return self.client or (PICTURE_CLIENT if self.chooses_warp else "")
+        return self.client or (PICTURE_CLIENT if self.warp == AUTO else "")
 
     @property
     def client_link(self) -> LinkOptions:
@@ -354,9 +354,26 @@ class PipelineOptions(Declared):
             "lens": (f"--lens {self.lens}", self.lens not in ("none", AUTO)),
             "proxy": ("--proxy", self.proxy.on),
             "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
-            "warp": (f"--warp {self.warp}", self.chooses_warp),
+            "warp": (f"--warp {self.warp}", self.warp == AUTO),
         }
-        refuse_set(asked)
+        refuse_with_frames(asked)
+
+    def _check_remote(self) -> None:
+        if self.frames is not None:
+            raise InputError(
+                "--connect with --frames: frames come from the server or the folder; leave one of them out"
+            )
+        if not self.network.is_plain or self.network.overload != DROP:
+            raise InputError(
+                "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
+                "leave them out"
+            )
+        if self.network.send != ALL:
+            raise InputError(
+                f"--connect with --send {self.network.send}: the server sends what is asked for; leave it out"
+            )
+        if self.proxy.on or self.warp == AUTO:
+            raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
 
     def _check_strategy(self) -> None:
         sets = options_of_strategy(self.strategy) if self.strategy else {}
@@ -371,7 +388,7 @@ class PipelineOptions(Declared):
                 )
 
     def _check_proxy(self) -> None:
-        if self.chooses_warp:
+        if self.warp == AUTO:
             raise InputError(
                 f"--proxy with --warp {AUTO}: the proxy warps; name what the client does, none or rotation"
             )

@@ -9,7 +9,7 @@ import attrs
 from ..client.capability import check_client
 from ..client.classes import load_client
 from ..client.effects import effects
-from ..client.plan import OTHERS, PICTURE, Plan, build_plan
+from ..client.plan import Plan, build_plan
 from ..client.variants import CONVERGED, parse_indirect
 from ..client.warps import Warp
 from ..errors import InputError, PlanError
@@ -17,8 +17,9 @@ from ..headsets import Headset
 from ..options import Choice
 from ..scenes import Scene
 from .auto.levels import QualityLevel
-from .options import PipelineOptions
+from .options import AUTO, PipelineOptions
 from .proxy_options import ProxyOptions
+from .source_kinds import PROXY
 
 
 def plans_for(
@@ -32,7 +33,7 @@ def plans_for(
 
     beyond, errors: as build_plan_for.
     """
-    if not options.chooses_warp:
+    if options.warp != AUTO:
         return [build_plan_for(options, headset, scene, **beyond)]
     chosen = [options.with_pair(level.warp, level.fill) for level in levels]
     return [build_plan_for(one, headset, scene, shares_frames=True, **beyond) for one in chosen]
@@ -61,7 +62,7 @@ def build_plan_for(
         )
     plan = (
         _plan_behind_proxy(options, scene, distorts)
-        if options.proxy.on
+        if options.source_kind is PROXY
         else _plan_of_all(options, scene, shares_frames=shares_frames, distorts=distorts, takes_depth=takes_depth)
     )
     check_suited(scene, plan.choice, options.indirect)
@@ -93,8 +94,8 @@ def _plan_of_all(
             options.warp,
             options.fill,
             options.lens,
-            client_geometry=not options.is_recorded,
-            brings=brought(options),
+            client_geometry=options.source_kind.has_geometry,
+            brings=options.source_kind.layers,
             fused=options.fused,
             scanout=options.scanout_ms > 0 and options.follow_scanout,
             named=selected if shares_frames else effects.forced(options.effects),
@@ -105,9 +106,9 @@ def _plan_of_all(
             indirect=options.indirect,
         )
     except PlanError as error:
-        if not options.is_recorded:
+        if not options.source_kind.limits:
             raise
-        raise PlanError(f"{error}; recorded frames hold colour and depth of one eye, and no scene") from error
+        raise PlanError(f"{error}{options.source_kind.limits}") from error
 
 
 def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
@@ -140,7 +141,7 @@ def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: 
             options.fill,
             options.lens,
             client_geometry=False,
-            brings=brought(options),
+            brings=options.source_kind.layers,
             fused=options.fused,
             scanout=options.scanout_ms > 0 and options.follow_scanout,
             distorts=distorts,
@@ -153,18 +154,11 @@ def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: 
     return attrs.evolve(plan, left_out=tuple(left_out))
 
 
-def brought(options: PipelineOptions) -> tuple[str, ...] | None:
-    """Return the layers of the frames that the client gets; None for any."""
-    if options.is_recorded:
-        return (*PICTURE, OTHERS)
-    return PICTURE[:1] if options.proxy.on else None
-
-
 def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:
     """Return the plan of a comparison on the same frames: without effects and lens.
 
     Errors: as build_plan.
     """
-    light = CONVERGED if options.proxy.on else options.indirect
-    geometry = not options.is_recorded
-    return build_plan((), warp, fill, "none", client_geometry=geometry, brings=brought(options), indirect=light)
+    kind = options.source_kind
+    light = CONVERGED if kind is PROXY else options.indirect
+    return build_plan((), warp, fill, "none", client_geometry=kind.has_geometry, brings=kind.layers, indirect=light)

@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from typing import Any
 
 import moderngl
 
+from ..client.compensator import Compensator, EyeResult
+from ..client.history import History
+from ..errors import InputError
 from ..frames import EyeImage, Frame
-from ..geometry import View, guarded_eyes
+from ..geometry import Eyes, Guard, GuardBand, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..gpu.timers import Laps
+from ..link import LinkOptions
 from ..metrics import middle_and_tail
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from ..client.compensator import EyeResult
-    from ..geometry import Eyes, Guard, Pose
-    from ..poses import PoseSample
-    from .channel import Channel
-    from .loop import Loop, Refresh
+from ..poses import PoseSample
+from ..sources.server import Renderer
+from .channel import Channel, Settled
+from .client_scene import ClientScene
+from .frame_coder import Coder
+from .frame_source import ServerFrames, Target, settling
+from .layers_read import Reads
+from .link_times import age_over_ns, held_over, refreshes_of
+from .loop import Loop, Refresh
+from .options import PipelineOptions
+from .planning import proxy_plan_for
+from .requested import PoseRequest
+from .sizes import check_room, eye_sizes, guarded_size, rendered_entry
+from .source import Source
+from .source_kinds import PROXY
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
 _KEPT = 1 << 15
@@ -122,6 +134,21 @@ class Proxy:
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Do nothing: no picture is sent twice."""
 
+    def channel(
+        self,
+        link: LinkOptions,
+        latency_ns: int,
+        coder: Coder | None,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        rate_hz: float,
+        settled: Settled,
+    ) -> Channel:
+        """Return the channel to the client."""
+        found = Channel(link, latency_ns, coder, reads, offer, self.recycle, rate_hz, settled)
+        found.before = self.summary
+        return found
+
     def recycle(self, frame: Frame) -> None:
         """Take a frame's pictures back; later ones will overwrite them."""
         for eye in frame.eyes:
@@ -159,3 +186,73 @@ class Proxy:
         release_all(*self._free, *self._out.values(), self._no_depth)
         self._free.clear()
         self._out.clear()
+
+
+class ProxySource(Source):
+    """A scene that is drawn here for a proxy, whose pictures are the frames."""
+
+    kind = PROXY
+
+    def frames(
+        self,
+        options: PipelineOptions,
+        server: Renderer,
+        target: Target,
+        requested: PoseRequest,
+        stack: ExitStack,
+    ) -> Proxy:
+        """Return the proxy: a loop like the client's, over frames that the server draws for it.
+
+        Errors: as build_pipeline.
+        """
+        asked, gpu, rate_hz = options.proxy, target.gpu, target.rate_hz
+        (first, _), plan = asked.links(options.network), proxy_plan_for(options, server.scene)
+        eyes, known = GuardedEyes(target.eyes, requested.guard, requested.size), KnownHead()
+        if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
+            raise InputError(f"--proxy-warp {asked.warp} looks into the other eye's picture, and there is one eye")
+        made = eye_sizes(asked.guard, eyes, guarded_size(requested.guard, target.eyes, requested.size))
+        check_room(
+            gpu,
+            plan.needs,
+            made,
+            GuardBand.of(asked.guard),
+            held_over(first, asked.latency_ms, rate_hz, plan.needs),
+            asked.latency_ms,
+        )
+        refresh_ns = refreshes_of(asked.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
+        latency_ns = round(asked.latency_ms * 1e6)
+        if first.is_plain:
+            # At most the time between two refreshes so far apart, which are rounded to whole ns.
+            latency_ns = min(latency_ns, max(0, round(refresh_ns) - 2))
+        age_ns = age_over_ns(first, asked.latency_ms, round(refresh_ns), rate_hz)
+        history = History(plan.needs.others.past, plan.needs.others.spacing_ns, server.recycle)
+        stack.callback(history.close)
+        geometry = ClientScene(server)
+        stack.callback(geometry.close)
+        compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
+        stack.callback(compensator.close)
+        # What it shows is for the head that it was asked for; what the server draws is seen later.
+        request = PoseRequest(
+            known,
+            requested.for_server,
+            made.shown,
+            asked.guard,
+            plan.needs,
+            age_ns=age_ns,
+        )
+        frames, coder = ServerFrames(server, request, eyes), self.coder(asked.coding, rate_hz, age_ns)
+        reads, settled = Reads.of([plan]), settling(frames, geometry)
+        channel = Channel(first, latency_ns, coder, reads, history.offer, frames.recycle, rate_hz, settled)
+        stack.callback(channel.close)
+        loop = Loop(request, frames, channel, history, compensator, eyes)
+        about = {
+            "latency_ms": asked.latency_ms,
+            "total_latency_ms": options.total_latency_ms,
+            "warp": asked.warp,
+            "fill": asked.fill,
+            "effects": list(plan.effects),
+            "rendered": rendered_entry(asked.guard, made),
+        }
+        proxy = Proxy(loop, known, channel, made.shown, about)
+        stack.callback(proxy.close)
+        return proxy

@@ -95,6 +95,11 @@ class ProxyOptions(Declared):
         )
         return first, last
 
+    def longest_ms(self, network: LinkOptions) -> float:
+        """Return how long frames are under way to the proxy at most, 0 without a proxy."""
+        first, _ = self.links(network)
+        return first.longest_ns(round(self.latency_ms * 1e6)) / 1e6 if self.on else 0.0
+
     def __str__(self) -> str:
         passes = self.warp if self.fill == "none" else f"{self.warp} + {self.fill}"
         return f"The proxy gets frames {self.latency_ms:g} ms after they were drawn and runs {passes}"

@@ -6,43 +6,28 @@ enters the link with the delay that was measured.
 
 from __future__ import annotations
 
+import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
+import numpy as np
 
-from ..client.plan import needs_of
 from ..errors import InputError, MachineError
-from ..frames import EyeImage, Frame, Needs
-from ..frames.layers import layers
-from ..geometry import guarded_eyes
-from ..link import LinkOptions
-from ..link.codec import Undecodable, check_codec
-from ..link.options import ALL, DROP
+from ..frames import Needs
+from ..geometry import Fov, Guard, View, guarded_eyes
+from ..link.codec import Undecodable
+from ..poses import PoseSample
 from ..sources.feed.caller import Arrival, Caller
 from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import ANY, Ask, FrameMessage, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .channel import Channel
-from .feed_coding import FeedDecoder, codec_of, depth_error
-from .feed_layers import made, misfit, wanted_of
-from .layers_read import Reads
-from .remote_server import upload_eye
-from .views_apart import ViewsApart
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ..client.plan import Plan
-    from ..geometry import Eyes, Guard, View
-    from ..poses import PoseSample
-    from ..sources.server import Server
-    from .options import PipelineOptions
-    from .requested import PoseRequest
+from .feed_coding import FeedDecoder, codec_of
+from .feed_layers import misfit, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -54,7 +39,7 @@ _MS = 1e6
 
 
 @attrs.frozen(eq=False)
-class _Pending:
+class Pending:
     head: PoseSample
     # On the loop's clock, and on this machine's.
     drawn_ns: int
@@ -68,7 +53,7 @@ class _Pending:
 class _Answer:
     """A request and its frame, and how long after the request the loop had it."""
 
-    pending: _Pending
+    pending: Pending
     # Decoded.
     arrival: Arrival
     took_ns: int
@@ -92,7 +77,7 @@ class Remote:
         self._holds, self._keeps, self._say = holds, keeps, say
         self.feed = feed
         self._number = 0
-        self._pending: dict[int, _Pending] = {}
+        self._pending: dict[int, Pending] = {}
         self._heard_ns = time.monotonic_ns()
         # When frames stopped coming; None while they come.
         self._lost_ns: int | None = None
@@ -132,7 +117,7 @@ class Remote:
         times = (self._number, 0, now_ns, head.time_ns, 0)
         ask = Ask(*times, grown, head.pose, wide, wish=self.wish, anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(ask)
-        self._pending[self._number] = _Pending(head, now_ns, sent_ns, grown, wide, wanted)
+        self._pending[self._number] = Pending(head, now_ns, sent_ns, grown, wide, wanted)
         while len(self._pending) > _MOST_PENDING:
             del self._pending[next(iter(self._pending))]
             self.unanswered += 1
@@ -311,139 +296,35 @@ def _bytes_of(frame: FrameMessage) -> Counter[str]:
     return found
 
 
-@attrs.frozen(eq=False)
-class RemoteFrames:
-    """Frames that another machine draws: asking returns none, they arrive at the channel.
-
-    server: this side's, of whose textures the frames are made.
-    """
-
-    remote: Remote
-    server: Server
-    requested: PoseRequest
-    eyes: Eyes
-
-    def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
-        """Ask for a frame for that head."""
-        asked = self.requested
-        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
-
-    def made(self, pending: _Pending, arrival: Arrival) -> Frame:
-        """Return the frame that arrived."""
-        found, eyes = arrival.frame, []
-        for eye, view in enumerate(found.views):
-            target = self.server.acquire(found.size)
-            upload_eye(target, found, eye)
-            error = depth_error(found, self.remote.wish)
-            further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
-            textures = (target.colour, target.inverse_depth)
-            eyes.append(EyeImage(view, *textures, further, drawn_ns=pending.drawn_ns, depth_error=error))
-        took_ms = {"render": found.render_ns / _MS}
-        return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
-
-    def has_more(self, now_ns: int) -> bool:
-        """Return False: nobody here knows."""
-        return False
-
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        """Pass over: the server elsewhere hears of it with the next request."""
-
-    def recycle(self, frame: Frame) -> None:
-        """Return the frame's textures to the pools."""
-        self.server.recycle(frame)
+# Degrees, metres and share of the field of view that equal views may differ by: a renderer's single
+# floats leave 1e-5 degrees, 5e-7 m at 8 m, and 4e-7 of the field.
+_SAME_DEG, _SAME_M, _SAME_SHARE = 1e-4, 1e-6, 1e-6
 
 
-class RemoteChannel(Channel):
-    """The channel of frames that arrive by the feed: their delay is measured, not set."""
+@attrs.define
+class ViewsApart:
+    """The most that drawn views differed from asked ones."""
 
-    def __init__(
-        self,
-        frames: RemoteFrames,
-        latency_ns: int,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Callable[[Frame, bool, int], None],
-        network: LinkOptions,
-    ) -> None:
-        super().__init__(network, latency_ns, None, reads, offer, frames.recycle, rate_hz, settled)
-        self._remote, self._frames_of = frames.remote, frames
-        self._measured_ns = self._render_ns = 0
-        self._sent: Counter[str] = Counter()
-        self._unanswered = self._remote.unanswered
-        self._remote.forget()
-        self.link.delay_by(self._delays())
+    turned_deg: float = 0.0
+    moved_m: float = 0.0
+    # The least share of the asked field of view that was drawn, by area in tangents.
+    field_share: float = 1.0
 
-    def _delays(self) -> Iterator[int]:
-        while True:
-            yield self._measured_ns
+    def take(self, asked: View, drawn: View) -> None:
+        """Count one view more."""
+        self.turned_deg = max(self.turned_deg, math.degrees(drawn.pose.angle_to(asked.pose)))
+        self.moved_m = max(self.moved_m, float(np.linalg.norm(drawn.pose.position_m - asked.pose.position_m)))
+        self.field_share = min(self.field_share, _share(asked.fov, drawn.fov))
 
-    def due(self, now_ns: int) -> list[int]:
-        """Return the instants at which a frame is asked for, up to now."""
-        self._remote.pace(now_ns)
-        return super().due(now_ns)
+    def __bool__(self) -> bool:
+        return self.turned_deg > _SAME_DEG or self.moved_m > _SAME_M or self.field_share < 1 - _SAME_SHARE
 
-    def newest(self, now_ns: int) -> Frame | None:
-        """Return the newest frame that has arrived by now, or None before the first."""
-        for answer in self._remote.arrived(now_ns):
-            self._render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
-            self._measured_ns = answer.took_ns - self._render_ns
-            self._sent = answer.layer_bytes
-            self.send(self._frames_of.made(answer.pending, answer.arrival), answer.pending.drawn_ns)
-        return super().newest(now_ns)
-
-    def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
-        return self._render_ns, 0
-
-    def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
-        return self._sent
-
-    def fates(self) -> dict[str, int]:
-        """Return what became of every frame; skipped: requests that the server passed over."""
-        return {**super().fates(), "skipped": self._remote.unanswered - self._unanswered}
-
-    def summary(self, rate_hz: float) -> dict[str, Any]:
-        """Return the `link` of summary.json, with the connection."""
-        return {**super().summary(rate_hz), "codec": self._remote.codec, "feed": self._remote.summary()}
+    def __str__(self) -> str:
+        field = f", with {self.field_share:.0%} of the field of view" if self.field_share < 1 - _SAME_SHARE else ""
+        return f"up to {self.turned_deg:.2f} degrees and {self.moved_m:.3f} m off{field}"
 
 
-def check_remote(options: PipelineOptions, *, recorded: bool) -> None:
-    """Check what cannot be set where frames come from elsewhere.
-
-    recorded: whether there are recorded frames. Errors: InputError.
-    """
-    if recorded:
-        raise InputError("--connect with --frames: frames come from the server or the folder; leave one of them out")
-    if not options.network.is_plain or options.network.overload != DROP:
-        raise InputError(
-            "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
-            "leave them out"
-        )
-    if options.network.send != ALL:
-        raise InputError(
-            f"--connect with --send {options.network.send}: the server sends what is asked for; leave it out"
-        )
-    check_codec(options.coding.codec)
-    if options.proxy.on or options.chooses_warp:
-        raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
-
-
-def check_shown_elsewhere(plans: Sequence[Plan]) -> None:
-    """Check that plans get by without the scene, with what frames carry. Errors: InputError."""
-    check_carried(needs_of(plans))
-    steps = [step for plan in plans for step in plan.steps]
-    if any(name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)):
-        raise InputError(
-            "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: use "
-            "another one"
-        )
-
-
-def check_carried(needs: Needs) -> None:
-    """Check that plans read what frames of another process may have. Errors: InputError."""
-    names = ", ".join(name for name in needs if name != "others" and not layers.get(name).fed)
-    if names:
-        raise InputError(
-            f"--connect: frames of another process have no {names}, which the passes need: use --effects none, or "
-            "another warp or fill"
-        )
+def _share(asked: Fov, drawn: Fov) -> float:
+    left, right, down, up = asked.tangents
+    low, high = np.maximum((left, down), drawn.tangents[[0, 2]]), np.minimum((right, up), drawn.tangents[[1, 3]])
+    return float(np.prod((high - low).clip(min=0)) / ((right - left) * (up - down)))

@@ -9,8 +9,7 @@ from .guard import Guard as Guard
 from .guard import needed_factors as needed_factors
 from .hole_counter import HoleCounter as HoleCounter
 from .host import PipelineHost as PipelineHost
-from .host import checked_scene as checked_scene
-from .host import refuse_one_eye as refuse_one_eye
+from .host import checked_source as checked_source
 from .lines import Lines as Lines
 from .live_log import LiveLog as LiveLog
 from .live_log import LiveResult as LiveResult
@@ -31,8 +30,6 @@ from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions
 from .pose_request import check_names as check_names
 from .record_run import record as record
-from .recorded_frames import ONE_EYE as ONE_EYE
-from .recorded_frames import recorded_notes as recorded_notes
 from .recorder import Recorder as Recorder
 from .recorder import origin_of as origin_of
 from .replay_run import ReplayResult as ReplayResult

@@ -12,7 +12,6 @@ from ..client.variants import every_fill, every_warp
 from ..display import Command, Lost, control
 from ..errors import InputError, MachineError
 from ..pipeline.options import AUTO
-from ..pipeline.recorded_options import refuse_change
 from ..scenes import SceneOptions, scenes
 from .host import PipelineHost
 from .options import BOTH, FLAT, LiveOptions
@@ -54,8 +53,7 @@ def changed(options: LiveOptions, command: Command) -> LiveOptions:
     name, value = command.control, command.value
     if name not in _STEPS:
         raise InputError(f"control '{name}' changes nothing of the run: expected {', '.join(_STEPS)}")
-    if options.is_recorded:
-        refuse_change(name)
+    options.source_kind.refuse_change(name)
     value = _STEPS[name](options, -1 if command.back else 1) if value is None else _checked(name, value)
     change: dict[str, Any] = {"latency_ms" if name == "latency" else name: value}
     if name == "scene":

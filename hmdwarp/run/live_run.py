@@ -10,18 +10,17 @@ from pathlib import Path
 from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions
 from ..errors import MachineError
 from ..pipeline.loop import Refresh
-from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
+from ..pipeline.source import Source
 from ..poses import load_trace
 from ..report import refuse_source
 from .commands import CommandHandler, choices, values
 from .driver import AfterRefresh, Driver, FrameHandler, Say
 from .ending import Ending
-from .host import PipelineHost, checked_scene
+from .host import PipelineHost, checked_source
 from .live_log import LiveLog, LiveResult
 from .live_markers import LiveMarkers
 from .markers import Markers, NoMarkers, load_lsl, marker_stream
 from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
-from .recorded_frames import beside, own_trace, recorded_notes
 from .recorder import Recorder
 from .watchdog import Watchdog
 
@@ -43,8 +42,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     for written in (options.record, options.trace_events):
         if written is not None and options.trace:
             refuse_source(written, Path(options.trace))
-    scene = checked_scene(options)
-    options = fitted(options, scene)
+    source = checked_source(options)
+    options = source.fitted(options)
     with ExitStack() as stack:
         # Outermost: a signal ends the program only after everything is written.
         ending = stack.enter_context(Ending(options.seconds, options.pictures))
@@ -53,17 +52,17 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             recorder = stack.enter_context(Recorder(options.record, say, force=options.force))
         log = stack.enter_context(LiveLog(options))
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
-        display = stack.enter_context(closing(open_display(options, watchdog.watching, say)))
+        display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
         markers: Markers = NoMarkers()
         if options.lsl:
             markers = stack.enter_context(closing(marker_stream(display, STREAM, {})))
             say(markers.describe())
-        if options.feed.is_used:
+        if source.is_timed:
             say(f"calling {options.feed.connect}; its scene is not loaded here")
-        host = PipelineHost(display, options, scene, say)
+        host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
-        for note in (*recorded_notes(options, scene), *host.scene.notes):
+        for note in (*source.notes, *source.scene.notes):
             say(f"note: {note}")
         stack.callback(log.leave)
         if recorder is not None:
@@ -125,6 +124,7 @@ class _UserRun(FrameHandler):
 
 def open_display(
     options: LiveOptions,
+    source: Source,
     watching: Watching,
     say: Callable[[str], None],
     controls: tuple[Control, ...] = CONTROLS,
@@ -140,11 +140,11 @@ def open_display(
     Errors: MachineError (and its subclasses) that names what is missing and what to do: for "auto"
     of both.
     """
-    wanted = display_options(options, watching, controls)
+    wanted = display_options(options, source, watching, controls)
     if options.source == OFFSCREEN:
         return _offscreen(wanted)
     # What was recorded is seen from where the camera was, not from a headset's head.
-    if options.source == DESKTOP or options.is_recorded:
+    if options.source == DESKTOP or source.kind.has_head:
         return _desktop(wanted)
     try:
         return _openxr(wanted)
@@ -167,21 +167,14 @@ def _first_clause(why: str) -> str:
 
 
 def display_options(
-    options: LiveOptions, watching: Watching, controls: tuple[Control, ...] = CONTROLS
+    options: LiveOptions, source: Source, watching: Watching, controls: tuple[Control, ...] = CONTROLS
 ) -> DisplayOptions:
-    """Return the options that the display needs of the run.
-
-    Errors: as scene_of, where recorded frames take the place of a scene.
-    """
-    trace, emulated = load_trace(options.trace) if options.trace else None, None
-    if options.is_recorded:
-        scene = scene_of(options)
-        assert isinstance(scene, RecordedScene)
-        options, emulated = fitted(options, scene), headset_of(options, scene)
-        trace = own_trace(scene.sequence) if trace is None else beside(trace, scene.sequence)
+    """Return the options that the display needs of the run."""
+    trace = source.head(load_trace(options.trace) if options.trace else None)
+    options = source.fitted(options)
     return DisplayOptions(
         headset=options.headset,
-        emulated=emulated,
+        emulated=source.display,
         view=options.view,
         size=options.size,
         full_screen=options.full_screen,

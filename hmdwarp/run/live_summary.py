@@ -19,7 +19,6 @@ from .frame_rows import STAGE_COLUMNS
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .misses import MEASURED, STANDS, TURNED
 from .options import OPENXR, LiveOptions
-from .recorded_frames import recorded_entry, recorded_notes
 from .run_summary import Facts, chosen_passes, machine_of, summary_of
 
 if TYPE_CHECKING:
@@ -57,11 +56,11 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
     (view, *_) = display.eyes.views(Pose())
     headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
     named = options.record or options.trace
-    own = display.about.get("trace") if options.is_recorded else ""
+    own = display.about.get("trace") if host.source.kind.has_head else ""
     shared = Facts(
         options=options,
         trace=Path(named).stem if named else own or display.name,
-        scene=host.scene.name,
+        scene=host.source.scene.name,
         effects=list(plan.effects),
         headset=headset,
         sizes=host.pipeline.sizes,
@@ -70,7 +69,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         machine=machine_of(gpu),
         clock=gpu.timer.clock,
         trace_axes=display.about.get("trace_axes", ""),
-        recorded=recorded_entry(options, host.scene),
+        recorded=host.source.entry,
     )
     return LiveFacts(
         shared,
@@ -78,7 +77,7 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
         display.name,
         dict(display.about),
         plan.lens.name,
-        (*recorded_notes(options, host.scene), *host.scene.notes),
+        (*host.source.notes, *host.source.scene.notes),
     )
 
 

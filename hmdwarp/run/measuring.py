@@ -13,7 +13,7 @@ from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
-from ..pipeline.remote_server import NoTruth
+from ..pipeline.remote_source import NoTruth
 from .clip_rating import clips_of
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
@@ -74,9 +74,9 @@ class Probe:
 
         An eye that nothing was recorded for has holes alone.
         """
-        if len(refresh.eyes) > self._setup.true_eyes and number % self._every == 0:
-            self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.true_eyes)))
-        for eye in range(min(len(refresh.eyes), self._setup.true_eyes)):
+        if len(refresh.eyes) > self._setup.source.kind.eyes and number % self._every == 0:
+            self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.source.kind.eyes)))
+        for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
             measured = number % self._every == 0

@@ -24,6 +24,7 @@ from ..options import (
     same_as,
 )
 from ..pipeline.options import AUTO, PipelineOptions
+from ..pipeline.source_kinds import RECORDING, REMOTE, SourceKind
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions
@@ -46,6 +47,8 @@ class RunOptions(PipelineOptions):
 
     Errors: InputError for a value out of range.
     """
+
+    draws_truth: ClassVar[bool] = True
 
     trace: str = option(
         "",
@@ -104,7 +107,7 @@ class RunOptions(PipelineOptions):
 
     def __attrs_post_init__(self) -> None:
         super().__attrs_post_init__()
-        if not self.trace and not self.is_recorded:
+        if not self.trace and not self.source_kind.has_head:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
         if self.miss is not None:
             self._check_miss()
@@ -117,12 +120,17 @@ class RunOptions(PipelineOptions):
         excluded = {
             "--fused": self.fused,
             f"--scanout {self.scanout_ms:g}": self.scanout_ms > 0,
-            "--frames": self.is_recorded,
-            "--connect": self.feed.is_used,
+            "--frames": self.source_kind is RECORDING,
+            "--connect": self.source_kind is REMOTE,
         }
         for name, said in excluded.items():
             if said:
                 raise InputError(f"--miss with {name}: a picture that stands is not shown there; leave one of them out")
+
+    @property
+    def source_kind(self) -> SourceKind:
+        """What gives the frames, as far as it is known before it is opened."""
+        return REMOTE if self.feed.connect else super().source_kind
 
     @property
     def compared(self) -> tuple[tuple[str, str], ...]:
@@ -222,6 +230,11 @@ class LiveOptions(PipelineOptions):
     feed: FeedOptions = group(FeedOptions)
     command: str = ""
 
+    @property
+    def source_kind(self) -> SourceKind:
+        """What gives the frames, as far as it is known before it is opened."""
+        return REMOTE if self.feed.connect else super().source_kind
+
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set; a server elsewhere has the scene."""
@@ -237,14 +250,15 @@ class LiveOptions(PipelineOptions):
                 "--guard auto looks at the whole trace first, which a live run has not: give a number, or replay a "
                 "recording"
             )
-        if self.is_recorded and self.source == OPENXR:
+        has_head = self.source_kind.has_head
+        if has_head and self.source == OPENXR:
             raise InputError(
                 f"--source {OPENXR} with --frames: a headset has a head of its own, and what was recorded is seen from "
                 f"where the camera was; take {DESKTOP} or {OFFSCREEN}"
             )
-        if self.source == OFFSCREEN and not self.trace and not self.is_recorded:
+        if self.source == OFFSCREEN and not self.trace and not has_head:
             raise InputError("--source offscreen: nobody's head leads it; name a recorded one by --trace, such as walk")
-        if self.trace and self.source in (AUTO_SOURCE, OPENXR) and not self.is_recorded:
+        if self.trace and self.source in (AUTO_SOURCE, OPENXR) and not has_head:
             raise InputError(
                 f"--trace {self.trace}: a headset has a head of its own; take --source desktop or offscreen"
             )

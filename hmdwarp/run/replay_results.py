@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
-from ..pipeline.recorded_server import RecordedServer
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
 from .frame_rows import Row
 from .log import ReplayLog
-from .recorded_frames import about_truth, recorded_entry, truth_offsets
 from .replay_setup import ReplaySetup
 from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names, machine_of, summary_of
 
@@ -55,7 +53,7 @@ def facts_of(setup: ReplaySetup) -> Facts:
         machine=machine_of(setup.gpu),
         clock=setup.gpu.timer.clock,
         trace_axes=setup.track.axes,
-        recorded=recorded_entry(setup.options, setup.scene),
+        recorded=setup.source.entry,
     )
 
 
@@ -68,10 +66,12 @@ def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list
     return summary_of(facts_of(setup), passes, frames, {**aggregate(rows), "notes": setup.notes})
 
 
-def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any]) -> ReplayResult:
+def result_of(
+    setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any], without_truth: int = 0
+) -> ReplayResult:
     """Return the summaries of a run and of its comparisons.
 
-    more: other measurements, by key.
+    more: other measurements, by key. without_truth: pictures that were to be measured.
     """
     options, rows, auto = setup.options, log.rows, setup.auto
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
@@ -82,11 +82,11 @@ def result_of(setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], mor
         "timeline": log.timeline.as_list(),
     }
     summary |= more
-    server = setup.server
-    if isinstance(server, RecordedServer):
-        summary["eyes"], summary["truth_offset"] = 1, truth_offsets(server, log)
-        told = about_truth(summary["truth_offset"], setup.pixels_per_degree, is_own=not options.trace)
-        setup.notes.append(told)
+    shown = [(moment.shown_ns, moment.shown.pose) for moment in log.moments]
+    facts, about = setup.server.truth_facts(shown, without_truth, setup.pixels_per_degree, own_head=not options.trace)
+    summary |= facts
+    if about:
+        setup.notes.append(about)
         summary["notes"] = setup.notes
     if weights := setup.pipeline.geometry.weights():
         summary["client_models"] = weights

@@ -18,10 +18,10 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
-from ..pipeline.build import refreshes_of
+from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
-from ..pipeline.remote import Remote
-from ..pipeline.remote_server import RemoteServer
+from ..pipeline.recorded_source import about_second_eye, second_eye
+from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
 from .guard import settled
@@ -29,8 +29,7 @@ from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
 from .misses import Misses, about_misses, about_without
-from .options import MOST_COMPARED, RunOptions
-from .recorded_frames import about_second_eye, second_eye
+from .options import AUTO, MOST_COMPARED, RunOptions
 from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
@@ -72,9 +71,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         ) as pool:
             probe = Probe(setup, pool, _keep_every(setup))
             log, late = _run(setup, probe, out, progress)
-        _note_truth(setup, probe)
-        if setup.remote is not None:
-            _write_delays(setup, setup.remote, out)
+        _write_delays(setup, out)
         log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
@@ -92,7 +89,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             beside = second_eye(log.rows, probe.untrue_holes)
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
-        result = result_of(setup, log, compared, more)
+        result = result_of(setup, log, compared, more, probe.without_truth)
     if misses_beside is not None:
         ungoverned = _without_governor(options, misses_beside, result, say, progress)
         compared.append(ungoverned.rows)
@@ -102,7 +99,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
 
 
 def _check_governed(options: RunOptions) -> None:
-    if not options.chooses_warp:
+    if options.warp != AUTO:
         raise InputError(f"--miss with governor=both: expected --warp auto, found --warp {options.warp}")
     if len(options.compared) == MOST_COMPARED:
         raise InputError(
@@ -128,12 +125,7 @@ def _without_governor(
     return other
 
 
-def _note_truth(setup: ReplaySetup, probe: Probe) -> None:
-    if isinstance(setup.server, RemoteServer):
-        setup.notes.append(setup.server.about(probe.without_truth))
-
-
-def _write_delays(setup: ReplaySetup, remote: Remote, out: OutputFolder) -> None:
+def _write_delays(setup: ReplaySetup, out: OutputFolder) -> None:
     """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again.
 
     That replay begins to draw as long before the first shown refresh as the longest delay; what was
@@ -141,7 +133,7 @@ def _write_delays(setup: ReplaySetup, remote: Remote, out: OutputFolder) -> None
     """
     schedule = setup.schedule
     start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
-    delays = [delay_ns for _, delay_ns in remote.delays_ns]
+    delays = setup.source.delays_ns
     ahead = schedule.age
     while delays and ahead > (needed := refreshes_of(max(delays) / 1e6, schedule.rate_hz)):
         delays, ahead = delays[ahead - needed :], needed
@@ -149,7 +141,7 @@ def _write_delays(setup: ReplaySetup, remote: Remote, out: OutputFolder) -> None
         longest = max(delays)
         delays[:0] = [longest] * (refreshes_of(longest / 1e6, schedule.rate_hz) - ahead)
         out.write_text("delays.csv", "".join(["delay_ms\n", *(f"{delay / 1e6!r}\n" for delay in delays)]))
-    if delays and not isinstance(setup.server, RemoteServer):
+    if delays and setup.scene.name != SERVER_SCENE:
         setup.notes.append(
             f"The same frames at the same ages, without the server: --start {start_s!r} --delay-trace delays.csv"
         )
@@ -183,7 +175,7 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
 
     Errors: as replay; InputError for warp "auto" and for a video.
     """
-    if options.chooses_warp or options.video:
+    if options.warp == AUTO or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with (
         set_up_replay(options, alone=True) as setup,
@@ -192,12 +184,14 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         probe = Probe(setup, pool, _keep_every(setup))
         log, late = _run(setup, probe, None, progress)
         pool.wait()
-        _note_truth(setup, probe)
         log.measured(_figures(pool, MAIN))
         more = {} if probe.clips is None else {"jod": _rated(probe.clips)}
         if late is not None:
             more["miss"] = late.entry()
-        summary, misses = result_of(setup, log, [], more).summary, [] if late is None else list(late.rows())
+        summary, misses = (
+            result_of(setup, log, [], more, probe.without_truth).summary,
+            [] if late is None else list(late.rows()),
+        )
         return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes, log.rows, misses)
 
 

@@ -6,41 +6,32 @@ import functools
 import operator
 from collections.abc import Callable
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
-from ..client.plan import Plan, needs_of
+from ..client.compensator import Compensator
+from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Needs
-from ..geometry import Pose
 from ..gpu.context import Gpu
-from ..headsets import Headset, load_headset
+from ..headsets import Headset
+from ..pipeline.auto.adaptive import AdaptiveCompensator
 from ..pipeline.auto.levels import QualityLevel
-from ..pipeline.build import Pipeline, Target, build_pipeline, expected_age_ns
-from ..pipeline.feed_coding import wish_of
-from ..pipeline.layers_read import Reads
+from ..pipeline.build import Pipeline
+from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against, plans_for
-from ..pipeline.recorded_scene import RecordedScene, fitted, headset_of, scene_of
-from ..pipeline.remote import Remote, check_carried, check_remote
-from ..pipeline.remote_server import SERVER_SCENE, scene_elsewhere
-from ..pipeline.sizes import guarded_size
+from ..pipeline.source import Source
+from ..pipeline.source_choice import source_of
+from ..pipeline.source_kinds import SERVER_SCENE
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
-from .host import refuse_one_eye
+from ..sources.server import Renderer
 from .options import RunOptions
-from .pose_request import check_names, pose_request
-from .recorded_frames import ONE_EYE, beside, own_trace, recorded_notes, schedule_at_frames
-from .schedule import Schedule, schedule_of
-
-if TYPE_CHECKING:
-    from ..client.compensator import Compensator
-    from ..pipeline.auto.adaptive import AdaptiveCompensator
-    from ..pipeline.channel import Channel
-    from ..sources.sequences import Sequence
-    from ..sources.server import Server
+from .pose_request import check_names
+from .schedule import Schedule, schedule_for, schedule_of
+from .setup import RunSetup
 
 
 @attrs.frozen(eq=False)
@@ -51,20 +42,27 @@ class ReplaySetup:
     """
 
     options: RunOptions
+    source: Source
     trace: LoadedTrace
     # The trace, moved to where the scene can be walked in.
     track: PoseTrack
-    scene: Scene
-    headset: Headset
     # (w, h) of one eye.
     size: tuple[int, int]
     schedule: Schedule
     gpu: Gpu
     pipeline: Pipeline
-    # Draws the frames; None where they are drawn here.
-    remote: Remote | None
     notes: list[str]
     _cleanup: ExitStack
+
+    @property
+    def scene(self) -> Scene:
+        """What the frames show."""
+        return self.source.scene
+
+    @property
+    def headset(self) -> Headset:
+        """The display."""
+        return self.source.headset
 
     @property
     def plan(self) -> Plan:
@@ -72,7 +70,7 @@ class ReplaySetup:
         return self.pipeline.plan
 
     @property
-    def server(self) -> Server:
+    def server(self) -> Renderer:
         """The renderer of the scene."""
         return self.pipeline.server
 
@@ -90,11 +88,6 @@ class ReplaySetup:
     def auto(self) -> AdaptiveCompensator | None:
         """Chooses the warp; None where the options name one."""
         return self.pipeline.auto
-
-    @property
-    def true_eyes(self) -> int:
-        """How many eyes have a truth: of recorded frames the camera's alone."""
-        return 1 if self.options.is_recorded else 2
 
     @property
     def pixels_per_degree(self) -> float:
@@ -130,56 +123,39 @@ def set_up_replay(
     software.
     """
     check_names(options)
-    scene = scene_of(options) if options.is_recorded else None
-    sequence = scene.sequence if isinstance(scene, RecordedScene) else None
-    options = fitted(options, scene) if scene is not None else options
-    headset = load_headset(options.headset) if scene is None else headset_of(options, scene)
-    plans_for(options, headset, None, levels)
+    source = source_of(options)
+    options, headset = source.fitted(options), source.headset
     against = _needs_of_against(options)
-    trace = _trace(options, sequence)
+    trace = source.head(load_trace(options.trace, options.trace_options) if options.trace else None)
+    assert trace is not None, "options without a trace have a source with a head"
+    trace = _on_its_own_clock(trace) if options.as_recorded else trace
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = None if options.feed.is_used else schedule_for(options, sequence, trace, rate_hz)
-    size = options.size or headset.eye_size_px
-    guarded_size(options.guard_band, headset, size)
-    if options.feed.is_used:
-        check_remote(options, recorded=sequence is not None)
-    scene = scene or _scene(options)
-    plans = plans_for(options, headset, scene, levels)
-    needs = needs_of(plans) | against | (also or Needs())
-    refuse_one_eye(needs, len(headset.views(Pose())) if sequence is None else 1, ONE_EYE)
-    track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, scene)
-    name = track.name or trace.path.stem
-    with ExitStack() as stack:
-        remote = None
-        if options.feed.is_used:
-            check_carried(needs)
-            remote = Remote(options.feed, holds=True, keeps=True, say=_both(say, notes.append))
-            stack.callback(remote.close)
-            options = _with_latency_to(remote, options, headset, size, track, rate_hz, needs)
-        if schedule is None:
-            schedule = schedule_of(trace.track, options, rate_hz)
-        say(f"making ready: {_seen(scene, sequence)}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
-        gpu = stack.enter_context(Gpu())
-        source = RecordedSource(track)
-        source.start()
-        stack.callback(source.close)
-        age_ns = expected_age_ns(options, schedule.age_ns, rate_hz)
-        pictures = not alone or Reads.of(plans).pictures
-        request = pose_request(options, source, lambda now_ns: track, age_ns, size, needs, pictures=pictures)
-        target = Target(gpu, headset, rate_hz, schedule.link_latency_ns(options), headset)
-        pipeline = stack.enter_context(build_pipeline(options, scene, target, plans, request, levels, remote))
-        notes[:0] = [*recorded_notes(options, scene), *trace.notes(), *scene.notes]
-        notes.extend(options.notes)
-        parts = (options, trace, track, scene, headset, size, schedule, gpu, pipeline, remote, notes)
-        return ReplaySetup(*parts, stack.pop_all())
-
-
-def _scene(options: RunOptions) -> Scene:
-    if options.scene != SERVER_SCENE:
-        return scene_of(options)
-    if not options.feed.is_used:
+    schedule = None if source.is_timed else schedule_for(options, source, trace, rate_hz)
+    if options.scene == SERVER_SCENE and not source.is_timed:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
-    return scene_elsewhere(options.feed.connect)
+    plans = plans_for(options, headset, source.scene, levels)
+    needs = against | (also or Needs())
+    run = RunSetup.of(options, source, headset, headset.eye_size_px, rate_hz, plans, levels, needs)
+    track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
+    with ExitStack() as stack:
+        stack.callback(source.close)
+        run = run.measured(track.at(track.start_ns), holds=True, keeps=True, say=_both(say, notes.append))
+        options = run.options
+        schedule = schedule or schedule_of(trace.track, options, rate_hz)
+        name = track.name or trace.path.stem
+        say(f"making ready: {source.title}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
+        gpu = stack.enter_context(Gpu())
+        poses = RecordedSource(track)
+        poses.start()
+        stack.callback(poses.close)
+        link_ns = schedule.link_latency_ns(options)
+        pipeline = stack.enter_context(
+            run.build(gpu, headset, poses, lambda now_ns: track, schedule.age_ns, link_ns, all_pictures=not alone)
+        )
+        notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
+        notes.extend(options.notes)
+        parts = (options, source, trace, track, run.size, schedule, gpu, pipeline, notes)
+        return ReplaySetup(*parts, stack.pop_all())
 
 
 def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
@@ -188,45 +164,6 @@ def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
             taker(text)
 
     return take
-
-
-def _with_latency_to(
-    remote: Remote,
-    options: RunOptions,
-    headset: Headset,
-    size: tuple[int, int],
-    track: PoseTrack,
-    rate_hz: float,
-    needs: Needs,
-) -> RunOptions:
-    """Return the options with the latency that is measured, in place of the one that is set."""
-    head = track.at(track.start_ns)
-    views = headset.views(head.pose)
-    remote.wish = wish_of(options.coding, rate_hz, views, size, options.latency_ms * 1e-3)
-    longest_ns = remote.measure(head, views, options.guard_band, size, needs)
-    remote.wish = wish_of(options.coding, rate_hz, views, size, longest_ns * 1e-9 + 1 / rate_hz)
-    return attrs.evolve(options, latency_ms=longest_ns / 1e6)
-
-
-def schedule_for(options: RunOptions, sequence: Sequence | None, trace: LoadedTrace, rate_hz: float) -> Schedule:
-    """Return the refreshes of a run: evenly spaced, or at the instants of recorded frames."""
-    if sequence is not None and not options.trace and options.rate_hz is None:
-        return schedule_at_frames(sequence, options)
-    return schedule_of(trace.track, options, rate_hz)
-
-
-def _trace(options: RunOptions, sequence: Sequence | None) -> LoadedTrace:
-    """Return the head's motion: a trace, or that of the recorded frames."""
-    if sequence is not None and not options.trace:
-        return own_trace(sequence)
-    trace = load_trace(options.trace, options.trace_options)
-    if sequence is not None:
-        return beside(trace, sequence)
-    return _on_its_own_clock(trace) if options.as_recorded else trace
-
-
-def _seen(scene: Scene, sequence: Sequence | None) -> str:
-    return f"scene '{scene.name}'" if sequence is None else f"recorded frames '{scene.name}'"
 
 
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:

@@ -15,7 +15,7 @@ import attrs
 from ..frames import EyeSizes
 from ..gpu.context import Gpu
 from ..pipeline.auto.adaptive import AdaptiveCompensator
-from ..pipeline.options import PipelineOptions
+from ..pipeline.options import AUTO, PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..report import SCHEMA
 from ..resources import __version__
@@ -110,7 +110,7 @@ def chosen_passes(options: PipelineOptions, lens: str) -> tuple[str, str, str]:
 
     Under warp "auto" the run has no fill of its own.
     """
-    return options.warp, options.warp if options.chooses_warp else options.fill, lens
+    return options.warp, options.warp if options.warp == AUTO else options.fill, lens
 
 
 def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

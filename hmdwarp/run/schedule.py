@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import attrs
 
 from ..errors import InputError
-from ..pipeline.build import latency_ns, refreshes_of, refreshes_to_proxy
-from ..poses import PoseTrack
+from ..pipeline.link_times import latency_ns, refreshes_of
+from ..pipeline.source import Source
+from ..poses import LoadedTrace, PoseTrack
 from .options import RunOptions
 
 
@@ -55,6 +56,37 @@ class Schedule:
             yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
 
 
+def schedule_for(options: RunOptions, source: Source, trace: LoadedTrace, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run: evenly spaced, or at the instants of recorded frames.
+
+    Errors: InputError if the run would show nothing.
+    """
+    if source.instants_ns and not options.trace and options.rate_hz is None:
+        return _at_instants(source.instants_ns, source.headset.refresh_hz, str(trace.path), options)
+    return schedule_of(trace.track, options, rate_hz)
+
+
+def _at_instants(times: Sequence[int], rate_hz: float, place: str, options: RunOptions) -> Schedule:
+    """Return refreshes at the instants of the frames, where the truth is what was recorded.
+
+    The first is at the requested start, or when the first frame can have arrived.
+    """
+    if len(times) < 2:
+        raise InputError(f"{place}: one frame; expected two or more: one that is late, and what is seen then")
+    age, _ = _refreshes_before(options, rate_hz)
+    first = next((i for i, at in enumerate(times) if i >= age and at >= options.start_s * 1e9), len(times))
+    if first == len(times):
+        raise InputError(
+            f"{place}: its {len(times)} frames last {times[-1] * 1e-9:.3f} s: with --latency {options.latency_ms:g} ms "
+            f"and --start {options.start_s:g} s none is left to show; use a shorter latency, an earlier start, or say "
+            "how fast they were taken by --frames-rate"
+        )
+    seconds = math.inf if options.seconds is None else options.seconds
+    end = next((i for i, at in enumerate(times) if at >= times[first] + seconds * 1e9), len(times))
+    instants = tuple(times[first - age : max(end, first + 1)])
+    return Schedule(times[first], rate_hz, max(1, end - first), age, instants_ns=instants)
+
+
 def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedule:
     """Return the refreshes of a run.
 
@@ -92,4 +124,4 @@ def _refreshes_before(options: RunOptions, rate_hz: float) -> tuple[int, int]:
     """Return how many refreshes a frame is under way to the client, and to a proxy before that."""
     options.client_link.check(latency_ns(options))
     link_ms = options.client_link.longest_ns(latency_ns(options)) / 1e6
-    return refreshes_of(link_ms, rate_hz), refreshes_to_proxy(options, rate_hz)
+    return refreshes_of(link_ms, rate_hz), refreshes_of(options.proxy.longest_ms(options.network), rate_hz)

@@ -23,7 +23,7 @@ from ..scenes import load_scene
 from .bench_levels import LevelSet, levels_from_file
 from .combination_bench import Comparison, Measured
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
-from .options import RunOptions
+from .options import AUTO, RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 from .side_by_side import refreshes
 
@@ -43,7 +43,7 @@ def levels_for(options: RunOptions, say: Say = lambda text: None) -> LevelSet:
     say: called with a sentence before a short bench starts.
     Errors: as levels_from_file; as set_up_replay; InputError if nothing fits the budget.
     """
-    if not options.chooses_warp:
+    if options.warp != AUTO:
         return LevelSet()
     if options.bench is None:
         found = levels_by_short_bench(options, say)

@@ -18,7 +18,7 @@ from ..gpu.textures import download
 
 if TYPE_CHECKING:
     from ..client.inputs import PassInputs
-    from ..sources.server import Server
+    from ..sources.server import Renderer
 
 # Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
 # drawn separately.
@@ -38,7 +38,7 @@ class Truth:
     inverse_depth: NDArray[np.float32] | None
 
 
-def draw_truth(server: Server, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> Truth:
+def draw_truth(server: Renderer, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> Truth:
     """Return the scene as the eye should see it at this refresh, (w, h) pixels before the lens."""
     if inputs.shown_last is None:
         return _drawn(server, inputs.shown, inputs.shown_ns, size, depth)
@@ -48,7 +48,7 @@ def draw_truth(server: Server, inputs: PassInputs, size: tuple[int, int], *, dep
     return Truth(np.concatenate([band.colour for band in drawn]), inverse)
 
 
-def _drawn(server: Server, view: View, time_ns: int, size: tuple[int, int], depth: bool) -> Truth:
+def _drawn(server: Renderer, view: View, time_ns: int, size: tuple[int, int], depth: bool) -> Truth:
     image = server.draw(view, size, time_ns=time_ns)
     try:
         # Where a camera knows no depth, what it saw counts as infinitely far.

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..client.plan import Plan
     from ..frames import EyeImage, Frame
     from ..pipeline.loop import Loop, Refresh
-    from ..sources.server import Server
+    from ..sources.server import Renderer
 
 
 class WholePictures:
@@ -26,7 +26,7 @@ class WholePictures:
     and held until the next frame.
     """
 
-    def __init__(self, server: Server) -> None:
+    def __init__(self, server: Renderer) -> None:
         self._server = server
         self._frame: Frame | None = None
         self._drawn: dict[int, EyeImage] = {}

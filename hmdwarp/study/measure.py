@@ -20,7 +20,7 @@ from ..experiments.sweep import Failure, Result, Separate, SweepCase, outcomes
 from ..headsets import load_headset
 from ..metrics import QUALITY
 from ..options import parse_size
-from ..pipeline.options import PipelineOptions
+from ..pipeline.options import AUTO, PipelineOptions
 from ..report import counted
 from ..resources import __version__
 from ..run import RunOptions, figures
@@ -111,13 +111,13 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     Errors: InputError where there is no trace, or warp auto chose by the machine's speed.
     """
     live = live_options(showing.settings)
-    if not live.is_recorded and (not showing.trace or not (traces / showing.trace).is_file()):
+    if not live.source_kind.has_head and (not showing.trace or not (traces / showing.trace).is_file()):
         raise InputError("its head motion was not recorded, or the recording is gone")
-    if live.is_recorded and session.facts.get("trace"):
+    if live.source_kind.has_head and session.facts.get("trace"):
         raise InputError(
             f"its head was that of {session.facts['trace']}: recorded frames are the truth for their camera's own head"
         )
-    if live.chooses_warp:
+    if live.warp == AUTO:
         raise InputError("warp auto chose by the machine's speed, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
     size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px
@@ -136,7 +136,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         "workers": options.where.measuring(options.workers),
         "images": 0,
     }
-    if live.is_recorded:
+    if live.source_kind.has_head:
         # The camera's own head, at the recorded instants: the truth is what was recorded there.
         seconds = showing.actual.get("seconds")
         replayed |= {"trace": "", "as_recorded": False, "rate_hz": None, "seconds": seconds or None, "lens": "none"}
@@ -166,7 +166,7 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
     found = figures(run, progress)
     means = {name: found["quality"][name]["mean"] for name in QUALITY}
     pictures = found["measured"]["psnr_db"]
-    eyes_with_truth = 1 if run.is_recorded else 2
+    eyes_with_truth = run.source_kind.eyes
     rated = {"jod": found["jod"]["mean"]} if run.jod_s else {}
     return {
         **means,

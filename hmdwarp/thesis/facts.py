@@ -6,7 +6,7 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
-from ..pipeline.build import refreshes_of
+from ..pipeline.link_times import refreshes_of
 from ..scenes import load_scene
 from ..study.analysis import SourceOptions, analyse, from_csv, load_claims
 from ..study.design import SHIPPED

@@ -251,7 +251,7 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     from hmdwarp.client import needs_of
     from hmdwarp.geometry import Fov, Pose, View
     from hmdwarp.gpu import download
-    from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, plans_for
+    from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_pipeline, plans_for
     from hmdwarp.poses import Origin, PoseSample
     from hmdwarp.scenes import load_scene
 
@@ -274,8 +274,8 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     requested = PoseRequest(Turning(), None, options.size, 1.0, needs_of(plans))
 
     def shown(between) -> list[np.ndarray]:
-        out = []
-        with build_pipeline(options, scene, Target(gpu, OneEye(), 100.0, 20_000_000), plans, requested) as made:
+        out, target = [], Target(gpu, OneEye(), 100.0, 20_000_000)
+        with build_pipeline(options, Source(options, scene), target, plans, requested) as made:
             for k in range(4):
                 made.loop.draw(k * 10_000_000)
                 between()

@@ -13,7 +13,7 @@ from hmdwarp.colour import picture_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import StageTimer, download
-from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, plans_for
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_pipeline, plans_for, source_of
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
 
@@ -67,7 +67,7 @@ def pipeline(gpu, eyes, **changes):
     needs = plans[0].needs
     requested = PoseRequest(Turning(), None, SIZE, options.guard_band, needs)
     target = Target(gpu, eyes, 100.0, round(options.latency_ms * 1e6))
-    return build_pipeline(options, scene, target, plans, requested)
+    return build_pipeline(options, source_of(options), target, plans, requested)
 
 
 def shown_at(made, number: int):
@@ -187,7 +187,7 @@ def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
     needs = plans[0].needs | plans[1].needs
     requested = PoseRequest(Turning(), None, SIZE, 1.0, needs)
     target = Target(gpu, UnequalEyes(), 100.0, 0)
-    with build_pipeline(options, load_scene("planes"), target, plans[:1], requested) as made:
+    with build_pipeline(options, Source(options), target, plans[:1], requested) as made:
         made.loop.draw(0)
         refresh = made.loop.show(0)
         beside = made.loop.inputs(refresh, plans[1].needs)
@@ -196,7 +196,7 @@ def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
         shown = made.compensator(plans[1]).run(beside[0]).shown
         with build_pipeline(
             options.with_pair(*PAIR),
-            load_scene("planes"),
+            Source(options),
             target,
             plans[1:],
             PoseRequest(Turning(), None, SIZE, 1.0, plans[1].needs),

@@ -13,7 +13,7 @@ from replays import scene_for
 from hmdwarp.client.strategies import strategies
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline import PipelineOptions, PoseRequest, Target, build_pipeline, build_plan_for
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_pipeline, build_plan_for
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
 
@@ -49,7 +49,9 @@ def test_nothing_grows_once_the_head_has_been_everywhere(gpu, name):
     scene = load_scene(options.scene)
     plan = build_plan_for(options, headset, scene)
     request = PoseRequest(Wandering(), None, (32, 24), options.guard_band, plan.needs)
-    with build_pipeline(options, scene, Target(gpu, headset, 100.0, 20_000_000), [plan], request) as made:
+    with build_pipeline(
+        options, Source(options, scene), Target(gpu, headset, 100.0, 20_000_000), [plan], request
+    ) as made:
         tracemalloc.start()
         try:
             kept = [_kept_after(made.loop, first, last) for first, last in ((0, MIDDLE), (MIDDLE, LAST))]

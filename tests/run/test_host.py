@@ -187,7 +187,7 @@ IMPOSSIBLE = [
 def test_an_impossible_change_leaves_all_as_it_was(gpu, values):
     with Running(gpu) as running:
         host = running.go(8).host
-        before = (host.options, host.pipeline, host.plan, host.scene, running.display.eyes, running.display.size)
+        before = (host.options, host.pipeline, host.plan, host.source, running.display.eyes, running.display.size)
         objects = living()
         with pytest.raises(InputError):
             running.set(**values)
@@ -195,7 +195,7 @@ def test_an_impossible_change_leaves_all_as_it_was(gpu, values):
             host.options,
             host.pipeline,
             host.plan,
-            host.scene,
+            host.source,
             running.display.eyes,
             running.display.size,
         ) == before

@@ -18,6 +18,7 @@ from display.virtual_screen import VirtualScreen
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.link.codec import Coding
+from hmdwarp.pipeline import source_of
 from hmdwarp.run import LiveOptions, display_options, open_display
 from hmdwarp.run import live_run as run
 
@@ -27,7 +28,8 @@ PATIENCE_S = 120
 
 def opened(**options):
     said: list[str] = []
-    return open_display(LiveOptions(**options), lambda what: nullcontext(), said.append), said
+    asked = LiveOptions(**options)
+    return open_display(asked, source_of(asked), lambda what: nullcontext(), said.append), said
 
 
 @pytest.fixture(autouse=True)
@@ -101,7 +103,7 @@ def test_a_display_is_told_what_it_must_know():
         depth_layer=False,
     )
     watching = lambda what: nullcontext()  # noqa: E731
-    inputs = display_options(asked, watching)
+    inputs = display_options(asked, source_of(asked), watching)
     assert (inputs.headset, inputs.view, inputs.size, inputs.watching) == ("cardboard-v2", "flat", (96, 120), watching)
     assert (inputs.full_screen, inputs.vsync, inputs.control_panel, inputs.depth_layer) == (True, False, False, False)
 
@@ -167,8 +169,9 @@ def test_briefly_it_is_one_clause(tmp_path):
     """
     program = (
         "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live_run import "
-        "open_display\n"
-        "open_display(LiveOptions(scene='planes', size=(96, 120)), lambda what: nullcontext(), print, "
+        "open_display; from hmdwarp.pipeline import Source\n"
+        "asked = LiveOptions(scene='planes', size=(96, 120))\n"
+        "open_display(asked, Source(asked), lambda what: nullcontext(), print, "
         "briefly=True).close()"
     )
     done = python("-c", program, screen=True, tmp_path=tmp_path)

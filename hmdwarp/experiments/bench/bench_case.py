@@ -7,16 +7,15 @@ from collections.abc import Sequence
 
 import attrs
 
-from ...headsets import Headset, load_headset
-from ...pipeline.recorded_scene import display_of, recorded_scene
+from ...headsets import Headset
+from ...pipeline.options import PipelineOptions
+from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import guarded_size
+from ...pipeline.source import Source
 from ...poses import load_trace
 from ...run.combinations import Case, Combination, batches, instants_of
 from ...run.options import RunOptions
-from ...run.recorded_frames import own_trace
-from ...run.replay_setup import schedule_for
-from ...scenes import load_scene
-from ...sources.sequences import Sequence as RecordedFrames
+from ...run.schedule import schedule_for
 from ...sources.sequences import open as open_sequence
 from .cases import cases_of, combinations_of, own_run, run_options
 from .options import BenchOptions
@@ -73,20 +72,23 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
 
 def prepared(options: BenchOptions) -> BenchCase:
     """Return the one case of these options made ready. Errors: InputError and its kin."""
-    sequence = sequence_of(options)
-    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
     (case,) = cases_of(options)
+    source = source_of(options, case.scene)
+    headset = source.headset
     guarded_size(options.guard_band, headset, case.size)
     run = run_options(options, case)
-    trace = load_trace(case.recording, options.trace_options) if sequence is None else own_trace(sequence)
-    count = schedule_for(run, sequence, trace, options.rate_hz or headset.refresh_hz).count
+    trace = source.head(load_trace(case.recording, options.trace_options) if case.recording else None)
+    assert trace is not None, "a case without a recording has a source with a head"
+    count = schedule_for(run, source, trace, options.rate_hz or headset.refresh_hz).count
     combinations = _combinations(_of_scene(options))
     return BenchCase(options, case, headset, run, combinations, len(instants_of(count, options.instants)))
 
 
-def sequence_of(options: BenchOptions) -> RecordedFrames | None:
-    """Return the recorded frames of the options, None for a scene."""
-    return None if options.frames is None else open_sequence(options.frames, options.sequence_options)
+def source_of(options: BenchOptions, scene: str) -> Source:
+    """Return the recorded frames of the options, or one of their scenes."""
+    if options.frames is not None:
+        return RecordingSource(open_sequence(options.frames, options.sequence_options))
+    return Source(PipelineOptions(scene=scene, scene_options=options.scene_options, headset=options.headset))
 
 
 def _of_scene(options: BenchOptions) -> BenchOptions:
@@ -98,7 +100,5 @@ def _of_scene(options: BenchOptions) -> BenchOptions:
 
 @functools.lru_cache(maxsize=8)
 def _combinations(options: BenchOptions) -> tuple[Combination, ...]:
-    sequence = sequence_of(options)
     (name,) = options.scenes
-    scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
-    return tuple(combinations_of(options, scene))
+    return tuple(combinations_of(options, source_of(options, name).scene))

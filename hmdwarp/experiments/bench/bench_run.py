@@ -11,21 +11,19 @@ import attrs
 
 from ...client.classes import load_client
 from ...errors import InputError
-from ...headsets import Headset, load_headset
+from ...headsets import Headset
 from ...metrics import check_rating
 from ...pipeline.auto.levels import choose
 from ...pipeline.planning import build_plan_for
-from ...pipeline.recorded_scene import display_of, recorded_scene
+from ...pipeline.recorded_source import RecordingSource
+from ...pipeline.source import Source
 from ...poses import load_trace
 from ...report import SCHEMA, OutputFolder
 from ...resources import __version__
 from ...run.combinations import Case
-from ...run.recorded_frames import about, own_trace
 from ...run.recordings import refuse_one_name, refuse_traces_of_one_name
-from ...scenes import load_scene
-from ...sources.sequences import Sequence as RecordedFrames
 from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
-from .bench_case import BenchCase, options_of_case, prepared, sequence_of
+from .bench_case import BenchCase, options_of_case, prepared, source_of
 from .bench_rows import COLUMNS, LONG, about_rating, flat
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fused_steps, grid_steps
 from .cases import cases_of, combinations_of, common_start_s, notes_on_warps, run_options
@@ -77,13 +75,13 @@ def bench(
         check_parquet()
     if options.jod_s and options.sweep.cluster is None:
         check_rating()
-    sequence = sequence_of(options)
-    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
+    source = source_of(options, options.scenes[0])
+    headset = source.headset
     client = load_client(options.client)
-    if sequence is not None:
+    if isinstance(source, RecordingSource):
         sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
-        options = attrs.evolve(options, scenes=(sequence.name,), recordings=("",), sizes=sizes)
-    works, notes = _checked(options, headset, sequence)
+        options = attrs.evolve(options, scenes=(source.scene.name,), recordings=("",), sizes=sizes)
+    works, notes = _checked(options, headset, source)
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
         if options.sweep.cluster is None:
             check_room(works)
@@ -149,9 +147,7 @@ def _failed(swept: Swept) -> list[str]:
     return [f"{one.name}: failed: {one.why}" for one in swept.failed]
 
 
-def _checked(
-    options: BenchOptions, headset: Headset, sequence: RecordedFrames | None = None
-) -> tuple[list[BenchCase], list[str]]:
+def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[list[BenchCase], list[str]]:
     """Check everything that needs no GPU; return the cases, and notes on the scenes.
 
     Errors: InputError and its kin.
@@ -160,7 +156,7 @@ def _checked(
     combinations_of(options, None)  # names, before any scene is built
     called, notes = {}, notes_on_warps(options)
     for name in options.scenes:
-        scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
+        scene = source.scene if source.kind.has_head else source_of(options, name).scene
         build_plan_for(
             run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
@@ -170,15 +166,16 @@ def _checked(
         called[name] = scene.name
         notes += scene.notes
     refuse_one_name("scenes", called)
-    traces = (
-        {recording: load_trace(recording, options.trace_options) for recording in options.recordings}
-        if sequence is None
-        else {"": own_trace(sequence)}
-    )
+    loaded = {
+        recording: source.head(load_trace(recording, options.trace_options) if recording else None)
+        for recording in options.recordings
+    }
+    traces = {recording: trace for recording, trace in loaded.items() if trace is not None}
     refuse_traces_of_one_name(traces)
     starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
     works = [prepared(options_of_case(options, case, starts[case.recording])) for case in cases_of(options)]
-    notes += [] if sequence is None else [about(sequence, works[0].run)]
+    if isinstance(source, RecordingSource):
+        notes.append(RecordingSource(source.sequence, works[0].run.guard_factors).about)
     return works, notes
 
 

@@ -16,7 +16,7 @@ from ...gpu.context import Gpu
 from ...gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
 from ...headsets import Headset
 from ...metrics import QualityPool, clip_length, worker_count
-from ...pipeline.build import check_held
+from ...pipeline.link_times import check_held
 from ...pipeline.sizes import eye_sizes, memory_bytes
 from ...run.clip_rating import rate_clips
 from ...run.combination_bench import Comparison

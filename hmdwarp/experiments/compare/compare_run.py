@@ -19,16 +19,13 @@ from ...errors import InputError, PlanError
 from ...link.codec import codecs
 from ...metrics import QUALITY, ratings_of
 from ...pipeline.planning import build_plan_for
-from ...pipeline.recorded_scene import RecordedScene, headset_of, scene_of
+from ...pipeline.source_choice import source_of
 from ...poses import load_trace
 from ...report import SCHEMA, OutputFolder
 from ...resources import __version__
-from ...run.host import refuse_one_eye
 from ...run.options import RunOptions
-from ...run.recorded_frames import ONE_EYE, own_trace
 from ...run.recordings import refuse_traces_of_one_name
-from ...run.replay_setup import schedule_for
-from ...run.schedule import first_shown_s
+from ...run.schedule import first_shown_s, schedule_for
 from ..sweep import Separate, SweepCase, Swept, raise_failures, run_cases
 from .compare_work import ComparePart, pictures_of, run_part
 from .options import CompareOptions
@@ -129,15 +126,14 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
     Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
     """
     first = _run_options(options, "", options.recordings[0], 0.0, 0.0)
-    scene = scene_of(first)
-    headset, left_out, chosen = headset_of(first, scene), [], dict[str, Any]()
+    source = source_of(first)
+    scene, headset, left_out, chosen = source.scene, source.headset, [], dict[str, Any]()
     for text in options.strategies or strategies.names():
         try:
             run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
             build_plan_for(run, headset, None)
             plan = build_plan_for(run, headset, scene)
-            if run.is_recorded:
-                refuse_one_eye(plan.needs, 1, ONE_EYE)
+            source.check_eyes(plan.needs, 2)
         except (PlanError, InputError) as error:
             if options.strategies or not (isinstance(error, PlanError) or options.frames):
                 raise
@@ -155,15 +151,15 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
     start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
     cases = itertools.product(options.recordings, options.latencies_ms, chosen)
     runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
-    sequence = scene.sequence if isinstance(scene, RecordedScene) else None
-    traces = {
-        recording: load_trace(recording, options.trace_options) if sequence is None else own_trace(sequence)
+    loaded = {
+        recording: source.head(load_trace(recording, options.trace_options) if recording else None)
         for recording in options.recordings
     }
+    traces = {recording: trace for recording, trace in loaded.items() if trace is not None}
     refuse_traces_of_one_name(traces)
     for run in runs:
         codecs.get(run.coding.codec)
-        schedule_for(run, sequence, traces[run.trace], rate_hz)
+        schedule_for(run, source, traces[run.trace], rate_hz)
     return runs, left_out
 
 

@@ -41,11 +41,6 @@ class FeedOptions(Declared):
             if path is not None and not self.connect:
                 raise InputError(f"{name} {path}: it is for --connect; name the server, or leave it out")
 
-    @property
-    def is_used(self) -> bool:
-        """Whether frames come from elsewhere."""
-        return bool(self.connect)
-
 
 def secret_in(path: Path | None) -> str:
     """Return the secret in a file, "" for none. Errors: InputError."""

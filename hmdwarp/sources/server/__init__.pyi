@@ -11,6 +11,7 @@ from .projection import boxes_of as boxes_of
 from .projection import clip_from_eye as clip_from_eye
 from .projection import eye_from_scene as eye_from_scene
 from .targets import Framebuffers as Framebuffers
+from .targets import Renderer as Renderer
 from .targets import Target as Target
 from .targets import TargetPool as TargetPool
 from .upload import SceneBuffers as SceneBuffers

@@ -12,21 +12,20 @@ from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import layers
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR
 from ...registry import unknown_name
 from ...scenes import Scene
 from .lighting import Lighting
 from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import ScenePasses
-from .targets import Framebuffers, Target, TargetPool
+from .targets import Framebuffers, Renderer, Target
 from .upload import SceneBuffers, SceneTextures
 
 Size = tuple[int, int]
 MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
 
 
-class Server:
+class Server(Renderer):
     """One scene on the GPU, uploaded once, drawn for any view and instant.
 
     Rows run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not
@@ -40,13 +39,13 @@ class Server:
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY, *, lighting: Lighting | None = None) -> None:
-        self.gpu, self.scene, self._marched = gpu, scene, _is_marched(mirrors)
+        self._framebuffers = Framebuffers(gpu.gl)
+        super().__init__(gpu, scene, self._framebuffers.forget)
+        self._marched = _is_marched(mirrors)
         self._textures = SceneTextures(gpu, scene)
         still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
         self._buffers = SceneBuffers(gpu, still, self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
-        self._framebuffers = Framebuffers(gpu.gl)
-        self._pools: dict[tuple, TargetPool] = {}
         self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
         self._depth: ScenePasses | None = None
         self._parts: dict[str, Part] = {}
@@ -184,31 +183,6 @@ class Server:
         """The scene's textures."""
         return self._textures
 
-    def recycle(self, frame: Frame) -> None:
-        """Take the frame's textures back; later frames will overwrite them."""
-        for _, eye in frame.pictures():
-            self.pool(eye.size).release(eye.colour)
-        for layer, data in frame.contents():
-            for texture in layer.textures(data):
-                for pool in self._pools.values():
-                    if pool.lent(texture):
-                        pool.release(texture)
-            layer.release(data)
-
-    def acquire(self, size: Size, kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
-        """Return a target from the pool of its kind; recycle() returns it with its frame."""
-        return self._pool(size, kind, depth=depth).acquire()
-
-    def pool(self, size: Size, *, depth: bool = True) -> TargetPool:
-        """Return the server's colour targets of that size, with or without inverse depth."""
-        return self._pool(size, COLOUR, depth=depth)
-
-    def _pool(self, size: Size, kind: tuple[int, str], *, depth: bool) -> TargetPool:
-        key = (size, kind, depth)
-        if key not in self._pools:
-            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth, forget=self._framebuffers.forget)
-        return self._pools[key]
-
     def close(self) -> None:
         """Free everything the server holds, its targets included."""
         for part in self._parts.values():
@@ -217,8 +191,7 @@ class Server:
             if passes is not None:
                 passes.close()
         self._framebuffers.close()
-        for pool in self._pools.values():
-            pool.close()
+        super().close()
         self._buffers.close()
         for moving in self._moving:
             moving.close()

@@ -1,14 +1,18 @@
-"""Pools of texture pairs to draw into: allocated on demand and reused."""
+"""Pools of texture pairs to draw into, allocated on demand and reused; what renders into them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 import moderngl
 
+from ...frames import EyeImage, Frame, Needs
+from ...geometry import Guard, Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, allocate
+from ...scenes import Scene
 
 # After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
 IDLE_AFTER = 2048
@@ -116,6 +120,94 @@ class TargetPool:
             _release(target)
         self._free.clear()
         self._out.clear()
+
+
+class Renderer:
+    """What gives frames in textures from pools of its own.
+
+    scene: what it shows; without anything in it where that is recorded, or known elsewhere alone.
+    forget: as of TargetPool.
+    """
+
+    def __init__(
+        self, gpu: Gpu, scene: Scene, forget: Callable[[moderngl.Texture], None] = lambda texture: None
+    ) -> None:
+        self.gpu, self.scene, self._forget = gpu, scene, forget
+        self._pools: dict[tuple[Any, ...], TargetPool] = {}
+
+    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Return the whole picture of `view` at `time_ns`: the truth.
+
+        into: the target, None for one from a pool.
+        """
+        raise NotImplementedError
+
+    def draw_frame(
+        self,
+        views: Sequence[View],
+        drawn_ns: int,
+        size: tuple[int, int],
+        guard: Guard = 1.0,
+        needs: Needs | None = None,
+        shown_size: tuple[int, int] | None = None,
+        age_ns: int = 0,
+        pictures: bool = True,
+    ) -> Frame:
+        """Return a frame with all eyes, and the needed layers, see Server.draw_frame."""
+        raise NotImplementedError
+
+    def draw_depth(
+        self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int = 0
+    ) -> moderngl.Texture:
+        """Draw inverse depth alone, where the client has the geometry; see Server.draw_depth."""
+        raise NotImplementedError
+
+    def truth_facts(
+        self, shown: Sequence[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
+    ) -> tuple[dict[str, Any], str]:
+        """Return what summary.json says of the truth, and a sentence on it; "" for a scene's own.
+
+        shown: instant and head of each refresh. missing: pictures without a truth. own_head:
+        whether the head is that of the frames.
+        """
+        return {}, ""
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Take note of whether a frame arrived, which the server hears at that instant."""
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether there is something to send even if nothing has moved."""
+        return False
+
+    def recycle(self, frame: Frame) -> None:
+        """Take the frame's textures back; later frames will overwrite them."""
+        for _, eye in frame.pictures():
+            self.pool(eye.size).release(eye.colour)
+        for layer, data in frame.contents():
+            for texture in layer.textures(data):
+                for pool in self._pools.values():
+                    if pool.lent(texture):
+                        pool.release(texture)
+            layer.release(data)
+
+    def acquire(self, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
+        """Return a target from the pool of its kind; recycle() returns it with its frame."""
+        return self._pool(size, kind, depth=depth).acquire()
+
+    def pool(self, size: tuple[int, int], *, depth: bool = True) -> TargetPool:
+        """Return the colour targets of that size, with or without inverse depth."""
+        return self._pool(size, COLOUR, depth=depth)
+
+    def _pool(self, size: tuple[int, int], kind: tuple[int, str], *, depth: bool) -> TargetPool:
+        key = (size, kind, depth)
+        if key not in self._pools:
+            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth, forget=self._forget)
+        return self._pools[key]
+
+    def close(self) -> None:
+        """Free the pools."""
+        for pool in self._pools.values():
+            pool.close()
 
 
 def _release(target: Target, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:

@@ -13,9 +13,9 @@ from ...errors import InputError
 from ...options import as_keys
 from ...options.tables import KeyFault, Table, quoted
 from ...pipeline.options import SceneKey
-from ...pipeline.recorded_scene import RecordedScene
+from ...pipeline.source import Source
 from ...registry import unknown_name
-from ...scenes import Scene, with_targets
+from ...scenes import with_targets
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import (
     ADAPTIVE,
@@ -48,20 +48,21 @@ class Checker:
     def __init__(self, folder: Path, common: Table | None, checked: bool) -> None:
         """Begin without scenes. folder: of the study file; common: its [common]."""
         self._folder, self._common, self._checked = folder, common, checked
-        self._scenes: dict[SceneKey, Scene] = {}
+        self._sources: dict[SceneKey, Source] = {}
 
     @property
     def scene_notes(self) -> tuple[str, ...]:
         """What had to be left out or replaced of the scene files, each once."""
-        return tuple(dict.fromkeys(note for scene in self._scenes.values() for note in scene.notes))
+        return tuple(dict.fromkeys(note for source in self._sources.values() for note in source.scene.notes))
 
     def has_room_for(self, task: Task) -> None:
         """Raise InputError for a scene without room for the targets, of those tried so far.
 
         A quarter more must fit, as each trial has other places.
         """
-        for scene in self._scenes.values():
-            if isinstance(scene, RecordedScene):
+        for source in self._sources.values():
+            scene = source.scene
+            if not source.kind.has_geometry:
                 raise InputError(f"'{scene.name}' was recorded, and holds no targets: leave the task or the frames out")
             with_targets(scene, task.count + 1 + task.count // 4, task.size_deg, (task.seed, 0))
 
@@ -94,7 +95,7 @@ class Checker:
             {name: value for name, value in common.items() if not only or name in only} | dict(beneath or {}) | mine
         )
         try:
-            check_settings(settings, self._scenes) if self._checked else live_options(settings)
+            check_settings(settings, self._sources) if self._checked else live_options(settings)
         except InputError as error:
             raise self._blamed(table, own, who, as_keys(str(error), KINDS), getattr(error, "key", "")) from error
         return settings

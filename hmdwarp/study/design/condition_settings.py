@@ -18,11 +18,10 @@ from ...options.tables import quoted
 from ...pipeline.auto.levels import QualityLevel
 from ...pipeline.options import AUTO, SceneKey
 from ...pipeline.planning import plans_for
-from ...pipeline.recorded_scene import headset_of
 from ...pipeline.sizes import guarded_size
-from ...run import ONE_EYE, LiveOptions, checked_scene, levels_from_file, refuse_one_eye
+from ...pipeline.source import Source
+from ...run import LiveOptions, checked_source, levels_from_file
 from ...run.options import FLAT
-from ...scenes import Scene
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
@@ -61,21 +60,19 @@ def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
     return LiveOptions.of(values, panel=False, **more)
 
 
-def check_settings(settings: Mapping[str, object], scenes: dict[SceneKey, Scene]) -> LiveOptions:
+def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Source]) -> LiveOptions:
     """Return the options after trying everything that needs no display.
 
-    scenes: those loaded so far; this one is added.
+    sources: those opened so far; this one is added.
     Errors: InputError and its kin, now and not in the middle of a session.
     """
     options = live_options(settings)
-    if not options.is_recorded:  # the sizes of recorded frames are known once they are opened
+    if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
         _check_guard(options, load_headset(options.headset))
-    scene = scenes[options.scene_key] = checked_scene(options, scenes.get(options.scene_key))
-    headset = headset_of(options, scene)
-    plans = plans_for(attrs.evolve(options, lens=_lens(options, headset)), headset, scene, _levels(options, headset))
-    if options.is_recorded:
-        refuse_one_eye(needs_of(plans), 1, ONE_EYE)
-    refuse_one_eye(needs_of(plans), 1 if options.view == FLAT else 2)
+    source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
+    headset, lens = source.headset, _lens(options, source.headset)
+    plans = plans_for(attrs.evolve(options, lens=lens), headset, source.scene, _levels(options, headset))
+    source.check_eyes(needs_of(plans), 1 if options.view == FLAT else 2)
     return options
 
 

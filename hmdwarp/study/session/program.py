@@ -10,7 +10,7 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...pipeline.recorded_scene import scene_of
+from ...pipeline.source_choice import source_of
 from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
 from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
@@ -66,7 +66,7 @@ def run_session(
         live = live_options(first.settings, source=options.source, trace=options.trace)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))
         display = stack.enter_context(
-            closing(open_display(live, watchdog.watching, console.say, CONTROLS, briefly=True))
+            closing(open_display(live, source_of(live), watchdog.watching, console.say, CONTROLS, briefly=True))
         )
         markers: Markers = NoMarkers()
         if options.lsl:
@@ -184,9 +184,9 @@ class _Program:
             markers=self.markers,
         )
         every = self._all_options()
-        scenes = {key: scene_of(one) for key, one in {one.scene_key: one for one in every}.items()}
+        frames = {key: source_of(one) for key, one in {one.scene_key: one for one in every}.items()}
         wait_s = first_picture_wait_s([one.total_latency_ms for one in every])
-        trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
+        trials = TrialRunner(context, self.ending, self._options_of, wait_s, frames)
         self.words.recording = lambda: trials.recording
         no_pipeline: Any = _NoPipeline(self.live)
         answers = store.answers(session)

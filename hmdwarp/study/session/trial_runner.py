@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ...display import Command, Label
 from ...errors import InputError
 from ...pipeline.options import SceneKey
-from ...pipeline.recorded_scene import fitted
+from ...pipeline.source import Source
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
-from ...scenes import Scene, with_targets
+from ...scenes import with_targets
 from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
@@ -189,7 +189,7 @@ class TrialRunner:
     ending: Ending
     options_of: Callable[[Show], LiveOptions]  # of the live run that a step is
     wait_s: float  # see first_picture_wait_s
-    scenes: Mapping[SceneKey, Scene]  # all that are shown
+    sources: Mapping[SceneKey, Source]  # all that are shown
     recording: Recorder | None = None  # the one under way, None between trials
 
     def run(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
@@ -202,8 +202,9 @@ class TrialRunner:
         pipeline.
         """
         context = self.context
-        scene, places = self._scene(step)
-        options = fitted(self.options_of(step), scene)
+        options = self.options_of(step)
+        source, places = self._source(step, options)
+        options = source.fitted(options)
         showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
         path = context.store.traces / showing.trace
         log = LiveLog(attrs.evolve(options, record=path, seconds=None, pictures=None, out=None))
@@ -213,7 +214,7 @@ class TrialRunner:
             with ExitStack() as stack:
                 stack.enter_context(log)
                 recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
-                host = PipelineHost(context.display, options, scene)  # a new one: it remembers nothing
+                host = PipelineHost(context.display, options, source)  # a new one: it remembers nothing
                 stack.callback(host.close)
                 stack.callback(log.leave)
                 recorder.begin(context.display.about, context.display.rate_hz)
@@ -231,12 +232,13 @@ class TrialRunner:
             self.recording = None
         return self._end(showing, log, handler, complete), handler
 
-    def _scene(self, step: Show) -> tuple[Scene, NDArray[np.float64]]:
+    def _source(self, step: Show, options: LiveOptions) -> tuple[Source, NDArray[np.float64]]:
         """Return the scene with the trial's targets, and their places."""
-        scene, task = self.scenes[self.options_of(step).scene_key], step.task
+        source, task = self.sources[options.scene_key], step.task
         if task is None:
-            return scene, np.empty((0, 3))
-        return with_targets(scene, task.count, task.size_deg, (task.seed, step.trial))
+            return source, np.empty((0, 3))
+        scene, places = with_targets(source.scene, task.count, task.size_deg, (task.seed, step.trial))
+        return type(source)(options, scene), places
 
     def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())

@@ -8,7 +8,7 @@ from recorded_folders import taken, write_npz
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.experiments.bench import BenchOptions, bench, combinations_of
 from hmdwarp.image import usable_warps
-from hmdwarp.pipeline.recorded_scene import recorded_scene
+from hmdwarp.pipeline.recorded_source import RecordingSource
 from hmdwarp.sources import sequences
 
 
@@ -26,7 +26,7 @@ def options(folder, out, **said) -> BenchOptions:
 
 
 def test_all_warps_that_colour_and_depth_are_enough_for(folder, tmp_path):
-    chosen = combinations_of(options(folder, tmp_path), recorded_scene(sequences.open(folder)))
+    chosen = combinations_of(options(folder, tmp_path), RecordingSource(sequences.open(folder)).scene)
     warps = {one.warp.partition(":")[0] for one in chosen}
     assert set(usable_warps()) <= warps
     assert not warps & {"backward", "layered", "environment", "points", "model"}

@@ -14,7 +14,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.remote import Remote
-from hmdwarp.pipeline.remote_server import RemoteServer
+from hmdwarp.pipeline.remote_source import RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.log import ReplayLog
@@ -139,14 +139,16 @@ def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, 
 
 
 def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
-    headset, size = load_headset("flat-90"), (96, 80)
+    headset, planes, size = load_headset("flat-90"), load_scene("planes"), (96, 80)
     view = headset.views(Pose((0.2, 1.7, 0.1), (0.0, 0.1, 0.0, 0.995)))[0]
-    with Gpu() as gpu, closing(RemoteServer(gpu, FeedOptions(connect=serving.address))) as there:
-        with closing(Server(gpu, load_scene("planes"))) as here:
+    with Gpu() as gpu, closing(RemoteRenderer(gpu, planes, FeedOptions(connect=serving.address))) as there:
+        with closing(Server(gpu, planes)) as here:
             ours, theirs = here.draw(view, size), there.draw(view, size)
             for name in ("colour", "inverse_depth"):
                 np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
-        assert there.about(0) == "The truth is what the server drew for the shown views."
+        assert (
+            there.truth_facts([], 0, 1.0, own_head=True)[1] == "The truth is what the server drew for the shown views."
+        )
 
 
 def test_motion_vectors_of_a_renderer_move_what_it_drew(tmp_path, monkeypatch):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Sequence as Several
 from functools import lru_cache
+from typing import Any
 
 import attrs
 import numpy as np
@@ -13,15 +15,15 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..frames import EyeImage, Frame, Needs
-from ..geometry import Fov, Guard, View, guarded_eyes, inverse_depth_from_metres
+from ..geometry import Fov, Guard, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
 from ..poses.looped import Moment
+from ..scenes import Scene
 from ..sources.repairs import RepairChain
-from ..sources.sequences import RecordedFrame
-from ..sources.server import Server, Target
-from .recorded_scene import RecordedScene
+from ..sources.sequences import RecordedFrame, Sequence
+from ..sources.server import Renderer, Target
 
 Size = tuple[int, int]
 Box = tuple[float, float, float, float]
@@ -30,13 +32,15 @@ _KEPT, _LEAST_KEPT, _KEPT_BYTES = 32, 4, 500_000_000
 _PIXEL_BYTES = 8 + 4
 _NONE = -1.0
 AS_RECORDED = RepairChain()
+_NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
+_ANOTHER = 1.0  # pixel that the truth may be off before a reader is told
 
 
 MomentOf = Callable[[int], Moment]
 
 
-class RecordedServer(Server):
-    """A Server whose pictures are recorded frames, with the exact pose and field of view of each.
+class RecordedRenderer(Renderer):
+    """A renderer whose pictures are recorded, with the exact pose and field of view of each.
 
     What it is asked to look at is ignored: a late frame is all that the camera took, for every eye
     the same picture, and the truth that part of it which the display shows. Pixels without depth
@@ -46,10 +50,9 @@ class RecordedServer(Server):
     moment_of: where the recording is at an instant; by default it is played once, from 0.
     """
 
-    def __init__(self, gpu: Gpu, scene: RecordedScene, moment_of: MomentOf = Moment) -> None:
+    def __init__(self, gpu: Gpu, scene: Scene, sequence: Sequence, moment_of: MomentOf = Moment) -> None:
         super().__init__(gpu, scene)
-        self._sequence, self._moment_of = scene.sequence, moment_of
-        sequence = scene.sequence
+        self._sequence, self._moment_of = sequence, moment_of
         self._times = [frame.time_ns for frame in sequence.frames]
         wide, high = sequence.frames[0].size
         fit = _KEPT_BYTES // (wide * high * _PIXEL_BYTES)
@@ -92,6 +95,23 @@ class RecordedServer(Server):
         image = attrs.evolve(image, drawn_ns=taken_ns)
         return Frame((image,) * len(views), taken_ns, PoseSample(taken_ns, taken.pose, Origin.MEASURED))
 
+    def truth_facts(
+        self, shown: Several[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
+    ) -> tuple[dict[str, Any], str]:
+        """Return how far the truth is from what was shown, and that in a sentence or two.
+
+        truth_offset: median and most of time_ms, turn_deg and move_m. The truth is the recorded
+        frame nearest to the shown instant.
+        """
+        rows = [(shown_ns, pose, self.nearest_to(shown_ns)) for shown_ns, pose in shown]
+        columns = {
+            "time_ms": [(frame.time_ns - shown_ns) * 1e-6 for shown_ns, _, frame in rows],
+            "turn_deg": [math.degrees(_turn(frame.pose, pose)) for _, pose, frame in rows],
+            "move_m": [float(np.linalg.norm(frame.pose.position_m - pose.position_m)) for _, pose, frame in rows],
+        }
+        offsets = {name: _median_and_most(np.abs(values)) for name, values in columns.items()}
+        return {"eyes": 1, "truth_offset": offsets}, _about_truth(offsets, pixels_per_degree, own_head)
+
     def _image(
         self, taken: RecordedFrame, fov: Fov, size: Size, into: Target | None = None, repair: RepairChain = AS_RECORDED
     ) -> EyeImage:
@@ -101,6 +121,29 @@ class RecordedServer(Server):
         upload(target.inverse_depth, inverse_depth)
         view = attrs.evolve(taken.view, fov=fov)
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=taken.time_ns)
+
+
+def _turn(one: Pose, other: Pose) -> float:
+    x, y, z, w = one.relative_to(other).unit_quaternion
+    return 2 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w))
+
+
+def _median_and_most(values: Iterable[float]) -> dict[str, float]:
+    found = np.asarray(values)
+    return {"median": round(float(np.median(found)), 6), "most": round(float(found.max()), 6)}
+
+
+def _about_truth(offsets: Mapping[str, Mapping[str, float]], pixels_per_degree: float, own_head: bool) -> str:
+    parts = ", ".join(
+        f"{offsets[name]['median']:.{digits}f} {unit} (at most {offsets[name]['most']:.{digits}f})"
+        for name, unit, digits in (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
+    )
+    if not any(offset["most"] > _NOTHING for offset in offsets.values()):
+        return "The truth is the recorded frame of the shown instant itself."
+    text = f"The truth is the recorded frame nearest to the shown instant, off by {parts} in the median."
+    if offsets["turn_deg"]["median"] * pixels_per_degree <= _ANOTHER and own_head:
+        return text
+    return f"{text} That is another view than the one shown: the figures count this difference as error."
 
 
 def _pixels(

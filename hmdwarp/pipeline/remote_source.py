@@ -1,0 +1,314 @@
+"""A server elsewhere as a source: its frames come by the feed, and so does the truth."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from typing import Any
+
+import attrs
+
+from ..client.plan import Plan
+from ..errors import HmdwarpError, InputError, counted
+from ..frames import EyeImage, Frame, Needs
+from ..frames.layers import layers
+from ..geometry import Eyes, Pose, View
+from ..gpu.context import Gpu
+from ..gpu.textures import upload
+from ..link import LinkOptions
+from ..link.codec import Coding
+from ..poses import PoseSample
+from ..poses.looped import Moment
+from ..scenes import Scene
+from ..sources.feed.caller import Arrival
+from ..sources.feed.key_pairs import public_key
+from ..sources.feed.message import FrameMessage
+from ..sources.feed.options import FeedOptions, secret_in
+from ..sources.feed.viewer import Viewer
+from ..sources.server import Renderer, Target
+from .channel import Channel, Settled
+from .feed_coding import depth_error, wish_of
+from .feed_layers import made
+from .frame_coder import Coder
+from .frame_source import Target as Shown
+from .layers_read import Reads
+from .options import PipelineOptions
+from .recorded_renderer import MomentOf
+from .remote import Pending, Remote, ViewsApart
+from .requested import PoseRequest
+from .source import Options, Source, nothing
+from .source_kinds import REMOTE, SERVER_SCENE
+
+_MS = 1e6
+
+
+class NoTruth(HmdwarpError):
+    """The server elsewhere has not drawn what an eye should see."""
+
+
+class RemoteSource(Source):
+    """Frames that a server elsewhere draws.
+
+    The truth is drawn here, of the scene that the options name, or there, where that is the
+    server's. draws_truth: False for a run that has none.
+    """
+
+    kind = REMOTE
+
+    def __init__(self, options: PipelineOptions, feed: FeedOptions, *, draws_truth: bool) -> None:
+        self._is_here = draws_truth and options.scene != SERVER_SCENE
+        elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
+        super().__init__(options, None if self._is_here else elsewhere)
+        self.feed, self._draws_truth = feed, draws_truth
+        self._remote: Remote | None = None
+
+    @property
+    def remote(self) -> Remote:
+        """The session with the server."""
+        assert self._remote is not None, "measured() connects"
+        return self._remote
+
+    def fitted(self, options: Options) -> Options:
+        """Return the options with the server in place of a scene, where there is none here."""
+        return options if self._draws_truth else attrs.evolve(options, scene=self.feed.connect)
+
+    def check(self, plans: Sequence[Plan], needs: Needs) -> None:
+        """Check that plans get by with what frames of another process have. Errors: InputError."""
+        names = ", ".join(name for name in needs if name != "others" and not layers.get(name).fed)
+        if names:
+            raise InputError(
+                f"--connect: frames of another process have no {names}, which the passes need: use --effects none, or "
+                "another warp or fill"
+            )
+        steps = [step for plan in plans for step in plan.steps]
+        if not self._is_here and any(
+            name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)
+        ):
+            raise InputError(
+                "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: "
+                "use another one"
+            )
+
+    def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
+        """Check that latency and scene stay. Errors: InputError."""
+        if (after.latency_ms, after.scene) != (before.latency_ms, before.scene):
+            raise InputError("latency and scene are the server's, where frames come from one: they stay")
+
+    def measured(
+        self,
+        options: Options,
+        head: PoseSample,
+        views: Sequence[View],
+        rate_hz: float,
+        needs: Needs,
+        *,
+        holds: bool,
+        keeps: bool,
+        say: Callable[[str], None],
+    ) -> Options:
+        """Connect, and return the options with the latency that is measured, in place of theirs."""
+        assert options.size is not None
+        remote = self._remote = Remote(self.feed, holds=holds, keeps=keeps, say=say)
+        remote.wish = wish_of(options.coding, rate_hz, views, options.size, options.latency_ms * 1e-3)
+        longest_ns = remote.measure(head, views, options.guard_band, options.size, needs)
+        remote.wish = wish_of(options.coding, rate_hz, views, options.size, longest_ns * 1e-9 + 1 / rate_hz)
+        return attrs.evolve(options, latency_ms=longest_ns / 1e6)
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether its latency is only known once it is measured: it is."""
+        return True
+
+    @property
+    def notice(self) -> str:
+        """What is to be shown over the picture: that frames do not come; "" while they do."""
+        return self._remote.notice if self._remote is not None else ""
+
+    @property
+    def delays_ns(self) -> list[int]:
+        """The measured delay of each frame, in the order of drawing."""
+        return [delay_ns for _, delay_ns in self.remote.delays_ns]
+
+    def frames(
+        self,
+        options: PipelineOptions,
+        server: Renderer,
+        target: Shown,
+        requested: PoseRequest,
+        stack: ExitStack,
+    ) -> RemoteFrames:
+        """Return the frames that the server elsewhere draws."""
+        return RemoteFrames(self.remote, server, requested, target.eyes)
+
+    def coder(self, coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
+        """Return None: the server codes them."""
+        return None
+
+    def renderer(self, gpu: Gpu, mirrors: str, moment_of: MomentOf = Moment) -> Renderer:
+        """Return what draws the truth, and has textures for the frames."""
+        if self._is_here:
+            return super().renderer(gpu, mirrors, moment_of)
+        return RemoteRenderer(gpu, self.scene, self.feed) if self._draws_truth else Renderer(gpu, self.scene)
+
+    def close(self) -> None:
+        """Hang up."""
+        if self._remote is not None:
+            self._remote.close()
+            self._remote = None
+
+
+def upload_eye(target: Target, frame: FrameMessage, eye: int) -> None:
+    """Put one eye's pictures of a frame into textures."""
+    upload(target.colour, frame.light(eye))
+    inverse_depth = frame.inverse_depths[eye]
+    assert not isinstance(inverse_depth, bytes), "it is decoded before"
+    upload(target.inverse_depth, inverse_depth)
+
+
+class RemoteRenderer(Renderer):
+    """A renderer whose pictures are drawn elsewhere, each when it is asked for.
+
+    It is a client beside the one that the frames are for, so that neither passes the other over.
+    Errors: as Viewer.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, feed: FeedOptions) -> None:
+        super().__init__(gpu, scene)
+        self._viewer = Viewer(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
+        self._apart = ViewsApart()
+
+    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Return what the server draws for the view. Errors: NoTruth where it draws nothing."""
+        found = self._viewer.fetch(view, size, time_ns)
+        if found is None:
+            raise NoTruth("the server has not drawn the truth")
+        self._apart.take(view, found.views[0])
+        target = into if into is not None else self.acquire(size)
+        upload_eye(target, found, 0)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns)
+
+    def truth_facts(
+        self, shown: Sequence[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
+    ) -> tuple[dict[str, Any], str]:
+        """Return nothing for summary.json, and a sentence or two on what the truth is."""
+        text = "The truth is what the server drew for the shown views."
+        if self._apart:
+            text += f" Its views were {self._apart}: the figures count that as error."
+        if missing:
+            text += f" It drew none for {counted(missing, 'picture')}, which were not measured."
+        return {}, text
+
+    def close(self) -> None:
+        """Free what was uploaded, and hang up."""
+        self._viewer.close()
+        super().close()
+
+
+@attrs.frozen(eq=False)
+class RemoteFrames:
+    """Frames that another machine draws: asking returns none, they arrive at the channel.
+
+    server: this side's, of whose textures the frames are made.
+    """
+
+    remote: Remote
+    server: Renderer
+    requested: PoseRequest
+    eyes: Eyes
+
+    def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
+        """Ask for a frame for that head."""
+        asked = self.requested
+        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
+
+    def made(self, pending: Pending, arrival: Arrival) -> Frame:
+        """Return the frame that arrived."""
+        found, eyes = arrival.frame, []
+        for eye, view in enumerate(found.views):
+            target = self.server.acquire(found.size)
+            upload_eye(target, found, eye)
+            error = depth_error(found, self.remote.wish)
+            further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
+            textures = (target.colour, target.inverse_depth)
+            eyes.append(EyeImage(view, *textures, further, drawn_ns=pending.drawn_ns, depth_error=error))
+        took_ms = {"render": found.render_ns / _MS}
+        return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return False: nobody here knows."""
+        return False
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        """Pass over: the server elsewhere hears of it with the next request."""
+
+    def recycle(self, frame: Frame) -> None:
+        """Return the frame's textures to the pools."""
+        self.server.recycle(frame)
+
+    def channel(
+        self,
+        link: LinkOptions,
+        latency_ns: int,
+        coder: Coder | None,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        rate_hz: float,
+        settled: Settled,
+    ) -> Channel:
+        """Return the channel of what arrives by the feed."""
+        return RemoteChannel(self, latency_ns, reads, offer, rate_hz, settled, link)
+
+
+class RemoteChannel(Channel):
+    """The channel of frames that arrive by the feed: their delay is measured, not set."""
+
+    def __init__(
+        self,
+        frames: RemoteFrames,
+        latency_ns: int,
+        reads: Reads,
+        offer: Callable[[Frame], None],
+        rate_hz: float,
+        settled: Settled,
+        network: LinkOptions,
+    ) -> None:
+        super().__init__(network, latency_ns, None, reads, offer, frames.recycle, rate_hz, settled)
+        self._remote, self._frames_of = frames.remote, frames
+        self._measured_ns = self._render_ns = 0
+        self._sent: Counter[str] = Counter()
+        self._unanswered = self._remote.unanswered
+        self._remote.forget()
+        self.link.delay_by(self._delays())
+
+    def _delays(self) -> Iterator[int]:
+        while True:
+            yield self._measured_ns
+
+    def due(self, now_ns: int) -> list[int]:
+        """Return the instants at which a frame is asked for, up to now."""
+        self._remote.pace(now_ns)
+        return super().due(now_ns)
+
+    def newest(self, now_ns: int) -> Frame | None:
+        """Return the newest frame that has arrived by now, or None before the first."""
+        for answer in self._remote.arrived(now_ns):
+            self._render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
+            self._measured_ns = answer.took_ns - self._render_ns
+            self._sent = answer.layer_bytes
+            self.send(self._frames_of.made(answer.pending, answer.arrival), answer.pending.drawn_ns)
+        return super().newest(now_ns)
+
+    def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
+        return self._render_ns, 0
+
+    def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
+        return self._sent
+
+    def fates(self) -> dict[str, int]:
+        """Return what became of every frame; skipped: requests that the server passed over."""
+        return {**super().fates(), "skipped": self._remote.unanswered - self._unanswered}
+
+    def summary(self, rate_hz: float) -> dict[str, Any]:
+        """Return the `link` of summary.json, with the connection."""
+        return {**super().summary(rate_hz), "codec": self._remote.codec, "feed": self._remote.summary()}
