@@ -45,7 +45,6 @@ FLOORS = [
     {"run"},
     {"experiments"},
     {"study"},
-    {"thesis"},
     {"cli"},
     {"__main__"},
 ]
@@ -71,7 +70,7 @@ CLOCK_READERS = {
     "study/store/clock.py",
 }
 # Display: its clock is the one all live times are on.
-CLOCK_FOLDERS = ("cli/", "sources/feed/", "run/", "experiments/", "display/", "thesis/")
+CLOCK_FOLDERS = ("cli/", "sources/feed/", "run/", "experiments/", "display/")
 HEAVY = (
     "scipy",
     "moderngl",
