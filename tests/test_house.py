@@ -67,7 +67,7 @@ CLOCK_READERS = {
     "pipeline/loop.py",
     "pipeline/remote.py",
     "cli/machine/checks.py",
-    "study/store/clock.py",
+    "study/store/store_connection.py",
 }
 # Display: its clock is the one all live times are on.
 CLOCK_FOLDERS = ("cli/", "sources/feed/", "run/", "experiments/", "display/")
@@ -182,7 +182,6 @@ COMMANDS = "cli"  # a command's file carries the name of the command
 SAME_NAME = {
     "bench": "the package, and its pages in the report",
     "charts": "of each kind of page",
-    "formats": "of traces; of an export",
     "library": "the entries of a registry: metrics, scenes",
     "link": "the package and its class",
     "options": "those of each package; the package that declares them",

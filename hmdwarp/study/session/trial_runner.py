@@ -20,10 +20,9 @@ from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
 from ..store import Showing
-from .head_range import HeadRange
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
-from .task_score import TaskScore
+from .task_score import HeadRange, TaskScore
 from .wording import number_panel
 
 if TYPE_CHECKING:
