@@ -239,14 +239,11 @@ def test_no_two_modules_differ_by_an_s():
     assert APART_BY_S.keys() <= apart, f"take out of APART_BY_S: {APART_BY_S.keys() - apart}"
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_imports_point_one_way(path):
-    unit = unit_of(path)
-    if unit == "":
-        assert "cli" not in imports_of(path)  # the public names come from below the command line
-    else:
-        wrong = forbidden(unit, imports_of(path))
-        assert not wrong, f"{name_of(path)} imports {sorted(wrong)}, which its part of the house may not know"
+def test_imports_point_one_way():
+    assert "cli" not in imports_of(PACKAGE / "__init__.py")  # the public names come from below the command line
+    wrong = {name_of(path): forbidden(unit, imports_of(path)) for path in modules() if (unit := unit_of(path))}
+    found = {name: sorted(units) for name, units in wrong.items() if units}
+    assert not found, f"these import what their part of the house may not know: {found}"
 
 
 def test_import_rules_notice_what_they_forbid():
@@ -271,17 +268,20 @@ def strings_of(path: Path) -> list[tuple[int, str]]:
     ]
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_no_shader_text_in_python(path):
+def test_no_shader_text_in_python():
     """Shaders lie in shaders/, where tools find them and compiler messages point.
 
     Only the loader writes a version line.
     """
-    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(") + (
-        () if name_of(path) == "gpu/shaders.py" else ("#version ",)
-    )
-    found = [(line, mark) for line, text in strings_of(path) for mark in marks if mark in text]
-    assert not found, f"shader text in {name_of(path)}: {found}"
+    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(", "#version ")
+    found = [
+        f"{name_of(path)}:{line}: {mark}"
+        for path in modules()
+        for line, text in strings_of(path)
+        for mark in marks
+        if mark in text and (name_of(path), mark) != ("gpu/shaders.py", "#version ")
+    ]
+    assert not found, f"shader text: {found}"
 
 
 PICTURES = re.compile(
@@ -308,9 +308,10 @@ def row_flips(tree: ast.AST) -> list[int]:
     return lines
 
 
-@pytest.mark.parametrize("path", [p for p in modules() if name_of(p) != "gpu/textures.py"], ids=name_of)
-def test_rows_flip_in_one_module_only(path):
-    assert not row_flips(tree_of(path)), f"{name_of(path)}: use gpu.textures (upload, download, flip_rows)"
+def test_rows_flip_in_one_module_only():
+    others = [path for path in modules() if name_of(path) != "gpu/textures.py"]
+    found = [f"{name_of(path)}:{line}" for path in others for line in row_flips(tree_of(path))]
+    assert not found, f"use gpu.textures (upload, download, flip_rows) in place of {found}"
 
 
 def test_row_flips_are_noticed():
@@ -342,14 +343,12 @@ def clock_reads(tree: ast.AST) -> list[int]:
     return lines
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_no_pass_reads_a_clock(path):
+def test_no_pass_reads_a_clock():
     """Time comes in as an argument, so that a replay is the same twice."""
-    name = name_of(path)
-    if name not in CLOCK_READERS and not name.startswith(CLOCK_FOLDERS):
-        assert not clock_reads(tree_of(path)), (
-            f"{name} reads a clock; only the drivers, the displays, the timers and the command line may"
-        )
+    others = [path for path in modules() if name_of(path) not in CLOCK_READERS]
+    others = [path for path in others if not name_of(path).startswith(CLOCK_FOLDERS)]
+    found = [f"{name_of(path)}:{line}" for path in others for line in clock_reads(tree_of(path))]
+    assert not found, f"only the drivers, the displays, the timers and the command line may read a clock: {found}"
 
 
 def test_clock_reads_are_noticed():
@@ -496,26 +495,28 @@ def test_every_public_name_has_a_docstring():
         )
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_every_module_says_what_it_is_for(path):
-    if path.read_text(encoding="utf-8").strip():
-        assert ast.get_docstring(tree_of(path)), f"{name_of(path)} has no docstring"
+def test_every_module_says_what_it_is_for():
+    written = [path for path in modules() if path.read_text(encoding="utf-8").strip()]
+    silent = [name_of(path) for path in written if not ast.get_docstring(tree_of(path))]
+    assert not silent, f"these have no docstring: {silent}"
 
 
 SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".comp", ".vert", ".frag", ".glsl"))
 
 
-@pytest.mark.parametrize("path", SHADERS, ids=lambda p: p.relative_to(ROOT / "shaders").as_posix())
-def test_every_shader_says_what_it_computes(path):
+def header_of(path: Path) -> str:
+    lines = path.read_text(encoding="utf-8").split("\n\n")[0].splitlines()
+    return "\n".join(line for line in lines if line.startswith("//"))
+
+
+def test_every_shader_says_what_it_computes():
     """At the top a comment of two lines or more, and for a whole stage what goes in and what comes
     out.
     """
-    header = "\n".join(
-        line for line in path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if line.startswith("//")
-    )
-    assert header.count("\n") >= 1
-    if path.suffix != ".glsl":
-        assert "In:" in header and "Out:" in header
+    short = [path.name for path in SHADERS if header_of(path).count("\n") < 1]
+    whole = [path for path in SHADERS if path.suffix != ".glsl"]
+    silent = [path.name for path in whole if not {"In:", "Out:"} <= set(re.findall(r"\w+:", header_of(path)))]
+    assert SHADERS and not short and not silent
 
 
 # --- what must not be in any file ---------------------------------------------------------------

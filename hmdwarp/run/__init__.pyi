@@ -25,7 +25,6 @@ from .markers import load_lsl as load_lsl
 from .markers import marker_stream as marker_stream
 from .misses import Misses as Misses
 from .misses import miss_figures as miss_figures
-from .misses import parse_misses as parse_misses
 from .options import AUTO_SOURCE as AUTO_SOURCE
 from .options import DESKTOP as DESKTOP
 from .options import FLAT as FLAT
