@@ -19,8 +19,8 @@ from ..errors import InputError
 from ..experiments.sweep import Failure, Result, Separate, SweepCase, outcomes
 from ..headsets import load_headset
 from ..metrics import QUALITY
-from ..options import parse_size
-from ..pipeline.options import AUTO, PipelineOptions
+from ..options import AUTO, parse_size
+from ..pipeline import PipelineOptions
 from ..report import counted
 from ..resources import __version__
 from ..run import RunOptions, figures

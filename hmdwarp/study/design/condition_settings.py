@@ -10,18 +10,14 @@ from typing import Any
 
 import attrs
 
-from ...client.plan import needs_of
+from ...client import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
-from ...options import declared, options_of
-from ...options.tables import quoted
-from ...pipeline.auto.levels import QualityLevel
-from ...pipeline.options import AUTO, SceneKey
-from ...pipeline.planning import plans_for
-from ...pipeline.sizes import guarded_size
-from ...pipeline.source import Source
-from ...run import LiveOptions, checked_source, levels_from_file
-from ...run.options import FLAT
+from ...options import AUTO, options_of, quoted
+from ...options import DISPLAY as OF_DISPLAY
+from ...options import PICTURE as OF_PICTURE
+from ...pipeline import QualityLevel, SceneKey, Source, guarded_size, plans_for
+from ...run import FLAT, LiveOptions, checked_source, levels_from_file
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
@@ -31,9 +27,9 @@ _OPTIONS = options_of(LiveOptions)
 _SETTINGS = [option for option in _OPTIONS if option.in_study]
 KINDS = {option.name: _TEXT_OR_NUMBER if option.numeric else _KIND_OF.get(option.kind, _TEXT) for option in _SETTINGS}
 # The display is opened once for a session: equal for all conditions.
-DISPLAY = tuple(option.name for option in _SETTINGS if option.study == declared.DISPLAY)
+DISPLAY = tuple(option.name for option in _SETTINGS if option.study == OF_DISPLAY)
 # Of the picture, not of link or warp: the practice takes them over from [common].
-PICTURE = (*(option.name for option in _SETTINGS if option.study == declared.PICTURE), *DISPLAY)
+PICTURE = (*(option.name for option in _SETTINGS if option.study == OF_PICTURE), *DISPLAY)
 _MOST_PIXELS = 16384
 FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
 _NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
