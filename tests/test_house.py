@@ -186,6 +186,8 @@ SAME_NAME = {
     "link": "the package and its class",
     "options": "those of each package; the package that declares them",
     "page": "each kind of page",
+    "parts": "of a server; of a message of the feed",
+    "prediction": "of a head; of ratings",
     "rows": "of a trace file; of an export",
     "sources": "of frames; of a study's analysis",
     "store": "the package and its class",
