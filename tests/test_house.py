@@ -57,13 +57,13 @@ APART = {
     "sources": {"headsets", "link"},
     "frames": {"gpu", "poses"},
     "link": {"gpu", "headsets", "scenes", "poses", "frames"},
-    "client": {"link", "poses", "sources"},
+    "client": {"link", "poses"},
     "metrics": {"client", "sources", "link"},
     "report": {"client", "link", "gpu"},
 }
 CLOCK_READERS = {
+    "client/arriving_scene.py",
     "gpu/timers.py",
-    "pipeline/arriving_scene.py",
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
     "pipeline/remote.py",
@@ -249,6 +249,11 @@ def test_imports_point_one_way(path):
     else:
         wrong = forbidden(unit, imports_of(path))
         assert not wrong, f"{name_of(path)} imports {sorted(wrong)}, which its part of the house may not know"
+
+
+def test_the_client_draws_by_passes_of_the_server_and_knows_no_other_source():
+    found = {other for path in modules() if unit_of(path) == "client" for other in files_imported(path)}
+    assert {name_of(path) for path in found if unit_of(path) == "sources"} == {"sources/server/__init__.py"}
 
 
 def test_import_rules_notice_what_they_forbid():
