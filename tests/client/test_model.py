@@ -169,7 +169,7 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
         server.recycle(frame)
         if arriving.first_picture_bytes is not None:
             shown.append(drawn(gpu, geometry, warp, view)[0][..., :3])
-        weight = arriving.weight()
+        (weight,) = arriving.weights()
         if weight["arrived"] == weight["things"]:
             break
     errors = [np.abs(one - whole).mean() for one in shown]
@@ -245,7 +245,7 @@ def test_what_is_seen_comes_first(gpu):
         )
 
     assert wrong(HERE)[1] == 0 and wrong(HERE)[0] < wrong(behind)[0] / 2
-    weight = arriving.weight()
+    (weight,) = arriving.weights()
     assert weight["arrived"] < weight["things"]
     server.close()
     arriving.close()

@@ -238,7 +238,7 @@ def test_settings_that_are_none_are_refused(text):
 def test_nothing_is_made_once_it_runs(gpu, name):
     shown = Shown(gpu, "spheres")
     shown.fill(name)
-    compiled, models = gpu.shaders.compiled, dict(shown.geometry._models)
+    compiled, models = gpu.shaders.compiled, shown.geometry.weights()
     shown.fill(name)
     assert gpu.shaders.compiled == compiled
-    assert shown.geometry._models == models
+    assert shown.geometry.weights() == models
