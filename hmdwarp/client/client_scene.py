@@ -95,8 +95,9 @@ class ClientScene:
                 self.store(kind, wanted).receive(update.content)
 
     def weights(self) -> list[dict[str, Any]]:
-        """Return the weights of all stores, in the order in which they were made."""
-        return [weight for store in self._stores.values() for weight in store.weights()]
+        """Return the weights of all stores as they were made, first of those that never crossed."""
+        found = [weight for store in self._stores.values() for weight in store.weights()]
+        return sorted(found, key=lambda weight: "start_up_bytes" in weight)
 
     def close(self) -> None:
         """Close the stores; the caller closes the server."""
