@@ -10,8 +10,8 @@ from ...errors import InputError
 from ...options import Declared, force_field, group, option, out_field, same_as
 from ...run import RunOptions
 from ..sweep.options import KeptOptions
-from .library import experiments_named
-from .run_kinds import FULL_SIZE
+from .experiment import experiments_named
+from .runs import FULL_SIZE
 
 _RUN = attrs.fields(RunOptions)
 QUICK_SCALE = 1 / 8
