@@ -5,7 +5,6 @@ from .options import ThesisOptions as ThesisOptions
 from .run_figures import Thoroughness as Thoroughness
 from .runs import Motion as Motion
 from .runs import PictureRun as PictureRun
-from .thesis_run import ThesisResult as ThesisResult
 from .thesis_run import ThesisWork as ThesisWork
 from .thesis_run import cases_of as cases_of
 from .thesis_run import run_thesis as run_thesis

@@ -20,7 +20,7 @@ from ...gpu import Gpu
 from ...report import OutputFolder, jpeg_bytes, plain, render_thesis_page
 from ...resources import __version__
 from ...run.run_summary import machine_of
-from ..sweep import Result, SweepCase, Swept, raise_failures, run_cases
+from ..sweep import ExperimentResult, Result, SweepCase, Swept, raise_failures, run_cases
 from .experiment import Experiment, experiments, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
 from .run_figures import FACTS, Looked, Thoroughness, look, stream
@@ -41,33 +41,18 @@ Progress = Callable[[int, int], None]
 Say = Callable[[str], None]
 
 
-@attrs.frozen(eq=False)
-class ThesisResult:
-    """What was found, as in results.json, and where it lies."""
-
-    folder: Path
-    data: dict[str, Any]
-    # The runs, and which failed: raise_failures tells of them.
-    swept: Swept
-
-    @property
-    def report(self) -> Path:
-        """The page."""
-        return self.folder / PAGE
-
-
 def run_thesis(
     options: ThesisOptions,
     ratings: Ratings,
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
-) -> ThesisResult:
+) -> ExperimentResult:
     """Run the experiments and write the page, results.json and results.csv into options.out.
 
     Each run is a case, kept in the folder `cases` there as soon as it is done. One that fails
-    leaves the others, see ThesisResult.swept. ratings: what the published ratings say; a function
-    of a module, as it crosses to other machines by pickle. progress(done, total): in runs. say:
-    gets a sentence.
+    leaves the others, see ExperimentResult.swept. ratings: what the published ratings say; a
+    function of a module, as it crosses to other machines by pickle. progress(done, total): in runs.
+    say: gets a sentence.
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
     machine lacks; that of the run where none of several was done.
     """
@@ -101,7 +86,7 @@ def run_thesis(
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
         out.write_csv(TABLE, _rows(judged), COLUMNS)
         out.write_json(DATA, data)
-    return ThesisResult(options.out, data, swept)
+    return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
 
 @attrs.frozen
