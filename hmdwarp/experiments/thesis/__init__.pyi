@@ -3,8 +3,8 @@ from .experiment import experiments as experiments
 from .experiment import experiments_named as experiments_named
 from .options import ThesisOptions as ThesisOptions
 from .run_figures import Thoroughness as Thoroughness
-from .runs import Motion as Motion
-from .runs import PictureRun as PictureRun
+from .run_kinds import Motion as Motion
+from .run_kinds import PictureRun as PictureRun
 from .thesis_run import ThesisWork as ThesisWork
 from .thesis_run import cases_of as cases_of
 from .thesis_run import run_thesis as run_thesis

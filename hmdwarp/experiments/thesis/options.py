@@ -11,7 +11,7 @@ from ...options import Declared, force_field, group, option, out_field, same_as
 from ...run import RunOptions
 from ..sweep.options import KeptOptions
 from .experiment import experiments_named
-from .runs import FULL_SIZE
+from .run_kinds import FULL_SIZE
 
 _RUN = attrs.fields(RunOptions)
 QUICK_SCALE = 1 / 8

@@ -34,7 +34,7 @@ from ...run.replay_setup import ReplaySetup
 from ...run.side_by_side import refreshes
 from ...scenes import load_scene
 from .hole_kinds import holes_of, seam
-from .runs import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
+from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
 
 HEADSET = "flat-90"
 # By the wall clock a shorter pass is mostly the driver's overhead.

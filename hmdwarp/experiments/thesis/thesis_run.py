@@ -24,7 +24,7 @@ from ..sweep import ExperimentResult, Result, SweepCase, Swept, raise_failures, 
 from .experiment import Experiment, experiments, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
 from .run_figures import FACTS, Looked, Thoroughness, look, stream
-from .runs import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
+from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 
 SCHEMA = 1

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import attrs
 
-from .runs import Figures
+from .run_kinds import Figures
 
 # Shares below this are a few pixels: their ratios say nothing.
 LEAST_SHARE = 1e-4

@@ -9,7 +9,7 @@ import pytest
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.experiments.thesis import PictureRun, experiments, experiments_named
-from hmdwarp.experiments.thesis.runs import SPEEDS_DEG_S, SPEEDS_M_S
+from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 
