@@ -396,6 +396,47 @@ def exported_by(package: Path) -> dict[str, str]:
     return {alias.name: node.module for node in imports for alias in node.names}
 
 
+def private_names(source: str, package: tuple[str, ...], part: str) -> set[str]:
+    """What `source`, lying in `package`, takes from outside of `part` that no face exports.
+
+    A file beside the packages, such as errors.py, is its own face.
+    """
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        parts = (*package[: len(package) - node.level + 1], *(node.module or "").split("."))
+        if parts[1:2] == (part,) or len(parts) < 2:
+            continue
+        place = PACKAGE.parent.joinpath(*parts)
+        if place.is_dir():
+            known = exported_by(place)
+            found |= {".".join((*parts[1:], alias.name)) for alias in node.names if alias.name not in known}
+        elif len(parts) > 2:
+            found.add(".".join(parts[1:]))
+    return found
+
+
+@pytest.mark.parametrize("path", [p for p in modules() if unit_of(p) == "study"], ids=name_of)
+def test_study_takes_public_names_alone(path):
+    package = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)
+    wrong = private_names(path.read_text(encoding="utf-8"), package, "study")
+    assert not wrong, f"{name_of(path)}: take these from a package's face: {sorted(wrong)}"
+
+
+def test_private_names_are_noticed():
+    taken = "from ...run.options import LiveOptions\nfrom ...run import fit\nfrom ...errors import InputError\n"
+    own = "from ..store.records import Session\nfrom ...run import LiveOptions\n"
+    package = ("hmdwarp", "study", "session")
+    assert private_names(taken + own, package, "study") == {"run.options", "run.fit"}
+
+
+def test_study_stands_apart():
+    """Only the command line knows of studies."""
+    users = {unit_of(path) for path in modules() if "study" in imports_of(path)}
+    assert users == {"cli"}
+
+
 def test_tests_take_names_from_the_packages_that_export_them():
     """What a package exports is what its users import; a test of it imports it in the same way."""
     wrong = set()
@@ -413,9 +454,11 @@ def test_tests_take_names_from_the_packages_that_export_them():
 
 
 def test_no_files_import_each_other_in_a_circle():
-    """Two files that need each other are one idea; a package's face is no part of it."""
-    graph = {path: {other for other in files_imported(path) if other.name != "__init__.py"} for path in modules()}
-    order = graphlib.TopologicalSorter({path: others for path, others in graph.items() if path.name != "__init__.py"})
+    """Two files that need each other are one idea.
+
+    A package's face counts as any other file where it imports plainly; a lazy one imports nothing.
+    """
+    order = graphlib.TopologicalSorter({path: files_imported(path) for path in modules()})
     try:
         order.prepare()
     except graphlib.CycleError as error:

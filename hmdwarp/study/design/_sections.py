@@ -7,7 +7,7 @@ from pathlib import Path
 from PIL.Image import Image
 
 from ...errors import InputError
-from ...options.tables import Table, quoted, text_of
+from ...options import Table, quoted, text_of
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE

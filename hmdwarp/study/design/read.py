@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
-from ...options.tables import Table, parsed, quoted, text_of
+from ...options import Table, parsed, quoted, text_of
 from ...registry import unknown_name
 from ...report import refuse_existing, write_text
 from ..scales import Scale

@@ -14,7 +14,7 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...pipeline.recorded_scene import scene_of
+from ...pipeline import scene_of
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
 from ..console import Console, make_console
