@@ -21,7 +21,7 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION, LinkOptions
 from ..link.codec import Coding, codecs
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..scenes import Scene
 from ..sources.server import Server
 from .auto.adaptive import AdaptiveCompensator
