@@ -117,8 +117,8 @@ def model_rows(summary: Summary) -> Pairs:
     """
     rows = []
     for one in summary.get("client_models") or ():
-        kept = next((name for name in ("points", "photons") if name in one), None)
-        if kept is not None:
+        if "share" not in one:
+            *_, kept = one  # how many things it holds comes last
             rows.append((f"client's {kept}", f"{one[kept]}, room of {one['geometry_bytes'] / 1e6:.1f} MB"))
         else:
             named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"

@@ -1,11 +1,12 @@
-"""Runs picture experiments through the loop of a replay, several on the same late frames."""
+"""Measures the runs of experiments: pictures, several on the same late frames; streams; facts."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from statistics import fmean, median
+from typing import Any
 
 import attrs
 import numpy as np
@@ -17,25 +18,33 @@ from ...colour import picture_from_linear
 from ...frames import EyeImage
 from ...gpu.textures import download
 from ...headsets import load_headset
+from ...link import Bandwidth, LinkOptions, StageTimes
+from ...link.codec import EXACT, Coding
 from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
+from ...pipeline.build import refreshes_of
 from ...pipeline.loop import Refresh
 from ...pipeline.planning import build_plan_for
 from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
-from ...run import RunOptions, draw_truth, set_up_replay
+from ...report import timeline_svg
+from ...run import RunOptions, draw_truth, figures, set_up_replay
 from ...run.combinations import Combination
 from ...run.read_back import coverage, shown_picture
 from ...run.replay_setup import ReplaySetup
 from ...run.side_by_side import refreshes
 from ...scenes import load_scene
 from .hole_kinds import holes_of, seam
-from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun
+from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
 
 HEADSET = "flat-90"
 # By the wall clock a shorter pass is mostly the driver's overhead.
 LEAST_WALL_MS = 1.0
 Picture = NDArray[np.uint8]
 EYES = (0, 1)
+FACTS: Mapping[str, Callable[[], float]] = {
+    "triangles": lambda: float(load_scene("room").triangle_count),
+    "place_of_500_ms": lambda: float(refreshes_of(500.0, RATE_HZ)),
+}
 
 
 @attrs.frozen
@@ -182,7 +191,7 @@ class _Watcher:
             names = dict.fromkeys(name for name, _ in stages)
             self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
 
-    def _measured(self, seen: _Seen, truth_inverse_depth: NDArray, result: EyeResult, now: Compared) -> Figures:
+    def _measured(self, seen: _Seen, truth_inverse_depth: NDArray[Any], result: EyeResult, now: Compared) -> Figures:
         covered = coverage(result)
         empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
         kinds = holes_of(covered, truth_inverse_depth, result.view, seen.rendered.view, seen.late_inverse_depth)
@@ -228,3 +237,48 @@ class _Watcher:
 def _mean(values: Sequence[float | None]) -> float | None:
     known = [value for value in values if value is not None]
     return fmean(known) if known else None
+
+
+def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
+    """Return what the frames of one eye weigh and how late they are, and their time line as SVG.
+
+    scale: of each side of the pictures. Errors: as replay.
+    """
+    width, height = (max(16, round(side * scale)) for side in run.size)
+    summary = figures(
+        RunOptions(
+            trace=run.trace,
+            latency_ms=run.latency_ms,
+            warp=run.warp,
+            fill="none",
+            guard=1.0,
+            predict="none",
+            lens="none",
+            headset=HEADSET,
+            size=(width, height),
+            rate_hz=RATE_HZ,
+            start_s=2.0,
+            seconds=seconds,
+            coding=Coding(run.codec, depth=EXACT),
+            network=LinkOptions() if run.bandwidth_mbit is None else _limited(run.bandwidth_mbit),
+            against="",
+            metrics_every=10**6,
+            workers=0,
+        )
+    )
+    link = summary["link"]
+    per_eye = link["mbit_s"] / 2
+    found: Figures = {
+        "mbit_s": per_eye,
+        **{f"{name}_mbit_s": value / 2 for name, value in link["layers_mbit_s"].items()},
+    }
+    if scale == 1:  # smaller pictures tell nothing of these
+        found["full_size_mbit_s"] = per_eye
+        # A CPU that renders says nothing of a machine with a GPU.
+        found["response_ms"] = (link["response_ms"] or {}).get("median_ms") if summary["clock"] == "gpu" else None
+    return found, timeline_svg(link.get("timeline") or ())
+
+
+def _limited(mbit_s: float) -> LinkOptions:
+    """Return a link on which all that a frame goes through delays it."""
+    return LinkOptions(bandwidth=Bandwidth(mbit_s), response=StageTimes())
