@@ -2,8 +2,6 @@ from .charts import Series as Series
 from .charts import binned as binned
 from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
-from .comparison import comparison_rows as comparison_rows
-from .comparison import summary_table as summary_table
 from .files import atomic as atomic
 from .files import refuse_source as refuse_source
 from .files import sync as sync
@@ -33,6 +31,8 @@ from .pictures import magma as magma
 from .pictures import png_bytes as png_bytes
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import render_report as render_report
+from .run_figures import comparison_rows as comparison_rows
+from .run_figures import summary_table as summary_table
 from .run_texts import axes_of_traces as axes_of_traces
 from .run_texts import budget_rows as budget_rows
 from .run_texts import coding_rows as coding_rows

@@ -11,7 +11,6 @@ from markupsafe import Markup
 
 from ..metrics import PRIMARY, Figure, Kept, metrics_in_order
 from .charts import Series, time_series, timeline_svg
-from .comparison import column_names, comparison_rows, how_sure
 from .page import (
     Article,
     Chart,
@@ -30,6 +29,7 @@ from .page import (
     texts,
 )
 from .pictures import Panel, comparison_panels
+from .run_figures import column_names, comparison_rows, how_sure
 from .run_texts import (
     MISS_FIGURES,
     QUALITY_FIGURES,
