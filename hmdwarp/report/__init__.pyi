@@ -31,8 +31,8 @@ from .pictures import magma as magma
 from .pictures import png_bytes as png_bytes
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import render_report as render_report
-from .run_figures import comparison_rows as comparison_rows
-from .run_figures import summary_table as summary_table
+from .run_table import comparison_rows as comparison_rows
+from .run_table import summary_table as summary_table
 from .run_texts import axes_of_traces as axes_of_traces
 from .run_texts import budget_rows as budget_rows
 from .run_texts import coding_rows as coding_rows

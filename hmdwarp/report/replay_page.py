@@ -29,7 +29,7 @@ from .page import (
     texts,
 )
 from .pictures import Panel, comparison_panels
-from .run_figures import column_names, comparison_rows, how_sure
+from .run_table import column_names, comparison_rows, how_sure
 from .run_texts import (
     MISS_FIGURES,
     QUALITY_FIGURES,
