@@ -2,7 +2,6 @@ from .auto.levels import QualityLevel as QualityLevel
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
 from .channel import Channel as Channel
-from .client_scene import ClientScene as ClientScene
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 
 import attrs
 
+from ..client import ClientScene
 from ..client.classes import load_client
 from ..client.compensator import Compensator
 from ..client.history import History
@@ -17,14 +18,13 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..sources.server import Renderer
 from .auto.adaptive import AdaptiveCompensator
 from .auto.governor import Governor
 from .auto.levels import QualityLevel
 from .changes import Changes
 from .channel import Channel
-from .client_scene import ClientScene
 from .frame_source import Target, settling
 from .layers_read import Reads
 from .link_times import check_held, expected_age_ns

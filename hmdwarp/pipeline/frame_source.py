@@ -7,6 +7,7 @@ from typing import Protocol
 
 import attrs
 
+from ..client.client_scene import ClientScene
 from ..frames import Frame
 from ..geometry import Eyes, Guard, GuardBand
 from ..gpu.context import Gpu
@@ -15,7 +16,6 @@ from ..link import LinkOptions, scaled_size
 from ..poses import PoseSample
 from ..sources.server import Renderer
 from .channel import Channel, Settled
-from .client_scene import ClientScene
 from .frame_coder import Coder
 from .layers_read import Reads
 from .requested import PoseRequest

@@ -9,6 +9,7 @@ from typing import Any
 
 import moderngl
 
+from ..client.client_scene import ClientScene
 from ..client.compensator import Compensator, EyeResult
 from ..client.history import History
 from ..errors import InputError
@@ -21,7 +22,6 @@ from ..metrics import middle_and_tail
 from ..poses import PoseSample
 from ..sources.server import Renderer
 from .channel import Channel, Settled
-from .client_scene import ClientScene
 from .frame_coder import Coder
 from .frame_source import ServerFrames, Target, settling
 from .layers_read import Reads

@@ -17,7 +17,7 @@ from ..geometry import Fov, GuardBand, Pose
 from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, PoseTrack
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..poses.quaternions import multiply, rotate
 from ..sources import sequences
 from ..sources.repairs import parse_repairs

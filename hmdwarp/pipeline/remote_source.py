@@ -19,7 +19,7 @@ from ..gpu.textures import upload
 from ..link import LinkOptions
 from ..link.codec import Coding
 from ..poses import PoseSample
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..scenes import Scene
 from ..sources.feed.caller import Arrival
 from ..sources.feed.key_pairs import public_key

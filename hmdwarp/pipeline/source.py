@@ -17,7 +17,7 @@ from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
 from .frame_coder import Coder

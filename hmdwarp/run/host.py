@@ -21,7 +21,7 @@ from ..pipeline.sizes import guarded_size
 from ..pipeline.source import Source
 from ..pipeline.source_choice import source_of
 from ..poses import Origin, PoseSample
-from ..poses.looped import LoopedSource, Moment
+from ..poses.pose_source import LoopedSource, Moment
 from .bench_levels import LevelSet, levels_from_file
 from .options import OFFSCREEN, LiveOptions
 from .pose_request import RecentPoses, check_names
