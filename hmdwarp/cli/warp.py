@@ -79,7 +79,7 @@ def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..client.plan import PICTURE
     from ..image.usable import plan_of
-    from ..image.warping import warp_image
+    from ..image.warper import warp_image
     from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
     from ..sources.repairs import parse_repairs
     from ..sources.sequences import read_frame, read_view

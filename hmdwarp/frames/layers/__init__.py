@@ -29,5 +29,6 @@ __all__ = [
     "Layer",
     "Surface",
     "layers",
+    "readable",
     "readable_names",
 ]
