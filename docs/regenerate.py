@@ -446,11 +446,11 @@ def governors(folder: Path) -> None:
     times.write_text("14\n" * 120 + "25\n" * 150 + "14\n" * 90, encoding="utf-8")
     heads = ("recording", "a late picture", "governor", "missed %", "judder deg", "PSNR dB", "FLIP")
     lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * 3 + " ---: |" * 4]
-    for trace, show in product(RECORDINGS, ("turned", "stands")):
+    for trace, show in product(RECORDINGS, ("turn", "hold")):
         out = folder / f"governor-{trace}-{show}"
-        miss = f"warp={times},governor=both,show={show}"
+        miss = ("--client-time", str(times), "--compare-governor", "--on-miss", show)
         options = shlex.split("--warp auto --budget 8.3 --seconds 6 --size 160x200 --metrics-every 7")
-        program("replay", trace, *options, "--miss", miss, "--images", "0", *QUIET, str(out))
+        program("replay", trace, *options, *miss, "--images", "0", *QUIET, str(out))
         on = json.loads((out / "summary.json").read_text(encoding="utf-8"))
         (off,) = on["against"]
         levels = [one["name"] for one in on["auto"]["ladder"] if one["refreshes"]]

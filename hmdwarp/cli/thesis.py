@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from ..thesis import ThesisOptions
+from ..experiments.thesis import ThesisOptions
 from ._options import QUIET, Said, command_line, takes
 
 
@@ -19,11 +19,12 @@ def thesis(said: Said) -> None:
 
 def _run(options: ThesisOptions, quiet: bool) -> None:
     from ..experiments.sweep import raise_failures
-    from ..thesis import run_thesis
+    from ..experiments.thesis import run_thesis
+    from ..study.thesis_ratings import published_ratings
     from ._show import in_columns, sayer, steps
 
     with steps("runs", quiet=quiet) as (progress, _):
-        result = run_thesis(options, progress, sayer(quiet))
+        result = run_thesis(options, published_ratings, progress, sayer(quiet))
     if not quiet:
         in_columns((one["verdict"], one["claim"]) for one in result.data["experiments"])
         typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))

@@ -27,7 +27,7 @@ from ..pipeline.options import AUTO, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions
-from .misses import Misses, parse_misses
+from .misses import Misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -83,15 +83,8 @@ class RunOptions(PipelineOptions):
     )
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
-    # A client that takes time; None for one that is always ready.
-    miss: Misses | None = option(
-        None,
-        "A client that misses refreshes: its time for a picture, warp=MS, FILE or measured; ,budget=MS (default: a "
-        "refresh), ,show=turned or stands and ,governor=both (with warp auto: also run without it).",
-        kind=str,
-        default="",
-        parse=parse_misses,
-    )
+    # A client that takes time.
+    miss: Misses = group(Misses)
     trace_options: TraceOptions = group(TraceOptions)
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
@@ -106,7 +99,7 @@ class RunOptions(PipelineOptions):
         super().__attrs_post_init__()
         if not self.trace and not self.is_recorded:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
-        if self.miss is not None:
+        if self.miss.on:
             self._check_miss()
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
@@ -122,7 +115,9 @@ class RunOptions(PipelineOptions):
         }
         for name, said in excluded.items():
             if said:
-                raise InputError(f"--miss with {name}: a picture that stands is not shown there; leave one of them out")
+                raise InputError(
+                    f"--client-time with {name}: a late picture is not shown again there; leave one of them out"
+                )
 
     @property
     def compared(self) -> tuple[tuple[str, str], ...]:

@@ -18,7 +18,7 @@ from ...resources import __version__
 from ...resources import folder as resource_folder
 
 # What neither draws nor measures a picture: a change there leaves most results as they are.
-_NOT_OF_RESULTS = ("cli/", "display/", "report/", "study/", "experiments/sweep/", "thesis/")
+_NOT_OF_RESULTS = ("cli/", "display/", "report/", "study/", "experiments/sweep/", "experiments/thesis/")
 # Fields of options that say where results go and how they are made, but not what they are.
 HOW = ("out", "force", "command", "workers", "parquet", "sweep")
 # What begins the lines of a scene's files that name another file.

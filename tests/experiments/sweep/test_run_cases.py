@@ -109,5 +109,10 @@ def test_a_scene_is_the_files_that_it_names_and_not_what_lies_beside(tmp_path, s
 
 def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
     plain = identity_of("kind", 1)
-    assert len({plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("thesis/facts.py",))}) == 3
+    assert (
+        len(
+            {plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("experiments/thesis/thesis_work.py",))}
+        )
+        == 3
+    )
     assert identity_of("kind", 1, ("nowhere/",)) == plain

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
-from ..registry import unknown_name
+from ...registry import unknown_name
 from .experiment import Cell, Experiment
 from .run_kinds import (
     BACKWARD,

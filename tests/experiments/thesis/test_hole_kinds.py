@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmdwarp.experiments.thesis.hole_kinds import holes_of, seam
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import border_share
-from hmdwarp.thesis.hole_kinds import holes_of, seam
 
 FOV = Fov.symmetric(np.deg2rad(90), np.deg2rad(70))
 SIZE = (24, 16)

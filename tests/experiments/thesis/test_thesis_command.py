@@ -14,8 +14,9 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.experiments.sweep import KeptOptions, run_cases
+from hmdwarp.experiments.thesis import EXPERIMENTS, Motion, PictureRun, ThesisWork, Thoroughness, Verdict, cases_of
 from hmdwarp.report import summary_markdown
-from hmdwarp.thesis import EXPERIMENTS, Motion, PictureRun, ThesisWork, Thoroughness, Verdict, cases_of
+from hmdwarp.study.thesis_ratings import published_ratings
 
 FEW = "scene,fig28-30,ratings-figures"
 
@@ -85,10 +86,12 @@ def _runs(*fills: str) -> tuple[PictureRun, ...]:
 
 def test_a_run_that_fails_leaves_those_on_the_same_frames(tmp_path):
     how, runs = Thoroughness((48, 30), 1, 1), _runs("none", "nonsense", "interpolate")
-    swept = run_cases(ThesisWork(runs), cases_of(runs, set(runs), how), tmp_path, KeptOptions())
+    swept = run_cases(ThesisWork(runs, published_ratings), cases_of(runs, set(runs), how), tmp_path, KeptOptions())
     assert [case.what.run.fill for case, _ in swept.results()] == ["none", "interpolate"]
     assert ["nonsense" in one.why for one in swept.failed] == [True]
-    alone = run_cases(ThesisWork(runs[2:]), cases_of(runs[2:], set(runs), how), tmp_path / "alone", KeptOptions())
+    alone = run_cases(
+        ThesisWork(runs[2:], published_ratings), cases_of(runs[2:], set(runs), how), tmp_path / "alone", KeptOptions()
+    )
     assert [*alone.results()] == [*swept.results()][1:]
 
 
@@ -98,7 +101,7 @@ def test_a_cluster_gives_what_one_process_gives(tmp_path):
     runs = _runs("none", "interpolate")
     cases = cases_of(runs, set(runs[:1]), Thoroughness((48, 30), 1, 1))
     here, there = (
-        run_cases(ThesisWork(runs), cases, tmp_path / name, KeptOptions(cluster=cluster))
+        run_cases(ThesisWork(runs, published_ratings), cases, tmp_path / name, KeptOptions(cluster=cluster))
         for name, cluster in (("here", None), ("there", "local:1"))
     )
     assert not there.failed and [*there.results()] == [*here.results()]

@@ -12,23 +12,30 @@ from typing import Any
 
 import attrs
 
-from ..experiments.sweep import Result, SweepCase
-from ..gpu import Gpu
-from ..report import jpeg_bytes
-from ..run.run_summary import machine_of
-from .facts import fact, ratings
+from ...gpu import Gpu
+from ...pipeline.build import refreshes_of
+from ...report import jpeg_bytes
+from ...run.run_summary import machine_of
+from ...scenes import load_scene
+from ..sweep import Result, SweepCase
 from .picture_runs import Looked, Thoroughness, look
-from .run_kinds import FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun
+from .run_kinds import RATE_HZ, FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun
 from .stream_runs import stream
 
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
+# What the published ratings of a part and latency say: the study package's, handed in.
+Ratings = Callable[[str, float], Figures]
+_FACTS: Mapping[str, Callable[[], float]] = {
+    "triangles": lambda: float(load_scene("room").triangle_count),
+    "place_of_500_ms": lambda: float(refreshes_of(500.0, RATE_HZ)),
+}
 # What the figures of a kind depend on besides what draws and measures pictures; the rules that
 # judge them do not count.
 _ALSO: Mapping[type, tuple[str, ...]] = {
-    PictureRun: ("thesis/picture_runs.py", "thesis/hole_kinds.py"),
-    StreamRun: ("thesis/stream_runs.py", "thesis/picture_runs.py"),
-    RatingsRun: ("thesis/facts.py", "study/"),
-    FactRun: ("thesis/facts.py",),
+    PictureRun: ("experiments/thesis/picture_runs.py", "experiments/thesis/hole_kinds.py"),
+    StreamRun: ("experiments/thesis/stream_runs.py", "experiments/thesis/picture_runs.py"),
+    RatingsRun: ("study/",),
+    FactRun: ("experiments/thesis/thesis_work.py",),
 }
 
 
@@ -78,12 +85,13 @@ class ThesisWork:
 
     # All that are wanted: those on the same frames are looked at together.
     runs: tuple[Run, ...]
+    ratings: Ratings
 
     @contextmanager
     def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
         """Open a folder for the traces of heads."""
         with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
-            yield _Runner(self.runs, Path(name))
+            yield _Runner(self.runs, self.ratings, Path(name))
 
 
 @functools.cache
@@ -96,8 +104,8 @@ def _examined() -> dict[str, Any]:
 class _Runner:
     """Runs one case after the other; what was looked at together waits for its turn."""
 
-    def __init__(self, runs: Sequence[Run], folder: Path) -> None:
-        self._runs, self._folder = runs, folder
+    def __init__(self, runs: Sequence[Run], ratings: Ratings, folder: Path) -> None:
+        self._runs, self._ratings, self._folder = runs, ratings, folder
         self._looked: dict[Run, Looked] = {}
         # Frames on which not all could be looked at: there each is looked at by itself.
         self._apart: set[Any] = set()
@@ -112,8 +120,10 @@ class _Runner:
         elif isinstance(run, StreamRun):
             figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
             files = {TIMELINE: drawn.encode()} if part.is_pictured else {}
+        elif isinstance(run, RatingsRun):
+            figures = self._ratings(run.part, run.latency_ms)
         else:
-            figures = _without_pictures(run)
+            figures = {"value": _FACTS[run.fact]()}
         return Result({**machine, "figures": figures}, files)
 
     def _look(self, run: PictureRun, how: Thoroughness) -> Looked:
@@ -129,7 +139,3 @@ class _Runner:
                 self._apart.add(frames)  # one of them is at fault: the others go on
                 return self._look(run, how)
         return self._looked[run]
-
-
-def _without_pictures(run: RatingsRun | FactRun) -> Figures:
-    return ratings(run) if isinstance(run, RatingsRun) else fact(run)

@@ -11,23 +11,23 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..client.compensator import EyeResult
-from ..client.plan import needs_of
-from ..colour import picture_from_linear
-from ..frames import EyeImage
-from ..gpu.textures import download
-from ..headsets import load_headset
-from ..metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
-from ..pipeline.loop import Refresh
-from ..pipeline.planning import build_plan_for
-from ..poses import GLIDES, synthesise
-from ..poses.synth import write_synthetic
-from ..run import RunOptions, draw_truth, set_up_replay
-from ..run.combinations import Combination
-from ..run.read_back import coverage, shown_picture
-from ..run.replay_setup import ReplaySetup
-from ..run.side_by_side import refreshes
-from ..scenes import load_scene
+from ...client.compensator import EyeResult
+from ...client.plan import needs_of
+from ...colour import picture_from_linear
+from ...frames import EyeImage
+from ...gpu.textures import download
+from ...headsets import load_headset
+from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
+from ...pipeline.loop import Refresh
+from ...pipeline.planning import build_plan_for
+from ...poses import GLIDES, synthesise
+from ...poses.synth import write_synthetic
+from ...run import RunOptions, draw_truth, set_up_replay
+from ...run.combinations import Combination
+from ...run.read_back import coverage, shown_picture
+from ...run.replay_setup import ReplaySetup
+from ...run.side_by_side import refreshes
+from ...scenes import load_scene
 from .hole_kinds import holes_of, seam
 from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun
 

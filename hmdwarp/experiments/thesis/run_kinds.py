@@ -112,7 +112,7 @@ class RatingsRun:
 
 @attrs.frozen(kw_only=True)
 class FactRun:
-    """A number of this program that the thesis has too: see `facts`."""
+    """A number of this program that the thesis has too: see _FACTS of thesis_work."""
 
     fact: str
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.thesis import AtLeast, AtMost, Between, Finding, Verdict, settings_text, verdict_of
+from hmdwarp.experiments.thesis import AtLeast, AtMost, Between, Finding, Verdict, settings_text, verdict_of
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..link import Bandwidth, LinkOptions, StageTimes
-from ..link.codec import EXACT, Coding
-from ..report import timeline_svg
-from ..run import RunOptions, figures
+from ...link import Bandwidth, LinkOptions, StageTimes
+from ...link.codec import EXACT, Coding
+from ...report import timeline_svg
+from ...run import RunOptions, figures
 from .picture_runs import HEADSET
 from .run_kinds import RATE_HZ, Figures, StreamRun
 

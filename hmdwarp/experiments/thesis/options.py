@@ -6,10 +6,10 @@ from pathlib import Path
 
 import attrs
 
-from ..errors import InputError
-from ..experiments.sweep.options import KeptOptions
-from ..options import Declared, force_field, group, option, out_field, same_as
-from ..run import RunOptions
+from ...errors import InputError
+from ...options import Declared, force_field, group, option, out_field, same_as
+from ...run import RunOptions
+from ..sweep.options import KeptOptions
 from .library import experiments_named
 from .run_kinds import FULL_SIZE
 

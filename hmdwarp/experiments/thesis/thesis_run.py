@@ -12,15 +12,15 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..experiments.sweep import SweepCase, Swept, raise_failures, run_cases
-from ..report import OutputFolder, jpeg_bytes, plain, render_thesis_page
-from ..resources import __version__
+from ...report import OutputFolder, jpeg_bytes, plain, render_thesis_page
+from ...resources import __version__
+from ..sweep import SweepCase, Swept, raise_failures, run_cases
 from .experiment import Experiment
 from .library import EXPERIMENTS, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
 from .picture_runs import Thoroughness
 from .run_kinds import Figures, PictureRun, Run, StreamRun, is_quick
-from .thesis_work import PICTURE, TIMELINE, TRUTH, ThesisWork, cases_of
+from .thesis_work import PICTURE, TIMELINE, TRUTH, Ratings, ThesisWork, cases_of
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 
 SCHEMA = 1
@@ -47,12 +47,17 @@ class ThesisResult:
 
 
 def run_thesis(
-    options: ThesisOptions, progress: Progress = lambda done, total: None, say: Say = lambda text: None
+    options: ThesisOptions,
+    ratings: Ratings,
+    progress: Progress = lambda done, total: None,
+    say: Say = lambda text: None,
 ) -> ThesisResult:
     """Run the experiments and write the page, results.json and results.csv into options.out.
 
     Each run is a case, kept in the folder `cases` there as soon as it is done. One that fails
-    leaves the others, see ThesisResult.swept. progress(done, total): in runs. say: gets a sentence.
+    leaves the others, see ThesisResult.swept. ratings: what the published ratings say; a function
+    of a module, as it crosses to other machines by pickle. progress(done, total): in runs. say:
+    gets a sentence.
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
     machine lacks; that of the run where none of several was done.
     """
@@ -64,7 +69,7 @@ def run_thesis(
         # Of any experiment, not only of those chosen: what is kept serves another choice too.
         pictured: set[Run] = {run for one in EXPERIMENTS for run in one.pictures}
         cases = cases_of(runs, pictured, how)
-        swept = run_cases(ThesisWork(runs), cases, options.out, options.sweep, progress, say)
+        swept = run_cases(ThesisWork(runs, ratings), cases, options.out, options.sweep, progress, say)
         if not (figures := _figures(swept.results())):
             raise_failures(swept)
         made_on = next(data for _, data in swept.results())

@@ -6,8 +6,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import View, WarpMap
-from ..gpu import flip_rows
+from ...geometry import View, WarpMap
+from ...gpu import flip_rows
 
 # Two depths nearer than this are one surface: what a grazing surface changes by within a pixel, see
 # metrics.regions.
