@@ -89,7 +89,7 @@ def warp(said: Said) -> None:
         refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
     depth = has_depth(options.out)
-    plan_of(options.warp, options.fill, given=PICTURE, depth=depth)
+    plan_of(options.warp, options.fill, available=PICTURE, depth=depth)
     parse_repairs(options.repair)
     frame = read_frame(options.frame, options.depth, options.camera)
     shown = read_view(options.to, options.size or frame.size)
