@@ -1,3 +1,6 @@
+from .check_answer import Answer as Answer
+from .check_answer import Finding as Finding
+from .check_answer import check as check
 from .conventions import differences as differences
 from .frame_reading import Reading as Reading
 from .mismatch_strip import mismatch as mismatch
@@ -7,6 +10,3 @@ from .stated_frames import RIGHT as RIGHT
 from .stated_frames import Stated as Stated
 from .stated_frames import StatedFrame as StatedFrame
 from .stated_frames import read_stated as read_stated
-from .verdict import Answer as Answer
-from .verdict import Finding as Finding
-from .verdict import check as check

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from ..gpu.textures import flip_rows
 from ..report import labelled_strip, magma
+from .check_answer import Answer
 from .frame_reading import Reading
 from .overlap import Overlap
 from .search import Search
 from .stated_frames import Array, Stated
-from .verdict import Answer
 
 Picture = NDArray[np.uint8]
 _WORST = 0.2  # difference of the depths, in their size, that is drawn brightest
