@@ -51,7 +51,15 @@ class Server(Renderer):
         self._parts: dict[str, Part] = {}
         self._chosen: dict[Needs, list[Part]] = {}
         self._context = DrawContext(
-            gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire, self._draw, self._passes_for
+            gpu,
+            scene,
+            self._textures,
+            self._framebuffers,
+            self._colour,
+            self.acquire,
+            self._draw,
+            self._passes_for,
+            lambda other: Server(gpu, other),
         )
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
