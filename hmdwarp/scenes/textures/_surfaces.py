@@ -2,10 +2,50 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._noise import Field, Image, fractal, tinted, to_image, unit_grid
+Image = NDArray[np.uint8]  # (h, w, 3 or 4), top row first
+Field = NDArray[np.floating]  # (h, w)
+
+
+@cache
+def fractal(
+    height: int, width: int, seed: int, exponent: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)
+) -> NDArray[np.float32]:
+    """Return tiling noise (height, width) with mean 0 and deviation 1.
+
+    exponent: of the frequency; 0 is white, 1 pink, 2 smooth noise. stretch: factors down and
+    across.
+    """
+    white = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
+    fy = np.fft.fftfreq(height)[:, None] * height * stretch[0]
+    fx = np.fft.rfftfreq(width)[None] * width * stretch[1]
+    amplitude = np.maximum(np.hypot(fy, fx), 1.0) ** -exponent
+    amplitude[0, 0] = 0
+    field = np.fft.irfft2(np.fft.rfft2(white) * amplitude, s=(height, width)).astype(np.float32)
+    field /= field.std()
+    field.flags.writeable = False
+    return field
+
+
+def to_image(colour: NDArray) -> Image:
+    """Convert (h, w, 3 or 4) sRGB values of 0..1 to bytes."""
+    return (np.clip(colour, 0, 1) * 255 + 0.5).astype(np.uint8)
+
+
+def tinted(value: Field, dark: ArrayLike, bright: ArrayLike) -> NDArray:
+    """Return (h, w, 3) sRGB between two colours, by a field of 0..1."""
+    low, high = np.asarray(dark, np.float32), np.asarray(bright, np.float32)
+    return low + np.clip(value, 0, 1)[..., None] * (high - low)
+
+
+def unit_grid(height: int, width: int) -> tuple[Field, Field]:
+    """Return (h, w) places y and x from 0 at the top left towards 1."""
+    y, x = np.meshgrid(np.arange(height) / height, np.arange(width) / width, indexing="ij")
+    return y, x
 
 
 def planks(size: int = 1024, count: int = 14, seed: int = 11) -> Image:
@@ -189,3 +229,49 @@ def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
         inside = np.where((teeth & (layer == 2))[..., None], palette[0], palette[np.maximum(layer, 0)])
         image = np.where((layer >= 0)[..., None], inside, image)
     return image * (0.92 + 0.10 * fractal(*y.shape, seed + 1, 0.1)[..., None])
+
+
+FLOOR = (-2.7, -3.7, 1.9, -1.1)  # x0, z0, x1, z1 in metres
+RUG = (-0.75, -3.62, 1.75, -1.5)
+WINDOW_LEFT, WINDOW_RIGHT, WINDOW_BOTTOM, WINDOW_TOP, WINDOW_Z = -0.35, 2.25, 0.85, 2.35, -4.2
+TEXEL_M = 0.003
+ELEVATION, AZIMUTH = np.radians(36), np.radians(38)  # of the sun, azimuth from -z towards +x
+TOWARDS_SUN = np.array([np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION), -np.cos(ELEVATION) * np.cos(AZIMUTH)])
+GAIN = 1.7  # how much brighter the sun makes a place than the room's own light
+
+
+def sun_floor(boards: Image, shaded: NDArray[np.bool_]) -> Image:
+    """Return (h, w, 3) sRGB, to be drawn 1 + GAIN times as bright as baked.
+
+    boards: 2 m by 2 m. shaded: (h, w), where things in the room intercept the sun.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    x0, z0, x1, z1 = FLOOR
+    height, width = shaded.shape
+    x = (x0 + (np.arange(width, dtype=np.float32) + 0.5) * (x1 - x0) / width)[None]
+    z = (z0 + (np.arange(height, dtype=np.float32) + 0.5) * (z1 - z0) / height)[:, None]
+    # Picture rows run down and v runs along -z, so rows run along +z.
+    column, row = ((x / 2) % 1 * len(boards)).astype(int), ((z / 2) % 1 * len(boards)).astype(int)
+    image = boards[row, column]
+    left, right = (round((edge - x0) / TEXEL_M) for edge in RUG[::2])
+    top, bottom = (round((edge - z0) / TEXEL_M) for edge in RUG[1::2])
+    down, across = np.meshgrid(
+        np.linspace(0, 1, bottom - top, dtype=np.float32),
+        np.linspace(0, 1, right - left, dtype=np.float32),
+        indexing="ij",
+    )
+    image[top:bottom, left:right] = (np.clip(rug(down, across), 0, 1) * 255).astype(np.uint8)
+    # Half a degree of sun blurs a shadow by two texels over 1.5 m.
+    shadow = np.clip(gaussian_filter(shaded.astype(np.float32), 2.0) * 2.6, 0, 1)
+    share = (1 + GAIN * _window_light(x, z) * (1 - shadow)) / (1 + GAIN)
+    # sRGB is nearly a power of 2.2 over the range that matters.
+    return (image * (share ** (1 / 2.2))[..., None] + 0.5).astype(np.uint8)
+
+
+def _window_light(x: NDArray, z: NDArray) -> NDArray[np.float32]:
+    """Return 1 where the way to the sun goes through the window, else 0."""
+    t = (WINDOW_Z - z) / TOWARDS_SUN[2]
+    at_x, at_y = x + t * TOWARDS_SUN[0], t * TOWARDS_SUN[1] + 0 * x
+    inside = (at_x > WINDOW_LEFT) & (at_x < WINDOW_RIGHT) & (at_y > WINDOW_BOTTOM) & (at_y < WINDOW_TOP)
+    return inside.astype(np.float32)
