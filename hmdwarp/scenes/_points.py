@@ -1,4 +1,4 @@
-"""A scene's plain surfaces as points: cut into small cells, each sampled as densely as requested."""
+"""A scene's plain surfaces as points: cut into small cells, each sampled as densely as needed."""
 
 from __future__ import annotations
 
