@@ -43,6 +43,7 @@ class TraceOptions(Declared):
     Errors: InputError for values that no file can have.
     """
 
+    heading = "Reading the head trace"
     # Name of a trace format.
     format: str | None = option(
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
