@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._surfaces import Field, Image, fractal, tinted, to_image, unit_grid
+from ._surfaces import Field, Image, fractal, over, tinted, to_image, unit_grid
 
 Colour = tuple[float, float, float]
 
@@ -65,8 +65,8 @@ def poster(index: int, height: int = 384, width: int = 256) -> Image:
         for layer in range(5):
             ridge = 0.35 + 0.09 * layer + 0.05 * fractal(1, width, 300 + layer, 1.3)[0]
             tone = np.array((0.85, 0.45, 0.35)) * (1 - layer / 5) + np.array((0.12, 0.18, 0.32)) * layer / 5
-            image = np.where(((y > ridge) & (y < 0.82))[..., None], tone, image)
-        image = np.where((np.hypot(x - 0.45, y - 0.22) < 0.08)[..., None], (0.98, 0.83, 0.50), image)
+            image = over(image, (y > ridge) & (y < 0.82), tone)
+        image = over(image, np.hypot(x - 0.45, y - 0.22) < 0.08, (0.98, 0.83, 0.50))
     elif index % 4 == 2:
         tones = rng.uniform(0.15, 0.95, (6, 4, 3))
         cells = tones[np.clip((y * 8 - 0.4).astype(int), 0, 5), np.clip((x * 6).astype(int), 0, 3)]
@@ -153,10 +153,10 @@ def flag(height: int = 256, width: int = 384) -> Image:
     image = np.where(stripe[..., None] == 0, (0.78, 0.16, 0.14), (0.95, 0.92, 0.84))
     u, v = (x - 0.3) * width / height, y - 0.5
     disc = np.hypot(u, v) < 0.34
-    image = np.where(disc[..., None], (0.14, 0.24, 0.46), image)
+    image = over(image, disc, (0.14, 0.24, 0.46))
     for angle in np.arange(12) * np.pi / 6:
         dot = np.hypot(u - 0.25 * np.cos(angle), v - 0.25 * np.sin(angle)) < 0.035
-        image = np.where(dot[..., None], (0.95, 0.80, 0.30), image)
+        image = over(image, dot, (0.95, 0.80, 0.30))
     weave = 0.03 * fractal(height, width, 900, 0.2) + 0.03 * fractal(height, width, 901, 1.2)
     return to_image(image + weave[..., None])
 
@@ -184,7 +184,7 @@ def dusty_glass(words: tuple[str, ...], size: int = 512, seed: int = 800) -> Ima
         top, left = round(size * 0.24) + 9 * scale * line, (size - mask.shape[1]) // 2
         area = np.s_[top : top + mask.shape[0], left : left + mask.shape[1]]
         alpha[area] = np.where(mask, 0.92, alpha[area])
-        colour[area] = np.where(mask[..., None], (0.93, 0.90, 0.78), colour[area])
+        colour[area] = over(colour[area], mask, (0.93, 0.90, 0.78))
     return with_alpha(colour, alpha)
 
 
@@ -267,13 +267,11 @@ def painting(index: int, height: int = 384, width: int = 320) -> Image:
     if kind == 0:
         image = tinted(1.1 - y + 0.10 * soft, dark, bright)
         land = y > 0.62 + 0.06 * soft[height // 2][None]
-        image = np.where(
-            land[..., None], third * (0.35 + 0.9 * (1 - y))[..., None] * (1 + 0.16 * rough)[..., None], image
-        )
+        image = over(image, land, third * (0.35 + 0.9 * (1 - y))[..., None] * (1 + 0.16 * rough)[..., None])
     elif kind == 1:
         flow = np.sin(9 * x + 3.5 * soft) * np.cos(7 * y + 2.5 * np.roll(soft, 60, axis=1))
         image = tinted(0.5 + 0.5 * flow, dark, bright)
-        image = np.where((np.abs(flow) < 0.22)[..., None], third, image)
+        image = over(image, np.abs(flow) < 0.22, third)
     elif kind == 2:
         edges = np.sort(np.random.default_rng(950 + index).uniform(0, 1, 13))
         which = np.searchsorted(edges, x + 0.015 * soft)
@@ -285,9 +283,7 @@ def painting(index: int, height: int = 384, width: int = 320) -> Image:
             ((0.62, 0.60), 0.24, dark),
             ((0.33, 0.72), 0.13, 0.5 * (third + dark)),
         ):
-            image = np.where(
-                (np.hypot(x - centre[0], (y - centre[1]) * height / width) < radius)[..., None], colour, image
-            )
+            image = over(image, np.hypot(x - centre[0], (y - centre[1]) * height / width) < radius, colour)
     canvas = 0.03 * np.sin(x * width * 1.6) * np.sin(y * height * 1.6)
     return to_image(image * (1 + canvas + 0.07 * rough)[..., None])
 
@@ -311,7 +307,7 @@ def marble(size: int = 1024, tiles: int = 4, seed: int = 960) -> Image:
     image = np.where(((index[:, None] + index) % 2 == 0)[..., None], light, dark) + tone
     within = np.arange(size) % (size // tiles)
     joint = np.minimum(within, size // tiles - 1 - within) < 1
-    return to_image(np.where((joint[:, None] | joint)[..., None], (0.24, 0.23, 0.22), image))
+    return to_image(over(image, joint[:, None] | joint, (0.24, 0.23, 0.22)))
 
 
 def ripples(size: int = 256, seed: int = 970, slope: float = 0.25) -> Image:

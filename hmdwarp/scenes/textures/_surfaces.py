@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,6 +41,11 @@ def tinted(value: Field, dark: ArrayLike, bright: ArrayLike) -> NDArray:
     """Return (h, w, 3) sRGB between two colours, by a field of 0..1."""
     low, high = np.asarray(dark, np.float32), np.asarray(bright, np.float32)
     return low + np.clip(value, 0, 1)[..., None] * (high - low)
+
+
+def over(image: NDArray[Any], mask: NDArray[np.bool_], colour: ArrayLike) -> NDArray[Any]:
+    """Return the picture with a colour, or another picture, where the (h, w) mask is."""
+    return np.where(mask[..., None], colour, image)
 
 
 def unit_grid(height: int, width: int) -> tuple[Field, Field]:
@@ -120,8 +126,8 @@ def wallpaper(size: int = 512, seed: int = 41) -> Image:
         0.3 + 0.6 * veins + 0.08 * fractal(size, size, seed + 1, 0.3), (0.20, 0.36, 0.36), (0.52, 0.64, 0.56)
     )
     image = np.where(petals[..., None], motif, ground)
-    image = np.where(stem[..., None], (0.42, 0.52, 0.46), image)
-    return to_image(np.where(dots[..., None], (0.76, 0.58, 0.30), image))
+    image = over(image, stem, (0.42, 0.52, 0.46))
+    return to_image(over(image, dots, (0.76, 0.58, 0.30)))
 
 
 def plaster(size: int = 512, seed: int = 51) -> Image:
@@ -190,9 +196,9 @@ def facade(size: int = 512, columns: int = 4, rows: int = 3, seed: int = 111) ->
         rng.uniform(0.1, 1.0, rows * columns)[cell] * 0.7 + 0.3 * (1 - v), (0.10, 0.13, 0.18), (0.55, 0.64, 0.74)
     )
     image = np.where(frame[..., None], (0.95, 0.95, 0.93), wall)
-    image = np.where(glass[..., None], pane, image)
+    image = over(image, glass, pane)
     sill = (np.abs(u - 0.5) < 0.27) & (np.abs(v - 0.85) < 0.02)
-    return to_image(np.where(sill[..., None], (0.58, 0.56, 0.53), image))
+    return to_image(over(image, sill, (0.58, 0.56, 0.53)))
 
 
 def perforated(size: int = 128) -> Image:
@@ -208,9 +214,9 @@ def globe(height: int = 256, width: int = 512, seed: int = 121) -> Image:
     sea = tinted(0.5 + 0.2 * fractal(height, width, seed + 1, 0.8), (0.14, 0.34, 0.50), (0.30, 0.54, 0.68))
     soil = tinted(0.5 + 0.3 * fractal(height, width, seed + 2, 0.9), (0.50, 0.55, 0.26), (0.82, 0.70, 0.44))
     image = np.where((land > 0.35)[..., None], soil, sea)
-    image = np.where((np.abs(land - 0.35) < 0.05)[..., None], (0.25, 0.2, 0.12), image)
+    image = over(image, np.abs(land - 0.35) < 0.05, (0.25, 0.2, 0.12))
     lines = (np.arange(width) % 32 == 0)[None] | (np.arange(height) % 32 == 0)[:, None]
-    return to_image(np.where(lines[..., None], image * 0.6, image))
+    return to_image(over(image, lines, image * 0.6))
 
 
 def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
@@ -227,7 +233,7 @@ def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
     image = np.where(dots[..., None], palette[0], ground)
     for layer in (rings, border):
         inside = np.where((teeth & (layer == 2))[..., None], palette[0], palette[np.maximum(layer, 0)])
-        image = np.where((layer >= 0)[..., None], inside, image)
+        image = over(image, layer >= 0, inside)
     return image * (0.92 + 0.10 * fractal(*y.shape, seed + 1, 0.1)[..., None])
 
 
