@@ -9,6 +9,7 @@ from contextlib import ExitStack
 
 import attrs
 
+from ..client import ClientScene
 from ..client.classes import load_client
 from ..client.compensator import Compensator
 from ..client.history import History
@@ -28,7 +29,6 @@ from .auto.governor import Governor
 from .auto.levels import QualityLevel
 from .changes import Changes
 from .channel import Channel
-from .client_scene import ClientScene
 from .frame_coder import Coder
 from .frame_source import FrameSource, ServerFrames
 from .layers_read import Reads

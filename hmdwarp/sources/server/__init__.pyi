@@ -2,6 +2,7 @@ from .draw import MIRRORS as MIRRORS
 from .draw import Server as Server
 from .lighting import ArrivingLight as ArrivingLight
 from .lighting import Indirect as Indirect
+from .lighting import Lighting as Lighting
 from .moving import DeformingMesh as DeformingMesh
 from .moving import moving_parts as moving_parts
 from .passes import ScenePasses as ScenePasses

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..frames.deliveries import Inbox
-from ..sources.server import ArrivingLight, Server, Target
+from ..frames.layers.scene_update import Delivery
+from ..geometry import View
+from ..scenes import Mesh, Pieces, Scene, pieces_of
+from ..sources.server import ArrivingLight, SceneBuffers, Server, Target
+from .client_scene import ClientScene, Store, receiver_of
+from .drawn_scenes import weight_of
+from .shown_picture import ShownPicture
 
-if TYPE_CHECKING:
-    from ..client import ShownPicture
-    from ..geometry import View
-    from ..gpu.context import Gpu
-    from ..scenes import Mesh, Pieces, Scene
-    from ..sources.server import SceneBuffers
 
-
-class ArrivingScene:
-    """A client.DrawnScene of what has arrived so far.
+@receiver_of("scene_update")
+class ArrivingScene(Store):
+    """What has arrived so far of the scene that a Delivery describes.
 
     Until the stand-ins have come there is no picture: every pixel is a hole. From then on each
     piece of a mesh is its stand-in or itself, and each texture as sharp as it has arrived. When all
@@ -28,9 +28,11 @@ class ArrivingScene:
     there from the start; what is here stops their light.
     """
 
-    def __init__(self, gpu: Gpu, pieces: Pieces) -> None:
+    def __init__(self, client: ClientScene, wanted: Delivery) -> None:
+        super().__init__(client, wanted)
+        pieces = pieces_of(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
         self._pieces, self._inbox = pieces, Inbox()
-        blank = pieces.blank()
+        blank, gpu = pieces.blank(), client.gpu
         self._light: ArrivingLight | None = None
         if pieces.light is not None:
             self._light = ArrivingLight(gpu, blank, pieces.light, pieces.most_blockers)
@@ -45,13 +47,7 @@ class ArrivingScene:
         self._unpack_ms = self._worst_ms = 0.0
         self._draw_what_is_here()
 
-    @property
-    def scene(self) -> Scene:
-        """The scene that it becomes."""
-        return self._pieces.scene
-
     def receive(self, content: NDArray[np.uint8]) -> None:
-        """Take what a frame brought; frames may come in any order, and more than once."""
         started = time.perf_counter_ns()
         self._take(content)
         took_ms = (time.perf_counter_ns() - started) * 1e-6
@@ -98,16 +94,21 @@ class ArrivingScene:
             self._light.put([*here, *self._pieces.at_start])
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
-        """Draw the picture, see DrawnScene.draw: holes alone before the stand-ins have come."""
+        """Draw the whole picture: holes alone before the stand-ins have come."""
         target = Target(into.colour.texture, into.depth)
         if self._first:
             self._renderer.clear(target)
         else:
             self._renderer.draw(view, target.size, target, time_ns)
 
-    def weight(self) -> dict[str, Any]:
+    def weights(self) -> list[dict[str, Any]]:
         """Return what crossed, in bytes and how much of it is whole, and the times of unpacking."""
-        return {
+        wanted = self.wanted
+        weight = {
+            "share": wanted.share,
+            "texture": wanted.texture,
+            "budget": wanted.budget,
+            **weight_of(self._pieces.scene),
             "start_up_bytes": self._pieces.start_bytes,
             "first_picture_bytes": self.first_picture_bytes,
             "arrived_bytes": self._pieces.start_bytes + self._inbox.bytes,
@@ -116,9 +117,9 @@ class ArrivingScene:
             "unpack_ms": self._unpack_ms,
             "unpack_worst_ms": self._worst_ms,
         }
+        return [weight]
 
     def close(self) -> None:
-        """Free its renderer."""
         self._renderer.close()
         if self._light is not None:
             self._light.close()
