@@ -11,7 +11,6 @@ import pytest
 from hmdwarp.errors import InputError
 from hmdwarp.study.export import long_rows
 from hmdwarp.study.store import COMPLETE, PILOT, SICK, Contents, Store, merge
-from hmdwarp.study.withdraw import withdraw
 from tests.study import tiny
 
 from .sessions import TEXT, begun, design, go_through, whole
@@ -89,7 +88,7 @@ def test_a_merged_store_is_a_store(two, tmp_path):
     taken = {one.row for one in contents(tmp_path / "all").sessions}
     with Store(tmp_path / "all") as store:
         assert begun(store, "P09").row not in taken  # of four orders, those that either site gave are held
-        withdraw(store, "paris-P02")
+        store.withdraw("paris-P02")
     assert "paris-P02" not in [one.code for one in contents(tmp_path / "all").sessions]
     merge({"europe": tmp_path / "all", "asia": site(tmp_path / "c", "P01")}, tmp_path / "more")
     merged = contents(tmp_path / "more")
@@ -102,7 +101,7 @@ def test_a_merged_store_is_a_store(two, tmp_path):
 
 def test_of_who_withdrew_only_the_code_comes_along(two, tmp_path):
     with Store(two["paris"]) as store:
-        withdraw(store, "P01")
+        store.withdraw("P01")
     merge(two, tmp_path / "all")
     merged = contents(tmp_path / "all")
     assert merged.withdrawn == 1 and "paris-P01" not in [one.code for one in merged.sessions]

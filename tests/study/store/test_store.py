@@ -124,7 +124,7 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
     session = begun(store)
     store.answer(session, asks(session)[0], 3, 2.0, "participant")
     with pytest.raises(sqlite3.IntegrityError, match="UNIQUE"):
-        store._connection.db.execute(
+        store._db.execute(
             """INSERT INTO answer
               (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc)
               SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc
@@ -217,7 +217,7 @@ def test_a_store_of_before_that_status_tells_who_declined(store):
     """Then such a session ended as stopped, with the same journal."""
     session = begun(store, "P1")
     store.record(session, "refused", "consent", by="participant")
-    db = store._connection.db
+    db = store._db
     db.execute("UPDATE session SET status = 'stopped' WHERE id = ?", (session.id,))
     assert store.contents().sessions[0].status == DECLINED
     assert db.execute("SELECT status FROM session").fetchone() == ("stopped",), "older versions read it too"
@@ -325,9 +325,9 @@ def test_reading_asks_as_few_questions_of_many_sessions_as_of_one(store):
         for k in range(sessions):
             whole(store, f"P{sessions}-{k}")
         asked: list[str] = []
-        store._connection.db.set_trace_callback(asked.append)
+        store._db.set_trace_callback(asked.append)
         store.contents()
-        store._connection.db.set_trace_callback(None)
+        store._db.set_trace_callback(None)
         counts.append(len(asked))
     assert counts[0] == counts[1] < 12
 
