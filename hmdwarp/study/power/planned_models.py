@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 
 import attrs
 import numpy as np
 
 from ...errors import InputError
-from ..design import ADAPTIVE, Comparison, Design, Part
-from ..respondents import Cohort, Floats, Model, Population, RatingModel
-from ..scales import FIRST, NEITHER, Scale
-from ..statistics import JOD_SPREAD
+from ..design import ADAPTIVE, Comparison, Design, Part, rows_for
+from ..respondents import Cohort, Floats, Model, Population, RatingModel, load_model, model_names
+from ..scales import FIRST, NEITHER, PREFERENCE, RATING, Scale
+from ..statistics import JOD_SPREAD, MOST_PAIRS
 
 
 def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Model:
@@ -88,6 +89,7 @@ def _means(part: Part, comparisons: list[Comparison], difference: float, middle:
 
 
 UNIT = "JOD"
+MOST_COUNTS = 9  # numbers of people from a range: so many columns fit a terminal
 TIE_JOD = 0.5  # a smaller difference is called none: 26 % of answers where there is none at all
 # Of a person's own taste, where it is not said: half of the variance of a judgement, as of ratings.
 TASTE_JOD = JOD_SPREAD / math.sqrt(2)
@@ -150,3 +152,80 @@ def choice_differences(
     sign[(first == better) & (second == baseline)] = -1.0
     answered = ((sign != 0) & ~np.isnan(to_second)).any(axis=1)
     return np.nansum(sign * to_second, axis=1)[answered]
+
+
+def model_for(
+    design: Design, scale: Scale, effect: float | None = None, sd: float | None = None, name: str | None = None
+) -> Model:
+    """Return the response model of a scale that the options of `study power` describe.
+
+    name: of a model; by default that of the study, if there is one and no sd.
+    Errors: InputError for too few or conflicting options.
+    """
+    if effect is not None and not math.isfinite(effect):
+        raise InputError(f"--effect {effect:g}: expected a number, in units of '{scale.name}'")
+    if sd is not None and not 0 < sd < math.inf:
+        raise InputError(f"--sd {sd:g}: expected a number above 0, in units of '{scale.name}'")
+    if name is not None and sd is not None:
+        raise InputError("--sd and --model both set how much people differ: leave one out")
+    if name is None and sd is None and design.name in model_names():
+        name = design.name
+    is_pairs = scale.kind == PREFERENCE
+    if name is not None:
+        found = load_model(name)
+        if scale.name not in found.ratings:
+            has = ", ".join(found.ratings) or "none"
+            raise InputError(
+                f"{found.path}: no [rating.{scale.name}], which the study asks for after each trial: add it, or plan "
+                f"another scale of the study by --scale ({has} in the model)"
+            )
+        if effect is None:
+            return found
+        return (pairs_with_effect if is_pairs else with_effect)(found, design, scale, effect)
+    if is_pairs:
+        if effect is None:
+            raise InputError("no response model: expected --effect (in JOD), or --model FILE.toml")
+        return pairs_model(design, scale, effect, sd)
+    if effect is None or sd is None:
+        wanted = "--sd (of one person's difference between two showings)" if effect is not None else "--effect and --sd"
+        raise InputError(f"no response model: expected {wanted}, or --model FILE.toml")
+    return planned_model(design, scale, effect, sd)
+
+
+def scales_for(design: Design, name: str | None = None) -> tuple[Scale, ...]:
+    """Return the scales after each trial that have a power, or the one of that name.
+
+    Errors: InputError for another name, and where no comparison is planned.
+    """
+    planned_comparisons(design)  # raises where there is nothing to plan for
+    known = {one.name: one for one in design.scales if one.kind in (RATING, PREFERENCE)}
+    if name is not None and name not in known:
+        raise InputError(f"--scale {name}: {design.path} has {', '.join(known)} after each trial")
+    return tuple(known.values()) if name is None else (known[name],)
+
+
+def numbers_of_people(text: str, design: Design) -> tuple[int, ...]:
+    """Return the numbers of people of a list, "10,12", or those of "6..40" that balance the orders.
+
+    Errors: InputError.
+    """
+    many = MOST_PAIRS  # a person gives one pair at most
+    wanted = f"expected numbers of people, from 1 to {many}"
+    if re.fullmatch(r"\d+(,\d+)*", text):
+        counts = sorted({int(number) for number in text.split(",")})
+    elif found := re.fullmatch(r"(\d+)\.\.(\d+)", text):
+        least, most = int(found[1]), int(found[2])
+        if least > most:
+            raise InputError(f"--n {text}: runs backwards: expected the smaller number first, {most}..{least}")
+        if most > many:
+            raise InputError(f"--n {text}: {wanted}")
+        step = math.lcm(*(len(rows_for(design, part.name)) for part in design.parts))
+        counts = [count for count in range(step, most + 1, step) if count >= least]
+        counts = counts[:: max(1, math.ceil(len(counts) / MOST_COUNTS))]
+        if len(counts) < 2:
+            counts = sorted({*range(least, most + 1, max(1, (most - least) // 8)), *counts})
+    else:
+        raise InputError(f"--n {text}: expected a range like 6..40, or a list like 10,12,15")
+    if not counts or counts[0] < 1 or counts[-1] > many:
+        raise InputError(f"--n {text}: {wanted}")
+    return tuple(counts)

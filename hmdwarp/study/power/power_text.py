@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from scipy.special import ndtr
 
-from ...report import counted, pair_text
+from ...report import OutputFolder, counted, pair_text
+from ...report.study import PowerLine, power_chart
 from ..design import Comparison
 from ..scales import PREFERENCE
 from ..statistics import JOD_SPREAD
@@ -15,20 +17,8 @@ from .planned_models import UNIT
 from .simulation import Power, PowerAt, Proportion, people_for
 
 COLUMNS = (
-    *(
-        "scale",
-        "part",
-        "condition",
-        "baseline",
-        "n",
-        "power",
-        "power_low",
-        "power_high",
-        "power_unlimited",
-        "pairs",
-        "complete",
-    ),
-    *("true_effect", "planned_effect"),
+    *("scale", "part", "condition", "baseline", "n", "power", "power_low", "power_high", "power_unlimited", "pairs"),
+    *("complete", "true_effect", "planned_effect"),
 )
 
 
@@ -154,3 +144,28 @@ def power_data(powers: Sequence[Power], target: float) -> dict[str, Any]:
             for power in powers
         ],
     }
+
+
+def power_folder(folder: Path, *, force: bool = False) -> OutputFolder:
+    """Return the folder to write a power simulation to. Errors: as OutputFolder."""
+    return OutputFolder(folder, owned=("power.csv", "power.png"), last="power.json", force=force)
+
+
+def write_power(folder: OutputFolder, powers: Sequence[Power], target: float) -> None:
+    """Write power.csv, power.png and power.json. powers: of one study, on each of its scales."""
+    folder.write_csv("power.csv", [row for power in powers for row in power_rows(power)], COLUMNS)
+    lines = [
+        PowerLine(
+            name=(f"{power.scale.name}: " if len(powers) > 1 else "") + name_of(one, power),
+            power=[at_n.found[one].value for at_n in power.at],
+            low=[at_n.found[one].low for at_n in power.at],
+            high=[at_n.found[one].high for at_n in power.at],
+            unlimited=[at_n.unlimited[one].value for at_n in power.at],
+        )
+        for power in powers
+        for one in power.true_effect
+    ]
+    first = powers[0]
+    unlimited = {"unlimited": "if people said by how much"} if first.scale.kind == PREFERENCE else {}
+    power_chart(folder.path("power.png"), [one.n for one in first.at], lines, target, first.design.title, **unlimited)
+    folder.write_json("power.json", power_data(powers, target))
