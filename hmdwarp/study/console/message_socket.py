@@ -17,6 +17,7 @@ from typing import Any
 from ...display import Command
 from ._base import ConsoleState
 from .console_commands import Subject, is_bound, subject_of
+from .line_console import LineConsole
 
 PACKET = 1 << 16
 LONGEST_LINE = 2000
@@ -131,3 +132,32 @@ class CommandQueue:
             else:
                 self._free.append(Command(name, value))
                 self._told = False
+
+
+class ProgramConsole:
+    """Console whose screen is another program; plain lines replace one that ends."""
+
+    what = ""  # the program, in messages
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._state = ConsoleState(heading=title)
+        self._queue = CommandQueue(self._state)
+        self._lines: LineConsole | None = None
+
+    def __exit__(self, *_: object) -> None:
+        if self._lines is not None:
+            self._lines.__exit__()
+        else:
+            self._end()
+
+    def _end(self) -> int:
+        """End the program. Returns its exit status."""
+        raise NotImplementedError
+
+    def _continue_with_lines(self) -> LineConsole:
+        """Replace a program that ended."""
+        why = f"{self.what} ended (exit status {self._end()}); the session goes on"
+        self._lines = LineConsole(self._title, why).__enter__()
+        self._lines.tell(self._state)
+        return self._lines
