@@ -13,54 +13,19 @@ Column = Callable[[str], NDArray[np.float64]]
 
 # None where unknown.
 NUMBERS = (
-    "onset_s",
-    "seconds",
-    "pictures",
-    "rate_hz",
-    "latency_ms_median",
-    "latency_ms_p95",
-    "latency_ms_sd",
-    "period_ms_median",
-    "period_ms_p95",
-    "missed",
-    "missed_share",
-    "over_budget_share",
-    "hole_share_mean",
-    "hole_share_p95",
-    "pose_age_ms_median",
-    "pose_age_ms_p95",
-    "passes_ms_median",
-    "passes_ms_p95",
-    "angular_speed_deg_s_median",
-    "linear_speed_m_s_median",
-    "lost_s",
-    "tracking_lost_share",
-    "head_turn_deg",
-    "head_shift_m",
-    "task_targets",
-    "task_found",
-    "task_misses",
-    "task_target_s",
-    "task_turned_deg",
-)
+    "onset_s", "seconds", "pictures", "rate_hz", "latency_ms_median", "latency_ms_p95", "latency_ms_sd",
+    "period_ms_median", "period_ms_p95", "missed", "missed_share", "over_budget_share", "hole_share_mean",
+    "hole_share_p95", "pose_age_ms_median", "pose_age_ms_p95", "passes_ms_median", "passes_ms_p95",
+    "angular_speed_deg_s_median", "linear_speed_m_s_median", "lost_s", "tracking_lost_share", "head_turn_deg",
+    "head_shift_m", "task_targets", "task_found", "task_misses", "task_target_s", "task_turned_deg",
+)  # fmt: skip
 # Whole numbers among them.
 COUNTS = ("pictures", "missed", "task_targets", "task_found", "task_misses")
 FLAGS = ("head_still",)
 TEXTS = (
-    "warp",
-    "fill",
-    "scene",
-    "effects",
-    "lens",
-    "headset",
-    "gpu",
-    "gl",
-    "source",
-    "hmdwarp",
-    "size",
-    "ended_by",
+    "warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by",
     "task_times_s",
-)
+)  # fmt: skip
 NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
 

@@ -97,7 +97,7 @@ def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, 
         return found | {"follows": None, "why_not": f"nobody rated both '{row['baseline']}' and '{row['condition']}'"}
 
     def is_near(value: float) -> bool:
-        return abs(value - found["difference"]) <= claim.step + _LEAST
+        return bool(abs(value - found["difference"]) <= claim.step + _LEAST)
 
     if is_near(row["mean"]):
         return found | {"follows": True}

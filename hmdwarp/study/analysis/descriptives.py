@@ -306,7 +306,9 @@ def _dummies(names: Sequence[str]) -> NDArray[np.float64]:
     return np.array([[float(name == level) for level in levels] for name in names])
 
 
-def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) -> dict[str, Any]:
+def _effect(
+    values: NDArray[np.float64], blocks: dict[str, NDArray[np.float64]], name: str, other: str
+) -> dict[str, Any]:
     """Estimate one effect; the other one leaves the model where the two are confounded."""
     effect = blocks[name]
     rest = blocks["base"] if not _adds(blocks["base"], blocks[other]) else np.hstack([blocks["base"], blocks[other]])
@@ -335,9 +337,9 @@ def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) 
     return found
 
 
-def _adds(base: NDArray, block: NDArray) -> bool:
+def _adds(base: NDArray[np.float64], block: NDArray[np.float64]) -> bool:
     return block.shape[1] > 0 and _rank(np.hstack([base, block])) > _rank(base)
 
 
-def _rank(matrix: NDArray) -> int:
+def _rank(matrix: NDArray[np.float64]) -> int:
     return int(np.linalg.matrix_rank(matrix)) if matrix.shape[1] else 0

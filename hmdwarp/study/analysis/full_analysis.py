@@ -40,7 +40,7 @@ SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
 
 
-def analysis_folder(folder: str | os.PathLike, *, force: bool = False) -> OutputFolder:
+def analysis_folder(folder: str | os.PathLike[str], *, force: bool = False) -> OutputFolder:
     """Return the folder to write an analysis to; made before the work, it checks the place.
 
     Errors: InputError or MachineError for a place that cannot be written.

@@ -15,14 +15,13 @@ from ..scales import FIRST, NEITHER
 from ..statistics import (
     JOD_SPREAD,
     Scores,
-    holm,
     jod_scores,
     left_out_scores,
     resampled_interval,
     resampled_scores,
     wilcoxon_exact,
 )
-from .comparisons import Resampling
+from .comparisons import Resampling, correct
 from .ratings import Preference, Ratings
 
 RESAMPLES = 2000  # the ends of an interval are then known to a tenth of its width
@@ -116,7 +115,7 @@ def _of_part(
         for one in family.comparisons
         if one.part == part and {one.baseline, one.better} <= set(counts.names)
     ]
-    _correct(found["comparisons"])
+    correct(found["comparisons"])
     for row in found["comparisons"]:
         row["sentence"] = _of_comparison(row)
     return found | {"sentences": [*(row["sentence"] for row in found["comparisons"]), _of_places(found)]}
@@ -160,13 +159,6 @@ def _comparison(counts: _Counts, family: str, comparison: Comparison, estimates:
 def _share(jod: float | None) -> float | None:
     """Return the share of forced choices for a condition that is better by so much."""
     return None if jod is None else float(ndtr(jod / JOD_SPREAD))
-
-
-def _correct(rows: list[dict[str, Any]]) -> None:
-    for name in dict.fromkeys(row["family"] for row in rows):
-        group = [row for row in rows if row["family"] == name]
-        for row, p in zip(group, holm([1.0 if row["p"] is None else row["p"] for row in group]), strict=True):
-            row |= {"holm": None if row["p"] is None else p, "holm_of": len(group)}
 
 
 def _of_comparison(row: Mapping[str, Any]) -> str:

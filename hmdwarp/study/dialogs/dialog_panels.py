@@ -54,7 +54,7 @@ class MessagePanel:
 
     def _text_height(self) -> int:
         if self.picture:
-            return picture_light(self.picture).shape[0]
+            return int(picture_light(self.picture).shape[0])
         return height_of(max(len(self.lines), self.least_lines), TEXT)
 
     def _buttons(self) -> tuple[Button, ...]:

@@ -73,7 +73,7 @@ def onset_s(session: Session, showing: Showing) -> float | None:
     back.
     """
     if showing.actual.get("onset_s") is not None:
-        return round(showing.actual["onset_s"], _DIGITS)
+        return float(round(showing.actual["onset_s"], _DIGITS))
     passed = datetime.fromisoformat(showing.started_utc) - datetime.fromisoformat(session.started_utc)
     return None if passed.total_seconds() < 0 else passed.total_seconds()
 
@@ -113,6 +113,20 @@ class SessionData:
     answers: Mapping[str, tuple[Answer, ...]]  # every revision, by key, in order
     showings: Mapping[int, Showing]  # by id
 
+    @property
+    def judged(self) -> dict[int, Show]:
+        """The showing that the questions of each trial are about, by trial: its last one."""
+        return {show.trial: show for show in self.shows.values() if show.trial}
+
+    def previous(self, show: Show) -> str | None:
+        """Return the condition that was judged before a trial; None for the first."""
+        before = self.judged.get(show.trial - 1)
+        return None if before is None else before.condition.name
+
+    def last(self, ask: Ask) -> Answer | None:
+        """Return the answer that counts, None without one."""
+        return self.answers.get(ask.key, (None,))[-1]
+
 
 def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     """Return all sessions, each with the plan that it ran with.
@@ -123,16 +137,8 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     read: dict[str, Design] = {design.text: design}
     for session in contents.sessions:
         if session.plan not in read:
-            read[session.plan] = plan_of(session, design)
+            read[session.plan] = design_from_text(session.plan, design.path, checked=False)
     return tuple(_session_data(contents, design, session, read[session.plan]) for session in contents.sessions)
-
-
-def plan_of(session: Session, design: Design) -> Design:
-    """Return the plan that the session ran with, which may be older than `design`.
-
-    Errors: InputError.
-    """
-    return design if session.plan == design.text else design_from_text(session.plan, design.path, checked=False)
 
 
 def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
@@ -188,9 +194,7 @@ def long_rows(contents: Contents, design: Design) -> list[Row]:
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
     """Return rows as long_rows, for every question of a session, with its `phase` and `kind`."""
     return [
-        _row(design, data, ask, _last(data, ask))
-        for data in sessions_of(contents, design)
-        for ask in data.asks.values()
+        _row(design, data, ask, data.last(ask)) for data in sessions_of(contents, design) for ask in data.asks.values()
     ]
 
 
@@ -211,7 +215,7 @@ def pair_rows(contents: Contents, design: Design) -> list[tuple[Row, Show, Show]
         for ask in data.asks.values():
             if ask.scale.kind == PREFERENCE:
                 second = data.shows[ask.about]
-                found.append((_row(design, data, ask, _last(data, ask)), data.shows[second.after], second))
+                found.append((_row(design, data, ask, data.last(ask)), data.shows[second.after], second))
     return found
 
 
@@ -222,7 +226,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
         for phase, scales in (("before", data.plan.before), ("after", data.plan.after)):
             for scale in scales:
                 asked = [ask for ask in data.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
-                last = [(ask, _last(data, ask)) for ask in asked]
+                last = [(ask, data.last(ask)) for ask in asked]
                 values = {ask.item.key: None if answer is None else answer.value for ask, answer in last}
                 base = _row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
                 for name, value in scored(scale, values).items():
@@ -254,10 +258,6 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
         {key: tuple(revisions) for key, revisions in answers.items()},
         {one.id: one for one in contents.showings if one.session == session.id},
     )
-
-
-def _last(data: SessionData, ask: Ask) -> Answer | None:
-    return data.answers.get(ask.key, (None,))[-1]
 
 
 def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
@@ -323,14 +323,13 @@ def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | No
 def _shown(data: SessionData, show: Show | None) -> Row:
     if show is None:
         return {"trial": None, "block": None, "repeat": None, "condition": None, "reference": None, "previous": None}
-    before = {one.trial: one.condition.name for one in data.shows.values() if one.trial}
     return {
         "trial": show.trial,
         "block": show.block,
         "repeat": show.repeat,
         "condition": show.condition.name,
         "reference": show.condition.reference,
-        "previous": before.get(show.trial - 1),
+        "previous": data.previous(show),
         **settings_row(show.condition.settings),
     }
 

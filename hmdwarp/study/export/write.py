@@ -33,15 +33,8 @@ from .table_columns import Column, columns_for, csv_text, has_parquet, tsv_text,
 
 EXTRA = ("phase", "kind", "text")
 OWNED = (
-    "ratings.*",
-    "sessions/*.csv",
-    "preferences.csv",
-    "sickness.tsv",
-    "questionnaires.tsv",
-    "revisions.tsv",
-    "remarks.csv",
-    "columns.json",
-    "bids/**/*",
+    *("ratings.*", "sessions/*.csv", "preferences.csv", "sickness.tsv", "questionnaires.tsv", "revisions.tsv"),
+    *("remarks.csv", "columns.json", "bids/**/*"),
 )
 REMARKS = (
     Column("participant", "text", "Random word for the participant"),

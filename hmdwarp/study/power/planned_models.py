@@ -151,7 +151,7 @@ def choice_differences(
     sign = np.where((first == baseline) & (second == better), 1.0, 0.0)
     sign[(first == better) & (second == baseline)] = -1.0
     answered = ((sign != 0) & ~np.isnan(to_second)).any(axis=1)
-    return np.nansum(sign * to_second, axis=1)[answered]
+    return np.asarray(np.nansum(sign * to_second, axis=1)[answered])
 
 
 def model_for(

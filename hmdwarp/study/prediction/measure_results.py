@@ -304,4 +304,4 @@ def _together(x: Array) -> Array:
     """Return the within-person correlations (m, m) of the measures with one another."""
     cross = x.T @ x
     size = np.sqrt(np.diag(cross))
-    return cross / np.outer(size, size)
+    return np.asarray(cross / np.outer(size, size))

@@ -83,7 +83,7 @@ def sign_flips(people: int, draws: int, rng: np.random.Generator) -> Array:
 
 def shares_of_people(sums: Sums) -> Array:
     """Return what each person adds to each measure's correlation: (people, m), summing to it."""
-    return sums.xy / np.sqrt(sums.xx.sum(axis=0) * sums.yy.sum())
+    return np.asarray(sums.xy / np.sqrt(sums.xx.sum(axis=0) * sums.yy.sum()))
 
 
 def p_of_any(shares: Array, flips: Array) -> Array:
@@ -94,7 +94,7 @@ def p_of_any(shares: Array, flips: Array) -> Array:
     testing all measures.
     """
     largest = np.abs(flips @ shares).max(axis=1)
-    return (largest[:, None] >= np.abs(shares.sum(axis=0)) - 1e-12).mean(axis=0)
+    return np.asarray((largest[:, None] >= np.abs(shares.sum(axis=0)) - 1e-12).mean(axis=0))
 
 
 def p_of_behind(shares: Array, best: int, flips: Array) -> Array:
@@ -104,7 +104,7 @@ def p_of_behind(shares: Array, best: int, flips: Array) -> Array:
     """
     turned = shares * np.where(shares.sum(axis=0) < 0, -1.0, 1.0)
     ahead = turned[:, [best]] - turned
-    return (np.abs(flips @ ahead) >= np.abs(ahead.sum(axis=0)) - 1e-12).mean(axis=0)
+    return np.asarray((np.abs(flips @ ahead) >= np.abs(ahead.sum(axis=0)) - 1e-12).mean(axis=0))
 
 
 def skill_of_left_out_people(sums: Sums, drawn: Array) -> tuple[Array, Array, Array, Array]:

@@ -142,7 +142,7 @@ class Population:
             taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
             return means[order] + rating.condition_sd * normal(taste)
 
-        return at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number])
+        return np.asarray(at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number]))
 
     def _choice(self, felt: Floats, scale: Scale) -> Floats:
         """Return the answers to a preference: below the threshold neither, if that may be said."""

@@ -104,7 +104,7 @@ class RatingModel:
     def latent_mean(self, mean: ArrayLike, before: ArrayLike, place: ArrayLike) -> Floats:
         """Compute the expected value of `latent` over all people and showings."""
         mean = np.asarray(mean, float)
-        return mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+        return np.asarray(mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean))
 
     @property
     def latent_sd(self) -> float:
@@ -212,7 +212,7 @@ class Model:
 
 def normal(uniform: ArrayLike) -> Floats:
     """Turn uniform draws in [0, 1) into standard normal ones."""
-    return ndtri(np.maximum(uniform, TINY))
+    return np.asarray(ndtri(np.maximum(uniform, TINY)))
 
 
 def on_scale(latent: ArrayLike, scale: Scale) -> Floats:

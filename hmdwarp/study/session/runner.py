@@ -91,7 +91,7 @@ class Over(Exception):  # noqa: N818 (nothing went wrong)
 
     @property
     def status(self) -> str:
-        return self.args[0]
+        return str(self.args[0])
 
 
 class Interrupted(Exception):  # noqa: N818 (nothing went wrong)

@@ -93,7 +93,7 @@ class TaskScore:
     def _off_deg(self, head: Pose) -> NDArray[np.float64]:
         ahead = -np.array(head.rotation_matrix)[:, 2]
         ways = self.places_m - np.array(head.position_m)
-        return np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1)))
+        return np.asarray(np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1))))
 
     def figures(self, seen_s: float) -> dict[str, Any]:
         """Return the figures of study/actual.py. seen_s: since the first picture."""

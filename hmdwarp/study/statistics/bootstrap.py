@@ -69,7 +69,7 @@ def bca_shares(below: ArrayLike, jackknifed: NDArray[np.float64], level: float =
     spread = (pulls**2).sum(axis=0) ** 1.5
     acceleration = np.divide((pulls**3).sum(axis=0), 6 * spread, out=np.zeros_like(spread), where=spread > 0)
     tails = [bias + ndtri(tail) for tail in ((1 - level) / 2, (1 + level) / 2)]
-    return ndtr([bias + tail / (1 - acceleration * tail) for tail in tails])
+    return np.asarray(ndtr([bias + tail / (1 - acceleration * tail) for tail in tails]))
 
 
 def _ends(values: NDArray[np.float64], seed: int, resamples: int, level: float) -> tuple[float, float]:

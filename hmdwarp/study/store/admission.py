@@ -63,7 +63,7 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
         raise InputError(f"participant {code} is a {was} here, not a {origin}: take another code")
     if not new_session:
         raise InputError(_already(db, code, part))
-    return id_
+    return int(id_)
 
 
 def check_first(code: str, new_session: bool) -> None:

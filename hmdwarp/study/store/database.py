@@ -254,7 +254,7 @@ def _reader(path: Path, how: str) -> sqlite3.Connection | None:
 
 def _is_empty(db: sqlite3.Connection) -> bool:
     """Return whether a program died while it created the database."""
-    return db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
+    return bool(db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0)
 
 
 def _connect(path: Path, how: str) -> sqlite3.Connection:

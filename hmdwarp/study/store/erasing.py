@@ -71,7 +71,7 @@ def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
     found = db.execute("SELECT id, sub FROM participant WHERE code = ?", (code,)).fetchone()
     if found is None:
         raise InputError(f"participant {code} is not known here: see whether the code is right")
-    return found
+    return (int(found[0]), str(found[1]))
 
 
 def finish_erasing(db: sqlite3.Connection, folder: Path) -> list[str]:
