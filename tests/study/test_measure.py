@@ -102,7 +102,7 @@ def test_a_condition_shows_each_strategy(tmp_path):
         for name in strategies.names()
     ]
     with shown(tmp_path, head + "".join(conditions)) as store:
-        found = measure_study(store, OPTIONS)
+        found = measure_study(store, attrs.evolve(OPTIONS, every=9))
         assert (found.measured, found.left_out) == (len(strategies.names()), ())
         measured = {one.condition: one.measured for one in store.contents().showings if one.complete}
     assert set(measured) == set(strategies.names())

@@ -7,10 +7,8 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import re
 import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -30,12 +28,7 @@ NASTY = "<script>alert('x')</script> $\\frac{1}{2}$ & \"q\""
 
 
 def command(*arguments: object, folder) -> subprocess.CompletedProcess[str]:
-    """The real one, as typed in a terminal of 80 columns."""
-    program = [sys.executable, "-m", "hmdwarp", "study", "analyse", *map(str, arguments)]
-    environment = os.environ | {"COLUMNS": "80", "PYTHONPATH": os.pathsep.join(map(str, [PUBLISHED.parents[3]]))}
-    return subprocess.run(
-        program, check=False, capture_output=True, text=True, timeout=120, cwd=folder, env=environment
-    )
+    return hmdwarp("study", "analyse", *arguments, folder=folder)
 
 
 def page_of(folder: Path, data: dict, typed: str = "") -> str:
