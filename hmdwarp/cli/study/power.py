@@ -96,8 +96,8 @@ def _print_one(found: Power, target: float) -> None:
     table.add_column("people who begin")
     for at_n in found.at:
         table.add_column(str(at_n.n), justify="right")
-    for one in found.true_effect:
-        table.add_row(name_of(one, found), *(f"{at_n.found[one].value:.0%}" for at_n in found.at))
+    for comparison in found.true_effect:
+        table.add_row(name_of(comparison, found), *(f"{at_n.found[comparison].value:.0%}" for at_n in found.at))
     if len(found.true_effect) > 1:
         table.add_row("all of them", *(f"{at_n.all_found.value:.0%}" for at_n in found.at))
     table.add_row("finish", *(f"{at_n.complete:.1f}" for at_n in found.at))

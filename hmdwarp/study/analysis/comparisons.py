@@ -173,15 +173,15 @@ def _requested(text: str, name: str, ratings: Ratings) -> list[Family]:
             f"--family '{text}': expected pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
         )
     found = []
-    for one in parts:
-        known = ratings.conditions(one)
-        here = [Comparison(one, a, b) for a, b in pairs if a in known and b in known]
+    for part in parts:
+        known = ratings.conditions(part)
+        here = [Comparison(part, a, b) for a, b in pairs if a in known and b in known]
         if here:
-            found.append(Family(f"{one}: {name}" if one else name, tuple(here)))
+            found.append(Family(f"{part}: {name}" if part else name, tuple(here)))
     named = {(c.baseline, c.better) for family in found for c in family.comparisons}
     for pair in pairs:
         if pair not in named:
-            names = "; ".join(dict.fromkeys(name for one in parts for name in ratings.conditions(one)))
+            names = "; ".join(dict.fromkeys(name for part in parts for name in ratings.conditions(part)))
             raise InputError(
                 f"--family '{text}': no part has both '{pair[0]}' and '{pair[1]}': the conditions are {names}"
             )

@@ -91,7 +91,7 @@ def analyse(
         "notes": list(ratings.notes),
         "participants": len(
             {(row.part, row.participant) for row in ratings.rows}
-            | {(one.part, one.participant) for one in ratings.preferences}
+            | {(preference.part, preference.participant) for preference in ratings.preferences}
         ),
         "ratings": sum(row.value is not None for row in rated),
         "missing": sum(row.value is None for row in rated),

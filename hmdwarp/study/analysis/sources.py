@@ -71,21 +71,28 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         judged = {scale.name for scale in data.plan.scales if scale.kind in (RATING, PREFERENCE)}
         survey += [
             SurveyAnswer(
-                session.sub, session.part, session.number, one.phase, one.trial, one.scale, one.item, one.value
+                session.sub,
+                session.part,
+                session.number,
+                answer.phase,
+                answer.trial,
+                answer.scale,
+                answer.item,
+                answer.value,
             )
-            for *_, one in data.answers.values()
-            if one.scale not in judged
+            for *_, answer in data.answers.values()
+            if answer.scale not in judged
         ]
         trials = sum(len(names) for names in session.order)
         done = {row.place for row in rated if row.value is not None}
-        done |= {one.place for one in preferred if one.answer is not None}
+        done |= {preference.place for preference in preferred if preference.answer is not None}
         summaries.append(SessionSummary(*who, session.status, session.why, len(done), trials))
     found = Ratings(
         rows=tuple(rows),
         scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING}
         | (TASK_MEASURES if design.task is not None else {}),
         families=design.families,
-        planned={part.name: tuple(one.name for one in part.conditions) for part in design.parts},
+        planned={part.name: tuple(condition.name for condition in part.conditions) for part in design.parts},
         origin=origin,
         source=f"the store of '{contents.name}'",
         title=design.title,
@@ -102,8 +109,8 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
 def _without_part(ratings: Ratings) -> Ratings:
     """Drop the part's name where the plan has only one part and does not name it."""
     families = tuple(
-        attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons))
-        for one in ratings.families
+        attrs.evolve(family, comparisons=tuple(attrs.evolve(c, part="") for c in family.comparisons))
+        for family in ratings.families
     )
     without: dict[str, Any] = {
         name: tuple(attrs.evolve(row, part="") for row in getattr(ratings, name))
@@ -128,7 +135,9 @@ def _preference(data: SessionData, ask: Ask) -> Preference:
         second=second.condition.name,
         answer=None if answer is None else answer.value,
         allows_ties=ask.scale.allows_ties,
-        reference=next((one.name for one in data.plan.part(session.part).conditions if one.reference), ""),
+        reference=next(
+            (condition.name for condition in data.plan.part(session.part).conditions if condition.reference), ""
+        ),
         why_missing=_why_missing(session, answer),
         repeat=second.repeat,
         place=ask.trial,
@@ -145,7 +154,7 @@ def _why_missing(session: Session, answer: Answer | None) -> str:
 
 def _task_scores(data: SessionData) -> list[Rating]:
     """Return the scores of a session's task, of the last complete showing of each trial."""
-    seen = {one.key: one.actual for one in data.showings.values() if one.complete}
+    seen = {showing.key: showing.actual for showing in data.showings.values() if showing.complete}
     rows: list[Rating] = []
     for show in data.judged.values():
         if show.task is not None:
@@ -218,7 +227,7 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
     published = SHIPPED / f"{name}_ratings.csv"
     if store is None and published.is_file() and not (store_folder(design, None, origin) / DATABASE).exists():
         known = attrs.evolve(
-            options, scale=options.scale or next(one.name for one in design.scales if one.kind == RATING)
+            options, scale=options.scale or next(scale.name for scale in design.scales if scale.kind == RATING)
         )
         return attrs.evolve(from_csv(published, known), title=design.title)
     with Store(folder_to_read(design, store, origin), study=design.name) as data:

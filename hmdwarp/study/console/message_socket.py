@@ -96,11 +96,11 @@ class CommandQueue:
         self._state = state
         self._free: deque[Command] = deque()
         self._bound: deque[tuple[str, object, Subject]] = deque()
-        self._told = True  # since a bound one was returned: only then is the next one's subject known
+        self._is_current = True  # since a bound one was returned: only then is the next one's subject known
 
     def tell(self, state: ConsoleState) -> None:
         """Take note of a new state."""
-        self._state, self._told = state, True
+        self._state, self._is_current = state, True
 
     def receive(self, messages: MessageSocket) -> None:
         """Take what the program sent. Errors: PeerGone."""
@@ -125,13 +125,13 @@ class CommandQueue:
 
         A second answer to the same question must not become an answer to the next one.
         """
-        while self._bound and self._told:
+        while self._bound and self._is_current:
             name, value, subject = self._bound.popleft()
             if subject != subject_of(self._state):
                 messages.send("say", f"{name!r} came too late and was dropped: that question is over")
             else:
                 self._free.append(Command(name, value))
-                self._told = False
+                self._is_current = False
 
 
 class ProgramConsole:

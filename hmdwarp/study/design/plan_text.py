@@ -108,22 +108,22 @@ def condition_rows(part: Part) -> Rows:
     shared = {
         name: value
         for name, value in first.settings.items()
-        if others and all(name in one.settings and one.settings[name] == value for one in others)
+        if others and all(name in condition.settings and condition.settings[name] == value for condition in others)
     }
     rows = []
-    for number, one in enumerate(part.conditions, 1):
-        own = ", ".join(_settings({name: value for name, value in one.settings.items() if name not in shared}))
-        reference = " (the hidden reference)" if one.reference else ""
-        rows.append((f"{number}  {one.name}", (own or "as all") + _defaults(one) + reference))
+    for number, condition in enumerate(part.conditions, 1):
+        own = ", ".join(_settings({name: value for name, value in condition.settings.items() if name not in shared}))
+        reference = " (the hidden reference)" if condition.reference else ""
+        rows.append((f"{number}  {condition.name}", (own or "as all") + _defaults(condition) + reference))
     return [*rows, ("   all", ", ".join(_settings(shared)))] if shared else rows
 
 
 def session_rows(design: Design, part: Part) -> tuple[str, Rows]:
     """Describe a session of a part as a whole, and its phases."""
     session = session_phases(design, part.name)
-    about = f"{'at most ' if any(one.at_most for one in session) else ''}about"
-    whole = f"{sum(one.steps for one in session)} steps, {about} {_time(sum(one.seconds for one in session))}"
-    return whole, [(one.name, f"{_time(one.seconds):>7}  {one.content}") for one in session]
+    about = f"{'at most ' if any(phase.at_most for phase in session) else ''}about"
+    whole = f"{sum(phase.steps for phase in session)} steps, {about} {_time(sum(phase.seconds for phase in session))}"
+    return whole, [(phase.name, f"{_time(phase.seconds):>7}  {phase.content}") for phase in session]
 
 
 def _time(seconds: float) -> str:
@@ -158,7 +158,7 @@ def _times(counts: tuple[int, int]) -> str:
 
 def order_rows(design: Design, part: Part) -> Rows:
     """List the orders of a part by the numbers of the conditions, MOST_ORDERS at most."""
-    numbers = {one.name: str(number) for number, one in enumerate(part.conditions, 1)}
+    numbers = {condition.name: str(number) for number, condition in enumerate(part.conditions, 1)}
     numbers |= {pair_name(a, b): f"{numbers[a]}/{numbers[b]}" for a in list(numbers) for b in list(numbers)}
     return [
         (f"order {number}:", " | ".join(" ".join(numbers[name] for name in names) for names in order))
@@ -178,7 +178,7 @@ def scale_text(scale: Scale) -> str:
 
 def family_text(family: Family) -> str:
     """List the comparisons of a family, and say how few people can show nothing."""
-    pairs = ", ".join(pair_text(one.baseline, one.better) for one in family.comparisons)
+    pairs = ", ".join(pair_text(comparison.baseline, comparison.better) for comparison in family.comparisons)
     count = len(family.comparisons)
     need = least_participants(count)
     best = f"{count} x {smallest_p(need):.2g} at best with {need}"
@@ -227,18 +227,18 @@ def _part_json(design: Design, part: Part) -> dict[str, object]:
     rows, session = rows_for(design, part.name), session_phases(design, part.name)
     return {
         "name": part.name,
-        "conditions": [attrs.asdict(one) for one in part.conditions],
+        "conditions": [attrs.asdict(condition) for condition in part.conditions],
         "session": [
             {
-                "name": one.name,
-                "told": one.content,
-                "steps": one.steps,
-                "seconds": one.seconds,
-                "at_most": one.at_most,
+                "name": phase.name,
+                "told": phase.content,
+                "steps": phase.steps,
+                "seconds": phase.seconds,
+                "at_most": phase.at_most,
             }
-            for one in session
+            for phase in session
         ],
-        "session_seconds": math.fsum(one.seconds for one in session),
+        "session_seconds": math.fsum(phase.seconds for phase in session),
         "orders": rows,
         "balance": attrs.asdict(balance(rows, presented(design, part.name))) if rows else None,
     }

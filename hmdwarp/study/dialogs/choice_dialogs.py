@@ -57,7 +57,7 @@ class ButtonPicker:
                 self.picked = "" if self.marked is None else self.choices[self.marked][0]
             case "point":
                 if name := self._button_at(command.value):
-                    self.marked = [one for one, _ in self.choices].index(name)
+                    self.marked = [choice for choice, _ in self.choices].index(name)
             case "press":
                 self.picked = self._button_at(command.value)
             case _:
@@ -269,7 +269,7 @@ class BreakDialog:
 MOST_LETTERS = 400  # what a panel shows at once
 NONE = "none"
 CHOICES = ((NONE, "no answer"), (DONE, "done"))
-ROOM = 3  # lines, so that the panel does not grow at the first ones
+LEAST_LINES = 3  # so that the panel does not grow at the first ones
 
 
 class TextDialog:
@@ -294,7 +294,7 @@ class TextDialog:
             marked=self._picker.marked,
             hint=f"{'keyboard: type · ' if typed else ''}{self._hints.confirm}: confirm · {self._hints.menu}: menu",
             note=self._note,
-            least_lines=ROOM,
+            least_lines=LEAST_LINES,
             takes_text=typed,
         )
 

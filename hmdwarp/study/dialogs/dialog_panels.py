@@ -1,4 +1,4 @@
-"""Panels that dialogs show over the picture, as display.Plate; equal panels look the same."""
+"""Panels that dialogs show over the picture, as display.TextPanel; equal panels look the same."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ def onset_s(session: Session, showing: Showing) -> float | None:
 
 def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[Showing]) -> list[Row]:
     """Return a row by EVENTS for each of the showings whose onset is known, in that order."""
-    rows = [_event(shows[one.key], one, onset_s(session, one)) for one in showings]
+    rows = [_event(shows[showing.key], showing, onset_s(session, showing)) for showing in showings]
     return sorted((row for row in rows if row["onset"] is not None), key=lambda row: row["onset"])
 
 
@@ -143,25 +143,25 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
 
 def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
     """Return every scale of the plan and of the sessions, by name. Errors: as sessions_of."""
-    asked = {ask.scale.name: ask.scale for one in sessions_of(contents, design) for ask in one.asks.values()}
+    asked = {ask.scale.name: ask.scale for data in sessions_of(contents, design) for ask in data.asks.values()}
     return {scale.name: scale for scale in every_scale(design)} | asked
 
 
 def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
     """Keep sessions of one origin: people, pilots and programs are never mixed.
 
-    Sessions without consent are left out: nobody took part in them. The others come in the order of
+    Sessions without consent are left out: they have no participant. The others come in the order of
     the random words, so that the order of arrival does not show.
     """
-    chosen = (one for one in contents.sessions if one.origin == origin and one.consented)
-    sessions = tuple(sorted(chosen, key=lambda one: (one.sub, one.number)))
-    ids = {one.id for one in sessions}
+    chosen = (session for session in contents.sessions if session.origin == origin and session.consented)
+    sessions = tuple(sorted(chosen, key=lambda session: (session.sub, session.number)))
+    ids = {session.id for session in sessions}
     return attrs.evolve(
         contents,
         sessions=sessions,
-        answers=tuple(one for one in contents.answers if one.session in ids),
-        showings=tuple(one for one in contents.showings if one.session in ids),
-        events=tuple(one for one in contents.events if one.session in ids),
+        answers=tuple(answer for answer in contents.answers if answer.session in ids),
+        showings=tuple(showing for showing in contents.showings if showing.session in ids),
+        events=tuple(event for event in contents.events if event.session in ids),
     )
 
 
@@ -177,9 +177,11 @@ def unconsented(contents: Contents, origin: str = PERSON) -> int:
 
 def _without_consent(contents: Contents, origin: str, *, declined: bool = False) -> set[str]:
     """Return who took no part. declined: only those who refused the consent."""
-    of_them = [one for one in contents.sessions if one.origin == origin]
-    some = {one.sub for one in of_them if not one.consented and (one.status == DECLINED or not declined)}
-    return some - {one.sub for one in of_them if one.consented}
+    of_them = [session for session in contents.sessions if session.origin == origin]
+    some = {
+        session.sub for session in of_them if not session.consented and (session.status == DECLINED or not declined)
+    }
+    return some - {session.sub for session in of_them if session.consented}
 
 
 def long_rows(contents: Contents, design: Design) -> list[Row]:
@@ -242,12 +244,12 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
     except StopIteration as error:
         raise InputError(
             f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that "
-            "this plan lacks: "
-            "use the study file that the sessions ran with"
+            "this plan lacks: use the study file that the sessions ran with"
         ) from error
     answers: dict[str, list[Answer]] = {}
     for answer in sorted(
-        (one for one in contents.answers if one.session == session.id), key=lambda one: (one.revision, one.id)
+        (answer for answer in contents.answers if answer.session == session.id),
+        key=lambda answer: (answer.revision, answer.id),
     ):
         answers.setdefault(answer.key, []).append(answer)
     return SessionData(
@@ -256,7 +258,7 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
         {step.key: step for step in steps if isinstance(step, Ask)},
         {step.key: step for step in steps if isinstance(step, Show)},
         {key: tuple(revisions) for key, revisions in answers.items()},
-        {one.id: one for one in contents.showings if one.session == session.id},
+        {showing.id: showing for showing in contents.showings if showing.session == session.id},
     )
 
 
@@ -316,7 +318,7 @@ def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | No
     """Return the showing that an answer is about; without an answer the last complete one."""
     if answer is not None and answer.showing is not None:
         return data.showings.get(answer.showing)
-    whole = [one for one in data.showings.values() if one.key == ask.about and one.complete]
+    whole = [showing for showing in data.showings.values() if showing.key == ask.about and showing.complete]
     return whole[-1] if whole else None
 
 

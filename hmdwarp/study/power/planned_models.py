@@ -52,7 +52,7 @@ def planned_comparisons(design: Design) -> tuple[Comparison, ...]:
 
     Errors: InputError where there is none, and where answers choose what is compared.
     """
-    comparisons = tuple(dict.fromkeys(one for family in design.families for one in family.comparisons))
+    comparisons = tuple(dict.fromkeys(comparison for family in design.families for comparison in family.comparisons))
     if not comparisons:
         raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
     if design.order == ADAPTIVE:
@@ -66,20 +66,20 @@ def planned_comparisons(design: Design) -> tuple[Comparison, ...]:
 def comparisons_of(design: Design, part: Part) -> list[Comparison]:
     """Return the planned comparisons of a part, each once."""
     return [
-        one
-        for one in dict.fromkeys(c for family in design.families for c in family.comparisons)
-        if one.part == part.name
+        comparison
+        for comparison in dict.fromkeys(c for family in design.families for c in family.comparisons)
+        if comparison.part == part.name
     ]
 
 
 def _means(part: Part, comparisons: list[Comparison], difference: float, middle: float) -> Mapping[str, float]:
     """Return the means of least spread around the middle."""
-    names = [one.name for one in part.conditions]
+    names = [condition.name for condition in part.conditions]
     if not comparisons:
         return dict.fromkeys(names, middle)
     differences = np.zeros((len(comparisons), len(names)))
-    for row, one in zip(differences, comparisons, strict=True):
-        row[names.index(one.baseline)], row[names.index(one.better)] = -1, 1
+    for row, comparison in zip(differences, comparisons, strict=True):
+        row[names.index(comparison.baseline)], row[names.index(comparison.better)] = -1, 1
     target = np.full(len(comparisons), difference)
     offsets = np.linalg.lstsq(differences, target, rcond=None)[0]
     if not np.allclose(differences @ offsets, target):
@@ -123,7 +123,9 @@ def pairs_with_effect(model: Model, design: Design, scale: Scale, effect: float)
 def expected_jod(population: Population, scale: Scale, comparison: Comparison) -> float:
     """Return by how many JOD `better` is better than the baseline, over all people."""
     rating = population.model.rating(scale)
-    means = dict(zip((one.name for one in population.part.conditions), population.means(scale.name), strict=True))
+    means = dict(
+        zip((condition.name for condition in population.part.conditions), population.means(scale.name), strict=True)
+    )
     difference = float(means[comparison.better] - means[comparison.baseline])
     spread = math.sqrt(2 * (rating.condition_sd**2 + rating.noise_sd**2))
     if not spread:
@@ -139,15 +141,15 @@ def choice_differences(
     Of those who answered such a pair, as `study analyse` tests them. latent: the sum of what is
     felt instead.
     """
-    names = [one.name for one in cohort.part.conditions]
+    names = [condition.name for condition in cohort.part.conditions]
     better, baseline = names.index(comparison.better), names.index(comparison.baseline)
     first, second = cohort.first[people], cohort.order[people]
     if latent:
         to_second = cohort.latent[scale.name][people]
     else:
-        said = cohort.answers[scale.name][people]
-        choice = np.where(said == NEITHER, 0.0, np.where(said == FIRST, -1.0, 1.0))
-        to_second = np.where(np.isnan(said), np.nan, choice)
+        answers = cohort.answers[scale.name][people]
+        choice = np.where(answers == NEITHER, 0.0, np.where(answers == FIRST, -1.0, 1.0))
+        to_second = np.where(np.isnan(answers), np.nan, choice)
     sign = np.where((first == baseline) & (second == better), 1.0, 0.0)
     sign[(first == better) & (second == baseline)] = -1.0
     answered = ((sign != 0) & ~np.isnan(to_second)).any(axis=1)
@@ -198,7 +200,7 @@ def scales_for(design: Design, name: str | None = None) -> tuple[Scale, ...]:
     Errors: InputError for another name, and where no comparison is planned.
     """
     planned_comparisons(design)  # raises where there is nothing to plan for
-    known = {one.name: one for one in design.scales if one.kind in (RATING, PREFERENCE)}
+    known = {scale.name: scale for scale in design.scales if scale.kind in (RATING, PREFERENCE)}
     if name is not None and name not in known:
         raise InputError(f"--scale {name}: {design.path} has {', '.join(known)} after each trial")
     return tuple(known.values()) if name is None else (known[name],)

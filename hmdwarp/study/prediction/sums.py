@@ -122,7 +122,7 @@ def skill_of_choice(sums: Sums, drawn: Array) -> tuple[float, float, float, NDAr
     """Predict each person by the measure that predicts best among all others: nested.
 
     For each person the others choose the measure, by leaving out each of them in turn, and give its
-    slope. So nobody's ratings take part in the choice that is tested on them, as they do in the
+    slope. So no one's ratings take part in the choice that is tested on them, as they do in the
     skill of the measure that came first.
 
     Return (skill, low, high, chosen): as skill_of_left_out_people, and for each person the index of
@@ -131,7 +131,8 @@ def skill_of_choice(sums: Sums, drawn: Array) -> tuple[float, float, float, NDAr
     """
     everybody = np.arange(sums.people)
     chosen = np.array(
-        [np.argmin(_errors_of_left_out(sums.only(everybody != one)).sum(axis=0)) for one in everybody], dtype=np.intp
+        [np.argmin(_errors_of_left_out(sums.only(everybody != person)).sum(axis=0)) for person in everybody],
+        dtype=np.intp,
     )
     error = _errors_of_left_out(sums)[everybody, chosen]
     skill, low, high = _skill(sums, error[:, None], drawn)
@@ -159,7 +160,7 @@ def skill_of_left_out_conditions(x: Array, y: Array, who: NDArray[np.intp], cond
     NaN where no condition can be left out. x: (n, m), y: (n,), not centred.
     """
     names = list(dict.fromkeys(conditions))
-    which = np.array([names.index(one) for one in conditions])
+    which = np.array([names.index(condition) for condition in conditions])
     error, alone = np.zeros(x.shape[1]), 0.0
     for left_out in range(len(names)):
         known, left = which != left_out, which == left_out

@@ -80,7 +80,8 @@ class RatingModel:
         own = self.means.get(part.name)
         table = own if isinstance(own, Mapping) else self.means
         found = {
-            one.name: table.get(one.name, self.reference if one.reference else self.mean) for one in part.conditions
+            condition.name: table.get(condition.name, self.reference if condition.reference else self.mean)
+            for condition in part.conditions
         }
         lacking = [name for name, mean in found.items() if not isinstance(mean, float)]
         if lacking:

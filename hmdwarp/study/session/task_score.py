@@ -105,7 +105,7 @@ class TaskScore:
             "task_misses": self.misses,
             "task_target_s": spent_s / found if found else None,
             "task_turned_deg": self.turned_deg,
-            "task_times_s": " ".join(f"{one:.3f}" for one in self.times_s),
+            "task_times_s": " ".join(f"{time_s:.3f}" for time_s in self.times_s),
         }
 
 

@@ -99,8 +99,8 @@ def _all_resamples(
     where the values lie on no common grid.
     """
     n, largest = len(values), np.abs(values).max()
-    parts = [Fraction(float(one)).limit_denominator(_FINEST) for one in values]
-    if any(abs(float(part) - one) > 10.0**-_DIGITS * largest for part, one in zip(parts, values, strict=True)):
+    parts = [Fraction(float(value)).limit_denominator(_FINEST) for value in values]
+    if any(abs(float(part) - value) > 10.0**-_DIGITS * largest for part, value in zip(parts, values, strict=True)):
         return None
     if (grid := math.lcm(*(part.denominator for part in parts))) > _MOST_SUMS:
         return None

@@ -2,7 +2,7 @@
 
 A difference of 1 JOD means that 75 % of answers prefer the better one. Scores are those of maximum
 likelihood, with a wide prior that keeps them finite where everybody agrees; where "no difference"
-may be said, it has a threshold that is estimated beside the scores.
+may be answered, it has a threshold that is estimated beside the scores.
 Source: Perez-Ortiz and Mantiuk 2017, A practical guide and software for analysing pairwise
 comparison experiments, arXiv 1712.03686 (Case V, the unit, resampling people); their prior of
 distances is replaced by a normal one of scores, which leaves one maximum. Glenn and David 1960,
@@ -40,7 +40,7 @@ class Scores:
 def jod_scores(wins: Array, ties: Array | None = None) -> Scores:
     """Scale comparisons. wins: (.., n, n), how often the row was preferred to the column.
 
-    ties: (.., n, n), symmetric; None where nobody could say "no difference".
+    ties: (.., n, n), symmetric; None where "no difference" could not be answered.
     """
     shape, n = np.shape(wins)[:-2], np.shape(wins)[-1]
     at = _highest(_likelihood(wins, ties), n)

@@ -300,7 +300,7 @@ class Store(StoreConnection):
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""
         self._take_lock()
-        return code.lower() in [one.lower() for one in self._finished]
+        return code.lower() in [finished.lower() for finished in self._finished]
 
     def withdraw(self, code: str) -> Holdings | None:
         """Erase all data of a participant but the code, at any time and without a reason.
