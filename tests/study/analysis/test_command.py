@@ -158,13 +158,13 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("arguments", "told"), WRONG, ids=lambda value: value if isinstance(value, str) else "")
-def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
+def test_wrong_input_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
     run = hmdwarp("study", "analyse", *arguments, "--out", "out", folder=tmp_path)
     assert run.returncode == 2 and run.stderr.count("\n") == 1 and told in run.stderr, run.stderr
     assert not (tmp_path / "out").exists()
 
 
-def test_a_missing_package_is_told_with_what_brings_it():
+def test_a_missing_package_is_named_with_its_installation():
     with pytest.raises(
         MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"
     ):

@@ -120,7 +120,7 @@ def test_a_quiet_session_prints_nothing(tmp_path):
         (("--source", "openxr"), 3, "or take a window: --source desktop"),
     ],
 )
-def test_what_cannot_be_is_one_line(tmp_path, words, status, told):
+def test_contradictory_options_are_refused_in_one_line(tmp_path, words, status, told):
     path = study(tmp_path)
     done = run(path, *words)
     assert done.returncode == status, done.stderr

@@ -121,7 +121,7 @@ def test_all_sessions_of_a_participant_go(tmp_path):
         assert store.contents().sessions == ()
 
 
-def test_half_written_and_copied_traces_go_as_well_and_nobody_else_s(tmp_path):
+def test_partial_and_copied_traces_of_the_participant_alone_are_erased(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         (store.traces / f".{subs[0]}_ses-1_trial-9_1.csv.a1b2.part").write_text(POSE)
