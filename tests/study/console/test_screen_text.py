@@ -32,8 +32,8 @@ def text_of(state: ConsoleState, **more) -> str:
 def test_problems_are_shown():
     assert "TRACKING LOST" in text_of(STATES["lost"])
     assert Scene(STATES["lost"], KeyEntry()).parts()["loud"].plain == " PILOT "
-    assert "NO NEWS FOR 0:04" in text_of(SHOWING, heard_s=4.0)
-    assert "NO NEWS" not in text_of(STATES["sick"], heard_s=60.0)
+    assert "NO NEWS FOR 0:04" in text_of(SHOWING, age_s=4.0)
+    assert "NO NEWS" not in text_of(STATES["sick"], age_s=60.0)
     assert "SICKNESS 15 OF 20" in text_of(STATES["sick"])
 
 
