@@ -196,12 +196,12 @@ def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
     tracemalloc.stop()
 
 
-def test_a_hundred_thousand_broken_messages_are_read_or_refused():
+def test_broken_messages_are_read_or_refused():
     rng = random.Random(19)
     asks = [encode(ASK), encode(attrs.evolve(ASK, wanted=WANTED))]
     whole = [*asks, *map(encode, (FRAME, BYTES, CODED, LAYERED)), encode(Refusal(1, "why"))]
     refused = 0
-    for _ in range(100_000):
+    for _ in range(20_000):
         data = bytearray(rng.choice(whole))
         for _ in range(rng.randint(1, 4)):
             data[rng.randrange(len(data))] = rng.choice((0, 1, 127, 128, 255, rng.randrange(256)))
@@ -215,4 +215,4 @@ def test_a_hundred_thousand_broken_messages_are_read_or_refused():
             decode(bytes(data))
         except Malformed:
             refused += 1
-    assert refused > 50_000
+    assert refused > 10_000

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from reference._rays import world_directions
+from worlds import pixels
 
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
@@ -18,12 +19,6 @@ SIZE = (61, 47)
 FOV = Fov(-0.6, 0.7, -0.5, 0.55)
 SKY = (0.25, 0.5, 1.0)
 AHEAD = View(Pose(), FOV)
-
-
-def read(texture) -> np.ndarray:
-    dtype = np.float32 if texture.dtype == "f4" else np.float16
-    array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1)
-    return (array[..., 0] if texture.components == 1 else array).astype(np.float64)
 
 
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
@@ -54,7 +49,7 @@ def peeled(gpu, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.n
     server = Server(gpu, scene)
     eye = server.draw_frame([view], 0, SIZE, needs=Needs(peeled=count)).eyes[0]
     assert len(eye["peeled"]) == count
-    out = [(read(each.colour), read(each.inverse_depth)) for each in (eye, *eye["peeled"])]
+    out = [(pixels(each.colour), pixels(each.inverse_depth)) for each in (eye, *eye["peeled"])]
     server.close()
     return out
 
