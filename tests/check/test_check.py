@@ -169,7 +169,7 @@ def test_frames_of_different_things_do_not_agree(recorded):
     assert "stands still" in answer.headline() and answer.as_json()["code"] == []
 
 
-def test_pictures_without_detail_are_told_from_depths_that_disagree(in_the_room):
+def test_pictures_without_detail_do_not_agree_in_colour(in_the_room):
     """Every colour is the same, so only depth says anything."""
     frames = right_frames(in_the_room, CAMERA, np.random.default_rng(9))
     frames = [attrs.evolve(one, colour=np.full_like(one.colour, 0.5)) for one in frames]

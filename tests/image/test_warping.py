@@ -110,7 +110,7 @@ def test_nearer_things_move_more(distance):
     assert np.array_equal(out.colour[:, : 18 - max(near - 2, 0)], colour[:, 2 : 20 - max(near - 2, 0)])
 
 
-def test_of_two_things_that_meet_the_nearer_is_seen():
+def test_the_nearer_of_two_things_that_meet_is_seen():
     """A pixel at 1 m moves 8 pixels left, one at 4 m 2: they meet at column 10."""
     colour, depth = np.zeros((30, 40, 3), np.float32), np.zeros((30, 40))
     for column, distance, value in ((18, 1.0, 0.25), (12, 4.0, 0.75)):
@@ -182,7 +182,7 @@ def test_fields_of_view_may_be_asymmetric(warp):
 
 
 @pytest.mark.parametrize("warp", MOVING)
-def test_what_lies_outside_the_late_picture_is_a_hole(warp):
+def test_pixels_outside_the_late_picture_are_holes(warp):
     """A shown field of view twice as large: a quarter of its pixels are known."""
     colour = halves(np.random.default_rng(7), (16, 12))
     out = warp_image(colour, np.full((12, 16), 2.0), view((-1, 1, -1, 1)), view((-2, 2, -2, 2)), warp, size=(32, 24))
@@ -231,7 +231,7 @@ def test_holes_move_with_the_picture_and_keep_their_size():
 
 
 @pytest.mark.parametrize("warp", MOVING)
-def test_between_pixels_nothing_of_a_hole_leaks_in(warp):
+def test_holes_do_not_leak_into_pixels_between(warp):
     """Beside a hole the picture is white.
 
     Bilinear look-ups that touch the hole must not darken what they call covered.
@@ -253,7 +253,7 @@ def test_infinity_is_a_distance():
     assert np.array_equal(out.colour, colour) and (out.coverage == 1).all()
 
 
-def test_by_default_the_picture_is_warped_and_complete():
+def test_the_picture_is_warped_and_complete_by_default():
     colour = np.random.default_rng(3).integers(0, 256, (24, 32, 3), dtype=np.uint8)
     aside = view(position=(0.4, 0, 0))
     given_ = (colour, np.full((24, 32), 2.0), view(), aside)
@@ -290,7 +290,7 @@ def test_twice_is_the_same():
 
 @settings(max_examples=40)
 @given(data=st.data())
-def test_whatever_the_depths_the_result_is_finite(data):
+def test_results_are_finite_for_any_depths(data):
     values = st.sampled_from([0.0, -1.0, np.nan, np.inf, -np.inf, 1e-30, 1e-6, 0.02, 1.0, 1e6, 1e300, 5e-324])
     depth = np.array(data.draw(st.lists(values, min_size=35, max_size=35))).reshape(5, 7)
     depth[2, 3] = 2.0  # nothing but negative values is refused
@@ -323,7 +323,7 @@ def test_eight_bits_as_floats_are_refused_not_taken_as_light():
 
 @pytest.mark.parametrize("result", [None, "srgb8", "srgb", "linear"])
 @pytest.mark.parametrize("given", ["srgb8", "srgb", "linear"])
-def test_colour_comes_back_as_it_went_in_or_as_asked_for(given, result):
+def test_colour_comes_back_as_it_went_in_or_as_requested(given, result):
     """Each of the nine ways gives the same bytes: halves hold a byte's light to 2**-11 of it."""
     picture = np.random.default_rng(24).integers(0, 256, (4, 6, 3), dtype=np.uint8)
     said = None
@@ -397,7 +397,7 @@ def test_depth_in_other_units_is_the_same_in_metres(unit, dtype):
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.uint8])
-def test_what_a_mask_hides_is_a_hole(dtype):
+def test_masked_pixels_are_holes(dtype):
     """In depth as in one channel of the colour, whatever value lies below the mask."""
     rng = np.random.default_rng(22)
     colour = rng.integers(0, 256, (12, 16, 3), np.uint8) if dtype == np.uint8 else halves(rng, (16, 12))
@@ -487,7 +487,7 @@ def test_names_are_checked():
             warp_image(COLOUR, DEPTH, view(), view(), fill=wrong)
 
 
-def test_what_comes_back_belongs_to_the_caller():
+def test_results_belong_to_the_caller():
     colour = halves(np.random.default_rng(15), (9, 7))
     first = warp_image(colour, np.ones((7, 9)), view(), view())
     first.colour[:], first.coverage[:] = -1, -1

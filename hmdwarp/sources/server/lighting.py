@@ -24,7 +24,7 @@ class Indirect(enum.Enum):
     # Solved for the instant that is drawn; the light atlas `Lighting.indirect`, which its owner
     # sets; a picture of it, `Lighting.splats`.
     OWN, ATLAS, SPLATS = "own", "atlas", "splats"
-    # A grid of voxels, see server/voxels.py.
+    # A grid of voxels, see parts/voxels.py.
     VOXELS = "voxels"
     # Nowhere: in place of colour, drawn are the normal and what `Lighting.indirect` holds.
     RECEIVERS = "receivers"

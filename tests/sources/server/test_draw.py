@@ -273,7 +273,7 @@ def test_backs_are_left_out_unless_the_mesh_is_double_sided(gpu, double_sided):
     server.close()
 
 
-def test_nothing_is_culled_that_a_ray_can_see(room):
+def test_culling_keeps_all_that_a_ray_can_see(room):
     # Any chunk left out in error would show as a hole to the background inside the closed back half
     # of the room.
     for yaw in (120, 180, 240):

@@ -105,7 +105,7 @@ def test_backs_are_left_out_as_in_the_picture_itself(gpu, double_sided):
     assert layers[1][1][middle()] == pytest.approx(0.5 if double_sided else -1)
 
 
-def test_in_the_room_each_layer_lies_behind_the_one_before(gpu):
+def test_each_layer_of_the_room_lies_behind_the_one_before(gpu):
     layers = peeled(gpu, load_scene("room"), 3, View(Pose((0, 1.6, 0), (0.1, 0.2, 0, 1)), FOV))
     for (_, front), (colour, behind) in zip(layers, layers[1:], strict=False):
         there = behind >= 0
