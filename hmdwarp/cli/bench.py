@@ -33,22 +33,20 @@ def merge(said: Said) -> None:
 def _run(options: BenchOptions, quiet: bool) -> None:
     from ..errors import InputError
     from ..experiments.bench import bench as run
-    from ..experiments.sweep import raise_failures
     from ._show import sayer, steps
 
     with steps("instants", quiet=quiet) as (progress, _):
         result = run(options, progress, sayer(quiet))
     if not quiet:
         _tell(result)
-    if result.swept is not None:
-        raise_failures(result.swept)
+    result.raise_failures()
     if result.refused:  # after the results are written and told: they are good, the budget was not
         raise InputError(result.refused)
 
 
 def _tell(result) -> None:
     from ..experiments.bench import MOST_SHOWN
-    from ..experiments.bench.answer import answer
+    from ..experiments.bench.notes import answer
     from ..report import axes_of_traces
     from ..report.bench import bench_table, first_cases
     from ._show import console, paragraph

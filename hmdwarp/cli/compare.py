@@ -19,14 +19,13 @@ def compare(said: Said) -> None:
 
 def _run(options: CompareOptions, quiet: bool) -> None:
     from ..experiments.compare import compare as run
-    from ..experiments.sweep import raise_failures
     from ._show import sayer, steps
 
     with steps("runs", quiet=quiet) as (progress, _):
         result = run(options, progress, sayer(quiet))
     if not quiet:
         _tell(result)
-    raise_failures(result.swept)
+    result.raise_failures()
 
 
 def _tell(result) -> None:

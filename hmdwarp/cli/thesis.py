@@ -18,7 +18,6 @@ def thesis(said: Said) -> None:
 
 
 def _run(options: ThesisOptions, quiet: bool) -> None:
-    from ..experiments.sweep import raise_failures
     from ..experiments.thesis import run_thesis
     from ..study.thesis_ratings import published_ratings
     from ._show import in_columns, sayer, steps
@@ -29,4 +28,4 @@ def _run(options: ThesisOptions, quiet: bool) -> None:
         in_columns((one["verdict"], one["claim"]) for one in result.data["experiments"])
         typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))
         typer.echo(f"report: {result.report}")
-    raise_failures(result.swept)
+    result.raise_failures()

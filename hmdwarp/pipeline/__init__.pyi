@@ -3,7 +3,6 @@ from .build import Target as Target
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
 from .channel import Channel as Channel
-from .client_scene import ClientScene as ClientScene
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames

@@ -4,43 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import attrs
-
-from ..errors import TraceError
+from ..errors import InputError, TraceError
 from ..registry import unknown_name
-from .defects import Defect
+from ..resources import folder, recording_names
+from .formats import TraceFormat, column_of, column_of_devices, formats, ordered
 from .options import TraceOptions
-from .reading.cleaning import Segment
-from .track import PoseTrack
+from .reading.cleaning import LoadedTrace
+from .reading.file_head import Head, read_head
+from .stated import Layout
 
-
-@attrs.frozen(eq=False)
-class LoadedTrace:
-    """A trace and all facts about its file."""
-
-    track: PoseTrack
-    path: Path
-    format: str
-    defects: list[Defect]  # all defects and their repairs
-    segments: list[Segment]  # recordings within the file, of which one was used
-    time_unit: str  # of the file's clock, in words
-    columns: str  # which were read as what, by name or number
-    axes_assumed: bool  # nothing says which they are
-
-    def notes(self) -> list[str]:
-        """Return a line for each defect, and one for axes that are only assumed."""
-        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
-        return [*assumed, *map(str, self.defects)]
-
-    @property
-    def axes(self) -> str:
-        """Axes of the file, who says so, and what the motion shows, in words."""
-        return self.track.axes
-
-    @property
-    def rate_hz(self) -> float:
-        """Samples per second."""
-        return self.track.rate_hz
+_SYNTAX = "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8"
 
 
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
@@ -51,9 +24,6 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
     format.
     """
-    from .finding import find_format
-    from .reading.file_head import read_head
-
     options = options or TraceOptions()
     path = trace_path(name_or_path)
     if not path.exists() and path.stem in _recordings():
@@ -61,18 +31,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
             f"{path}: no such file; the shipped recording is called '{path.stem}', without folder and ending"
         )
     head = read_head(path)
-    found = find_format(head, options)
-    cleaned = found.read(head, options)
-    return LoadedTrace(
-        track=cleaned.track,
-        path=path,
-        format=found.name,
-        defects=cleaned.defects,
-        segments=cleaned.segments,
-        time_unit=cleaned.time_unit,
-        columns=cleaned.columns,
-        axes_assumed=cleaned.axes_assumed,
-    )
+    return find_format(head, options).read(head, options)
 
 
 def trace_path(name_or_path: str | Path) -> Path:
@@ -86,8 +45,6 @@ def trace_path(name_or_path: str | Path) -> Path:
     path = Path(text)
     if isinstance(name_or_path, Path) or path.name != text or path.suffix:
         return path
-    from ..resources import folder
-
     names = _recordings()
     if text in names:
         return folder("recordings") / f"{text}.csv"
@@ -97,9 +54,51 @@ def trace_path(name_or_path: str | Path) -> Path:
 
 
 def _recordings() -> list[str]:
-    from ..resources import recording_names
-
     try:
         return recording_names()
     except FileNotFoundError:
         return []
+
+
+def find_format(head: Head, options: TraceOptions) -> TraceFormat:
+    """Return the named format, or the most likely one. Errors: UnknownNameError, TraceError."""
+    if options.columns is not None:
+        return StatedColumns()
+    if options.format is not None:
+        return formats.get(options.format)
+    scores = {f.name: f.sniff(head, options) for f in formats}
+    best = max(scores, key=scores.__getitem__)
+    if scores[best] > 0:
+        return formats.get(best)
+    if head.names is None and head.width >= 5:
+        raise TraceError(
+            f"{head.path}: nothing in the file says what its columns are ({head.describe()}): "
+            "say --columns t=1,p=2+3+4,q=5+6+7+8 with their numbers (q: x y z w)"
+        )
+    known = ", ".join(formats.names())
+    raise TraceError(
+        f"{head.path} is in no known trace format ({head.describe()}): "
+        f"name the columns in a header line, or say --format ({known})"
+    )
+
+
+class StatedColumns(TraceFormat):
+    """Columns by the user's word; quaternions are x y z w unless --quat-order says otherwise."""
+
+    name = "columns"
+    summary = "columns as --columns names them"
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        text = options.columns or ""
+        parts = [part.partition("=") for part in text.split(",")]
+        stated = {key.strip(): [column_of(head, word) for word in value.split("+")] for key, _, value in parts if value}
+        counts = {"t": 1, "p": 3, "q": 4}
+        if len(stated) != len(parts) or "q" not in stated or any(len(v) != counts.get(k) for k, v in stated.items()):
+            raise InputError(f"--columns '{text}': expected {_SYNTAX}")
+        (time,), position = stated.get("t", [None]), stated.get("p")
+        return Layout(
+            time=time,
+            orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
+            device=column_of_devices(head),
+            position=None if position is None else (position[0], position[1], position[2]),
+        )

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from . import quaternions
-from .prediction_errors import PredictionErrors, turn_errors
+from .prediction import ERROR_PERCENTILES, PredictionErrors, turn_errors
 from .predictors import Predictor, predictors
-from .sample import Origin
-from .track import PoseTrack
+from .reading.cleaning import LoadedTrace
+from .track import Origin, PoseTrack
 
 _MS = 1_000_000
 GRID_NS = 5 * _MS  # 200 Hz
@@ -58,10 +60,7 @@ class Analysis:
 
 
 def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
-    """Return the figures of a track.
-
-    Repeated poses are removed first; nothing is measured across a gap or jump.
-    """
+    """Return the figures of a track without repeated poses, none across a gap or jump."""
     motion = track.without_repeats()
     steps = np.diff(track.time_ns)
     gaps = np.flatnonzero(steps > track.max_gap_ns)
@@ -82,10 +81,7 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
 
 
 def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return angular (rad/s) and linear (m/s) speeds.
-
-    Central differences over 10 ms on a 200 Hz grid.
-    """
+    """Return angular (rad/s) and linear (m/s) speeds: differences over 10 ms, every 5 ms."""
     now = _instants(track, GRID_NS, GRID_NS)
     now = now[_joined(track, now - GRID_NS, now + GRID_NS)]
     before, after = track.sample_many(now - GRID_NS), track.sample_many(now + GRID_NS)
@@ -103,15 +99,15 @@ def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
     then = now - latency
     known = track.sample_many(then).orientation_xyzw
     errors = {
-        one.name: turn_errors(known, truth, one.predict_many(track, then, latency).orientation_xyzw)
-        for one in predictors_in_order()
+        predictor.name: turn_errors(known, truth, predictor.predict_many(track, then, latency).orientation_xyzw)
+        for predictor in predictors_in_order()
     }
     return ErrorRow(latency_ms, errors, len(now))
 
 
 def predictors_in_order() -> list[Predictor]:
     """Return every predictor once, by how far it looks ahead."""
-    return sorted((one for one in predictors if not one.alias_of), key=lambda one: one.horizon_ns)
+    return sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns)
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:
@@ -134,3 +130,50 @@ def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tupl
     if not len(values):
         return tuple(float("nan") for _ in wanted)
     return tuple(float(v) for v in np.percentile(values, wanted))
+
+
+def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
+    """Return what `hmdwarp trace info --json` prints.
+
+    Percentiles are keys such as p95. What the track is too short for is NaN.
+    """
+    return {
+        "trace": str(loaded.path),
+        "format": loaded.format,
+        "origin": loaded.track.origin,
+        "axes": loaded.axes,
+        "columns": loaded.columns,
+        "samples": figures.samples,
+        "repeated_share": figures.repeated_share,
+        "duration_s": figures.duration_s,
+        "rate_hz": figures.rate_hz,
+        "mean_rate_hz": figures.mean_rate_hz,
+        "clock": loaded.time_unit,
+        "clock_starts_s": loaded.track.epoch_ns / 1e9,
+        "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
+        "jumps": figures.jumps,
+        "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
+        "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
+        "errors_deg": [
+            {
+                "latency_ms": row.latency_ms,
+                **{
+                    name: {
+                        "mean": errors.mean,
+                        **_by_name(errors.percentiles, ERROR_PERCENTILES),
+                        "lead_share": errors.lead_share,
+                        "lead_p95": errors.lead,
+                        "lag_p95": errors.lag,
+                    }
+                    for name, errors in row.errors.items()
+                },
+            }
+            for row in figures.errors
+        ],
+        "segments": [attrs.asdict(segment) for segment in loaded.segments],
+        "defects": [attrs.asdict(defect) for defect in loaded.defects],
+    }
+
+
+def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:
+    return {f"p{percent:g}": value for percent, value in zip(which, values, strict=True)}

@@ -12,7 +12,7 @@ from collections import deque
 import attrs
 
 from ..geometry import Pose
-from .sample import Origin, PoseSample
+from .track import Origin, PoseSample
 
 EYE_HEIGHT_M = 1.6
 WALK_M_S, FASTER = 1.4, 3.0  # a pedestrian's pace (Browning et al. 2006 measured 1.4 m/s); with shift, a run
@@ -51,10 +51,7 @@ class _State:
         )
 
     def after(self, time_ns: int) -> _State:
-        """Return the state at `time_ns` without further input.
-
-        First-order lags, solved exactly, with the heading held at its mean.
-        """
+        """Return the state without further input: first-order lags, exact, heading at its mean."""
         seconds = (time_ns - self.time_ns) * 1e-9
         turned, half = math.exp(-seconds / TURN_S), math.exp(-seconds / (2 * TURN_S))
         slowed = math.exp(-seconds / WALK_S)

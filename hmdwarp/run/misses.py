@@ -10,7 +10,6 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..link.delays.trace import read_delays
 from ..options import Declared, Number, one_of, option
 
 MEASURED = "measured"
@@ -40,6 +39,8 @@ def parse_client_time(text: str) -> tuple[float, ...] | None:
             raise InputError(
                 f"--client-time '{text}': expected milliseconds, a CSV file of them, or {MEASURED}"
             ) from None
+        from ..link.delays.trace import read_delays  # an entry of a registry, which brings NumPy
+
         return tuple(read_delays(Path(text), "time"))
     if not 0 <= number <= _MOST_MS:
         raise InputError(f"--client-time {text}: expected 0 to {_MOST_MS:g} ms")
@@ -50,6 +51,7 @@ def parse_client_time(text: str) -> tuple[float, ...] | None:
 class Misses(Declared):
     """How long the client works on a picture, and what is seen when it is late."""
 
+    heading = "A client that is late"
     # Of both eyes, one for each refresh, repeated when they end; () for as long as it takes here,
     # None for a client that is always in time.
     times_ms: tuple[float, ...] | None = option(

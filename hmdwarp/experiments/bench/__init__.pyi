@@ -1,8 +1,7 @@
 from .bench_run import MOST_SHOWN as MOST_SHOWN
-from .bench_run import BenchResult as BenchResult
 from .bench_run import bench as bench
 from .cases import cases_of as cases_of
 from .cases import combinations_of as combinations_of
 from .merge import merge as merge
-from .merge_options import MergeOptions as MergeOptions
 from .options import BenchOptions as BenchOptions
+from .options import MergeOptions as MergeOptions

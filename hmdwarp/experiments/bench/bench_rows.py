@@ -1,14 +1,20 @@
-"""The rows of bench.json and the flat columns of bench.csv, from the measurements."""
+"""The rows of bench.json, their passes' traffic, and the table as bench.csv and bench.parquet."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import add
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ...client.capability import lacking
 from ...client.classes import Client
+from ...client.plan import Plan
+from ...frames.layers import PIXEL_BYTES
 from ...metrics import (
     JOD,
     QUALITY,
@@ -23,51 +29,31 @@ from ...metrics import (
     pooled,
     ratings_of,
 )
+from ...resources import __version__, import_extra
 from ...run.combination_bench import Measured
 from ...run.combinations import Case
 from ...run.replay_results import summary_of_rows
 from ...run.replay_setup import ReplaySetup
 from .cases import baselines
-from .traffic import passes_of
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
 _PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
+_SAME = ("mismatch", "client", "lacks", "baseline")
 _PLAIN = (
-    "trace",
-    "scene",
-    "latency_ms",
-    "strategy",
-    "warp",
-    "fill",
-    "lens",
-    "headset",
-    "frames",
-    "rate_hz",
-    "server_rate_hz",
-    "guard",
-    "predict",
-    "clock",
+    *("trace", "scene", "latency_ms", "strategy", "warp", "fill", "lens", "headset", "frames"),
+    *("rate_hz", "server_rate_hz", "guard", "predict", "clock"),
 )
 
 COLUMNS = (
-    *_PLAIN,
-    "width",
-    "height",
+    *(*_PLAIN, "width", "height"),
     *(f"{stage}_ms{tail}" for stage in STAGES for tail in ("", "_p95")),
     *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95", "_low", "_high")),
     *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
-    "mismatch",
-    JOD.name,
-    TRUTH_PREFERRED.name,
-    "client",
-    "lacks",
-    "baseline",
+    *("mismatch", JOD.name, TRUTH_PREFERRED.name, "client", "lacks", "baseline"),
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
-    "gl_renderer",
-    "cpu_count",
-    "host",
+    *("gl_renderer", "cpu_count", "host"),
 )
 # Columns that are no numbers, and those that are whole ones.
 TEXTS = (
@@ -121,7 +107,20 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     The ends of a mean's interval have _low and _high.
     """
     for row in rows:
-        yield {**_plain(row), **_times(row), **_regions(row), **ratings_of(row), **_passes(row)}
+        found = {key: row.get(key, "") for key in _PLAIN} | {key: row[key] for key in _SAME}
+        found |= {"width": row["size"][0], "height": row["size"][1]}
+        found |= {key: row["machine"].get(key) for key in ("gl_renderer", "cpu_count", "host")}
+        for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
+            for name in names:
+                entry = row[table][name]
+                found |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
+                if entry.get("interval") is not None:
+                    found |= {f"{name}_low": entry["interval"][0], f"{name}_high": entry["interval"][1]}
+        for region in REGIONS:
+            found |= {f"{region}_{figure}": row["regions"][region][figure] for figure in _REGION_FIGURES}
+        for entry in row["passes"]:
+            found |= {f"{entry['name']}_pass_{figure}": entry[figure] for figure in _PASS_FIGURES}
+        yield found | ratings_of(row)
 
 
 def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -136,34 +135,55 @@ def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
 
 
-def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
-    machine = {key: row["machine"].get(key) for key in ("gl_renderer", "cpu_count", "host")}
-    return {
-        **{key: row.get(key, "") for key in _PLAIN},
-        "width": row["size"][0],
-        "height": row["size"][1],
-        "mismatch": row["mismatch"],
-        "client": row["client"],
-        "lacks": row["lacks"],
-        "baseline": row["baseline"],
-        **machine,
-    }
+def passes_of(
+    plan: Plan, rendered_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
+) -> list[dict[str, Any]]:
+    """Return the `passes` of a row: name, bytes, bound_ms, median_ms, times_bound.
+
+    bound_ms: the bytes at the copy bandwidth. stages: the timer's milliseconds by stage. The bound
+    counts each byte once and no arithmetic, so no pass can be quicker unless its pictures stay in
+    the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it
+    writes counts.
+    """
+    moved = {"client_depth": PIXEL_BYTES["r32f"] * shown_pixels} if plan.draws_client_depth else {}
+    moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)
+    if plan.fills:
+        moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
+    if plan.effect_passes:
+        moved["effects"] = sum(each.made_by.bytes_moved(rendered_pixels, shown_pixels) for each in plan.effect_passes)
+    if plan.lens.is_pass and not plan.fused:
+        moved["lens"] = plan.lens.bytes_moved(shown_pixels)
+    passes = []
+    for name, count in moved.items():
+        if stages.get(name):
+            bound_ms, median_ms = count / bytes_per_s * 1e3, float(np.median(stages[name]))
+            entry = {"name": name, "bytes": int(count), "bound_ms": bound_ms, "median_ms": median_ms}
+            passes.append({**entry, "times_bound": median_ms / bound_ms})
+    return passes
 
 
-def _times(row: Mapping[str, Any]) -> dict[str, Any]:
-    times: dict[str, Any] = {}
-    for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
-        for name in names:
-            entry = row[table][name]
-            times |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
-            if entry.get("interval") is not None:
-                times |= {f"{name}_low": entry["interval"][0], f"{name}_high": entry["interval"][1]}
-    return times
+def check_parquet() -> None:
+    """Check that Parquet can be written, before a long run. Errors: MachineError."""
+    import_extra("pyarrow.parquet", "pyarrow", "study")
 
 
-def _regions(row: Mapping[str, Any]) -> dict[str, Any]:
-    return {f"{region}_{figure}": row["regions"][region][figure] for region in REGIONS for figure in _REGION_FIGURES}
+def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write rows under COLUMNS: texts, whole numbers and numbers; null for what is not known.
 
+    Errors: MachineError where pyarrow is missing; OSError.
+    """
+    pa = import_extra("pyarrow", "pyarrow", "study")
+    parquet = import_extra("pyarrow.parquet", "pyarrow", "study")
+    types = {**dict.fromkeys(TEXTS, (pa.string(), str)), **dict.fromkeys(WHOLE, (pa.int64(), int))}
+    typed = {name: types.get(name, (pa.float64(), float)) for name in COLUMNS}
+    fields = [(name, kind) for name, (kind, _) in typed.items()]
+    schema = pa.schema(fields, metadata={"made_by": f"hmdwarp {__version__}"})
 
-def _passes(row: Mapping[str, Any]) -> dict[str, Any]:
-    return {f"{entry['name']}_pass_{figure}": entry[figure] for entry in row["passes"] for figure in _PASS_FIGURES}
+    def values(row: Mapping[str, Any]) -> dict[str, Any]:
+        known = {name: row[name] for name in COLUMNS if row.get(name) is not None}
+        return {name: typed[name][1](value) for name, value in known.items() if value != "" or name in TEXTS}
+
+    with parquet.ParquetWriter(path, schema) as writer:
+        rows = iter(rows)
+        while group := list(itertools.islice(rows, 10_000)):  # what is in memory at once
+            writer.write_table(pa.Table.from_pylist([values(row) for row in group], schema=schema))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -24,14 +23,23 @@ from ...run.recorded_frames import about, own_trace
 from ...run.recordings import refuse_one_name, refuse_traces_of_one_name
 from ...scenes import load_scene
 from ...sources.sequences import Sequence as RecordedFrames
-from ..sweep import SweepCase, Swept, program_hash, raise_failures, run_cases
-from .bench_case import BenchCase, options_of_case, prepared, sequence_of
-from .bench_rows import COLUMNS, LONG, about_rating, flat
-from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room, fused_steps, grid_steps
-from .cases import cases_of, combinations_of, common_start_s, notes_on_warps, run_options
-from .client_notes import left_out_notes
+from ..sweep import ExperimentResult, SweepCase, Swept, program_hash, raise_failures, run_cases
+from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, write_parquet
+from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
+from .cases import (
+    BenchCase,
+    cases_of,
+    combinations_of,
+    common_start_s,
+    notes_on_warps,
+    options_of_case,
+    prepared,
+    run_options,
+    sequence_of,
+)
+from .notes import left_out_notes
 from .options import DEFAULT_SIZES, BenchOptions
-from .parquet import check_parquet, write_parquet
+from .sections import GRID_STEPS, fused_steps
 
 OWNED = ("bench.csv", "bench.html", "bench.parquet")
 # Cases on the page, which draws charts of each: a second for two.
@@ -39,33 +47,15 @@ MOST_SHOWN = 40
 Progress = Callable[[int, int], None]
 
 
-@attrs.frozen(eq=False)
-class BenchResult:
-    """The results of a bench."""
-
-    folder: Path
-    # As in bench.json; the rows are read from the disk, until the next bench there.
-    data: dict[str, Any]
-    # The cases that were run, and which failed: raise_failures tells of them. None if merged.
-    swept: Swept | None = None
-    # Why no combination fits the budget, else "".
-    refused: str = ""
-
-    @property
-    def report(self) -> Path:
-        """The page."""
-        return self.folder / "bench.html"
-
-
 def bench(
     options: BenchOptions,
     progress: Progress = lambda done, total: None,
     say: Callable[[str], None] = lambda text: None,
-) -> BenchResult:
+) -> ExperimentResult:
     """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
     Each case is kept in the folder `cases` there as soon as it is done; what was there before is
-    replaced only by a whole bench. A case that fails leaves the others, see BenchResult.swept.
+    replaced only by a whole bench. A case that fails leaves the others, see ExperimentResult.swept.
 
     All that was asked for is checked before anything runs. progress(done, total) is called after
     each measured refresh. say: gets a sentence.
@@ -117,7 +107,7 @@ def bench(
         data["choice"], refused = _choice(rows, options.budget_ms)
         data["seconds"] = time.perf_counter() - started
         write_bench(out, data, parquet=options.parquet)
-    return BenchResult(options.out, data, swept, refused)
+    return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused)
 
 
 def _cases(options: BenchOptions, works: Sequence[BenchCase]) -> list[SweepCase]:
@@ -126,9 +116,9 @@ def _cases(options: BenchOptions, works: Sequence[BenchCase]) -> list[SweepCase]
     cases = [_case(ROWS, work, work.instants) for work in works]
     unrated = attrs.evolve(first, options=attrs.evolve(first.options, jod_s=0.0))
     if options.grid and first.warped:
-        cases.append(_case(GRID, unrated, grid_steps()))
+        cases.append(_case(GRID, unrated, GRID_STEPS))
     if options.fused and first.headset.lens is not None and first.warped:
-        cases.append(_case(FUSED, unrated, fused_steps(first)))
+        cases.append(_case(FUSED, unrated, fused_steps(first.instants)))
     return cases
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ import attrs
 from ...client.classes import load_client
 from ...client.plan import build_plan, needs_of
 from ...gpu.context import Gpu
-from ...gpu.memory_bandwidth import Bandwidth, ClockCheck, check_clocks, copy_bandwidth
+from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
 from ...headsets import Headset
 from ...metrics import QualityPool, clip_length, worker_count
 from ...pipeline.build import check_held
@@ -26,10 +27,10 @@ from ...run.replay_results import summary_of_rows
 from ...run.replay_setup import set_up_replay
 from ...run.run_summary import machine_of
 from ..sweep import Result, SweepCase
-from . import displacement_grid, fused
-from .bench_case import BenchCase, prepared
 from .bench_rows import row_of
+from .cases import BenchCase, prepared
 from .options import BenchOptions
+from .sections import GRID_SIZE, GRID_STEPS, fused_rows, fused_steps, grid_rows
 
 ROWS, GRID, FUSED = "rows", "grid", "fused"
 
@@ -57,38 +58,34 @@ class BenchWork:
         try:
             yield runner
         except BaseException:
-            runner.drop_pool()
+            runner.end_pool(at_once=True)
             raise
-        runner.close()
+        runner.end_pool()
 
 
 @attrs.frozen(eq=False)
 class _Machine:
     """What a bench says of the machine that it runs on."""
 
-    facts: dict[str, Any]
-    bandwidth: Bandwidth
-    clocks: ClockCheck
+    # The keys of bench.json.
+    about: dict[str, Any]
+    bytes_per_s: float
     # For the compensators of one batch.
     most_bytes: float
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the keys of bench.json that tell of the machine."""
-        clocks = self.clocks
-        return {
-            "machine": self.facts,
-            "clock": clocks.clock,
-            "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
-            "copy_gb_s": self.bandwidth.bytes_per_s * 1e-9,
-        }
 
 
 @functools.cache
 def _examined() -> _Machine:
     """Return what this machine is, measured once in each process."""
     with Gpu() as gpu:
-        facts = {**machine_of(gpu), "host": platform.node()}
-        return _Machine(facts, copy_bandwidth(gpu), check_clocks(gpu), most_bytes(gpu))
+        rate, clocks = copy_bandwidth(gpu).bytes_per_s, check_clocks(gpu)
+        about = {
+            "machine": {**machine_of(gpu), "host": platform.node()},
+            "clock": clocks.clock,
+            "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
+            "copy_gb_s": rate * 1e-9,
+        }
+        return _Machine(about, rate, most_bytes(gpu))
 
 
 def most_bytes(gpu: Gpu) -> float:
@@ -119,27 +116,21 @@ class _Runner:
         try:
             found = _SECTIONS[part.part](self, prepared(part.options), step)
         except BaseException:
-            self.drop_pool()  # one in which measuring failed measures nothing more
+            self.end_pool(at_once=True)  # one in which measuring failed measures nothing more
             raise
-        return Result({**_examined().as_json(), part.part: found})
+        return Result({**_examined().about, part.part: found})
 
-    def close(self) -> None:
+    def end_pool(self, *, at_once: bool = False) -> None:
         """End the measuring processes."""
         if self._pool is not None:
-            self._pool[1].finish()
-        self._pool = None
-
-    def drop_pool(self) -> None:
-        """End the measuring processes at once."""
-        if self._pool is not None:
-            self._pool[1].abort()
+            (self._pool[1].abort if at_once else self._pool[1].finish)()
         self._pool = None
 
     def pool(self, headset: Headset, size: tuple[int, int]) -> QualityPool:
         """Return the measuring processes for pictures of a size; those for another are ended."""
         pixels_per_degree = headset.left_fov.pixels_per_degree(size)
         if self._pool is None or self._pool[0] != pixels_per_degree:
-            self.close()
+            self.end_pool()
             self._pool = pixels_per_degree, QualityPool(worker_count(self._workers), pixels_per_degree)
         self._pool[1].forget()
         return self._pool[1]
@@ -149,24 +140,22 @@ class _Runner:
         machine, options, client = _examined(), work.options, load_client(work.options.client)
         pool = self.pool(work.headset, work.case.size)
         chosen, rated = work.batched(machine.most_bytes), _rated_batches(work, machine)
-        steps = _Steps(work.instants * (len(chosen) + len(rated)), step)
+        steps = _steps(work.instants * (len(chosen) + len(rated)), step)
         rows: list[tuple[Combination, dict[str, Any]]] = []
         for batch in chosen:
             with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
                 comparison = Comparison(setup, work.case, batch, pool, options.rounds)
                 comparison.run(options.instants, steps)
                 pool.wait()
-                rate = machine.bandwidth.bytes_per_s
-                rows += [
-                    (each.combination, row_of(setup, work.case, each, pool, rate, client))
-                    for each in comparison.measured
-                ]
+                for each in comparison.measured:
+                    row = row_of(setup, work.case, each, pool, machine.bytes_per_s, client)
+                    rows.append((each.combination, row))
         ratings: dict[tuple[str, ...], dict[str, Any]] = {}
         for batch in rated:  # after all times: no timed run has these refreshes between its own
             with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
                 found = rate_clips(setup, batch, options.instants, steps)
             ratings |= {_named(c): {"jod": one} for c, one in zip(batch, found, strict=True)}
-        return [{**row, **ratings.get(_named(c), {}), "machine": machine.facts} for c, row in rows]
+        return [{**row, **ratings.get(_named(c), {}), "machine": machine.about["machine"]} for c, row in rows]
 
     def grid(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
         """Return the rows of the displacement grid, and where they were measured."""
@@ -175,20 +164,20 @@ class _Runner:
             Combination(warp, "none", build_plan(effects, warp, "none", "none", client_geometry=True, named=effects))
             for warp, effects in done.items()
         ]
-        pool = self.pool(work.headset, displacement_grid.SIZE)
-        run = _at_size(work.run, work.case.size, displacement_grid.SIZE)
+        pool = self.pool(work.headset, GRID_SIZE)
+        run = _at_size(work.run, work.case.size, GRID_SIZE)
         with set_up_replay(run, needs_of(c.plan for c in unfilled)) as setup:
-            rows = displacement_grid.grid_rows(setup, unfilled, pool, _Steps(grid_steps(), step))
-            at = {"scene": setup.scene.name, "size": list(displacement_grid.SIZE), "eye": "left"}
+            rows = grid_rows(setup, unfilled, pool, _steps(GRID_STEPS, step))
+            at = {"scene": setup.scene.name, "size": list(GRID_SIZE), "eye": "left"}
         return {"grid": rows, "grid_at": at}
 
     def fused(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
         """Return the rows of warps that look through the lens, and where they were measured."""
         options, pool = work.options, self.pool(work.headset, work.case.size)
         lens = options.lens if options.lens != "none" else "radial"
-        warps, steps = list(dict.fromkeys(c.warp for c in work.warped)), _Steps(fused_steps(work), step)
+        warps, steps = list(dict.fromkeys(c.warp for c in work.warped)), _steps(fused_steps(work.instants), step)
         with set_up_replay(work.run, needs_of(c.plan for c in work.warped)) as setup:
-            rows = fused.fused_rows(setup, options, warps, lens, pool, work.instants, options.rounds, steps)
+            rows = fused_rows(setup, options, warps, lens, pool, work.instants, options.rounds, steps)
             where = summary_of_rows(setup, ("none", "none", lens), [])
         keys = ("scene", "trace", "latency_ms", "size")
         return {"fused": rows, "fused_at": {**{key: where[key] for key in keys}, "lens": lens, "eye": "left"}}
@@ -207,25 +196,10 @@ def _rated_batches(work: BenchCase, machine: _Machine) -> list[list[Combination]
 _SECTIONS: Mapping[str, Callable[..., Any]] = {ROWS: _Runner.rows, GRID: _Runner.grid, FUSED: _Runner.fused}
 
 
-class _Steps:
-    """Counts the finished steps of a case."""
-
-    def __init__(self, total: int, step: Callable[[float], None]) -> None:
-        self._done, self._total, self._step = 0, total, step
-
-    def __call__(self) -> None:
-        self._done += 1
-        self._step(self._done / self._total)
-
-
-def grid_steps() -> int:
-    """Return the number of steps of a displacement grid."""
-    return len(displacement_grid.offsets()) + 1
-
-
-def fused_steps(work: BenchCase) -> int:
-    """Return the number of steps of the fused section."""
-    return min(fused.INSTANTS, work.instants)
+def _steps(total: int, step: Callable[[float], None]) -> Callable[[], None]:
+    """Return what counts the finished steps of a case."""
+    shares = (done / total for done in itertools.count(1))
+    return lambda: step(next(shares))
 
 
 def _at_size(run: RunOptions, shown: tuple[int, int], size: tuple[int, int]) -> RunOptions:

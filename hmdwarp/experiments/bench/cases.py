@@ -1,8 +1,10 @@
-"""The cases of a bench and the combinations in each."""
+"""The cases of a bench, the combinations in each, and a case made ready to run."""
 
 from __future__ import annotations
 
+import functools
 import itertools
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -10,25 +12,25 @@ import attrs
 from ...client.effects import effects
 from ...client.plan import CLIENT_MODEL, OTHERS, PICTURE, Plan, build_plan
 from ...client.strategies import has_own_link, options_of_strategy
-from ...client.variants import (
-    CONVERGED,
-    every_baseline,
-    every_warp,
-    fill_text,
-    parse_fills,
-    parse_warp,
-)
+from ...client.variants import CONVERGED, every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
 from ...frames.layers import layers
+from ...headsets import Headset, load_headset
 from ...link import LinkOptions
 from ...pipeline.planning import build_plan_for, check_suited
-from ...poses import PoseTrack
-from ...run.combinations import Case, Combination
+from ...pipeline.recorded_scene import display_of, recorded_scene
+from ...pipeline.sizes import guarded_size
+from ...poses import PoseTrack, load_trace
+from ...run.combinations import Case, Combination, batches, instants_of
 from ...run.options import RunOptions
 from ...run.outside import OUTSIDE, missing
+from ...run.recorded_frames import own_trace
+from ...run.replay_setup import schedule_for
 from ...run.schedule import first_shown_s, schedule_of
-from ...scenes import Scene
+from ...scenes import Scene, load_scene
+from ...sources.sequences import Sequence as RecordedFrames
+from ...sources.sequences import open as open_sequence
 from .options import FILLS, BenchOptions
 
 # A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
@@ -39,6 +41,11 @@ from .options import FILLS, BenchOptions
 WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512")
 _INCOMPLETE = FILLS[:2]
 _RUN = attrs.fields(RunOptions)
+# What a run takes from the options of the bench as it is.
+_OF_RUN = (
+    *("scene_options", "effects", "headset", "rate_hz", "start_s", "seconds", "rendered_size", "jod_s"),
+    *("trace_options", "sequence_options", "out", "command"),
+)
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
@@ -136,17 +143,12 @@ def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: st
     return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
 
 
-def _unsuited(scene: Scene | None, warp: str) -> str:
-    """Return why a warp is not for the scene, "" if it is."""
-    if scene is None or warp in OUTSIDE:
-        return ""
-    return parse_warp(warp).entry.unsuited(scene)
-
-
 def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
     """Return why a warp is left out where all are compared, "" if it is not."""
-    if options.frames is None or warp in OUTSIDE:
-        return _unsuited(scene, warp)
+    if scene is None or warp in OUTSIDE:
+        return ""
+    if options.frames is None:
+        return parse_warp(warp).entry.unsuited(scene)
     try:
         plan = plan_of(options, scene, warp, "none", "none")
     except PlanError as error:
@@ -182,21 +184,10 @@ def plan_of(
     """
     wanted = effect_names or options.effects
     selected = effects.selected(wanted, effects.of(scene) if scene is not None else (), scene)
-    named = effects.forced(wanted)
     check_suited(scene, parse_warp(warp), indirect)
     recorded = options.frames is not None
-    brings = (*PICTURE, OTHERS) if recorded else None
-    return build_plan(
-        selected,
-        warp,
-        fill,
-        lens,
-        client_geometry=not recorded,
-        brings=brings,
-        named=named,
-        fused=fused,
-        indirect=indirect,
-    )
+    more: dict[str, Any] = {"brings": (*PICTURE, OTHERS) if recorded else None, "named": effects.forced(wanted)}
+    return build_plan(selected, warp, fill, lens, client_geometry=not recorded, fused=fused, indirect=indirect, **more)
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
@@ -204,29 +195,17 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
     Its first refresh does not depend on the latency, so that all latencies have the same head.
     """
-    known: dict[str, Any] = {
+    known: dict[str, Any] = {name: getattr(options, name) for name in _OF_RUN} | {
         "trace": case.recording,
         "scene": case.scene,
-        "scene_options": options.scene_options,
         "latency_ms": case.latency_ms,
         "warp": "none",  # the loop's own; the combinations run beside it
         "fill": "none",
-        "effects": options.effects,
         "lens": "none",
-        "headset": options.headset,
         "size": case.size,
-        "rate_hz": options.rate_hz,
         "network": LinkOptions(server_rate_hz=case.server_rate_hz),
-        "start_s": options.start_s,
-        "seconds": options.seconds,
         "guard": 1.0 if options.rendered_size else options.guard,
-        "rendered_size": options.rendered_size,
         "against": "",
-        "jod_s": options.jod_s,
-        "trace_options": options.trace_options,
-        "sequence_options": options.sequence_options,
-        "out": options.out,
-        "command": options.command,
     }
     if options.frames is not None:
         known |= {"frames": options.frames, "scene": _RUN.scene.default}
@@ -244,18 +223,9 @@ def own_run(options: BenchOptions, case: Case, *, strategy: str = "", warp: str 
         return attrs.evolve(shared, warp=warp, fill=fill)
     own = RunOptions.of({"strategy": strategy}, trace=case.recording)
     own = own.over(case.latency_ms, shared.network, shared.coding)
-    return attrs.evolve(
-        shared,
-        strategy=strategy,
-        warp=own.warp,
-        fill=own.fill,
-        effects=own.effects if "effects" in options_of_strategy(strategy) else shared.effects,
-        indirect=own.indirect,
-        latency_ms=own.latency_ms,
-        proxy=own.proxy,
-        network=own.network,
-        coding=own.coding,
-    )
+    taken = ["warp", "fill", "indirect", "latency_ms", "proxy", "network", "coding"]
+    taken += ["effects"] if "effects" in options_of_strategy(strategy) else []
+    return attrs.evolve(shared, strategy=strategy, **{name: getattr(own, name) for name in taken})
 
 
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
@@ -271,3 +241,85 @@ def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> f
             schedule_of(track, run, rate_hz)
             first.append(first_shown_s(run, rate_hz))
     return max(first)
+
+
+@attrs.frozen(eq=False)
+class BenchCase:
+    """A case with its run, its combinations and the number of its measured instants."""
+
+    # With this case alone.
+    options: BenchOptions
+    case: Case
+    headset: Headset
+    run: RunOptions
+    combinations: tuple[Combination, ...]
+    instants: int
+
+    @property
+    def warped(self) -> list[Combination]:
+        """The combinations that compare warps with each other."""
+        return [c for c in self.combinations if not c.is_outside and not c.strategy and not c.has_own_frames]
+
+    def run_of(self, batch: Sequence[Combination]) -> RunOptions:
+        """Return the run that draws the late frames of a batch: its own, or the shared one."""
+        if not any(c.has_own_frames for c in batch):
+            return self.run
+        (combination,) = batch
+        if combination.strategy:
+            return own_run(self.options, self.case, strategy=combination.strategy)
+        return own_run(self.options, self.case, warp=combination.warp, fill=combination.fill)
+
+    def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
+        """Return the combinations that fit in so many bytes together, each with some pictures."""
+        rendered = guarded_size(self.options.guard_band, self.headset, self.case.size)
+        return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
+
+
+def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchOptions:
+    """Return the options that have this case alone; start_s: of all latencies of its recording."""
+    return attrs.evolve(
+        options,
+        scenes=(case.scene,),
+        recordings=(case.recording,),
+        latencies_ms=(case.latency_ms,),
+        sizes=(case.size,),
+        server_rates_hz=() if case.server_rate_hz is None else (case.server_rate_hz,),
+        start_s=start_s,
+        budget_ms=None,
+        grid=False,
+        fused=False,
+        parquet=False,
+    )
+
+
+def prepared(options: BenchOptions) -> BenchCase:
+    """Return the one case of these options made ready. Errors: InputError and its kin."""
+    sequence = sequence_of(options)
+    headset = load_headset(options.headset) if sequence is None else display_of(sequence)
+    (case,) = cases_of(options)
+    guarded_size(options.guard_band, headset, case.size)
+    run = run_options(options, case)
+    trace = load_trace(case.recording, options.trace_options) if sequence is None else own_trace(sequence)
+    count = schedule_for(run, sequence, trace, options.rate_hz or headset.refresh_hz).count
+    combinations = _combinations(_of_scene(options))
+    return BenchCase(options, case, headset, run, combinations, len(instants_of(count, options.instants)))
+
+
+def sequence_of(options: BenchOptions) -> RecordedFrames | None:
+    """Return the recorded frames of the options, None for a scene."""
+    return None if options.frames is None else open_sequence(options.frames, options.sequence_options)
+
+
+def _of_scene(options: BenchOptions) -> BenchOptions:
+    """Return the options that the combinations depend on: those of all cases of a scene are one."""
+    fields = attrs.fields(BenchOptions)
+    same = {name: getattr(fields, name).default for name in ("sizes", "latencies_ms", "start_s", "out", "command")}
+    return attrs.evolve(options, server_rates_hz=(), **same)
+
+
+@functools.lru_cache(maxsize=8)
+def _combinations(options: BenchOptions) -> tuple[Combination, ...]:
+    sequence = sequence_of(options)
+    (name,) = options.scenes
+    scene = load_scene(name, options.scene_options) if sequence is None else recorded_scene(sequence)
+    return tuple(combinations_of(options, scene))

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, MachineError
 from ...metrics import BOUND, blocks_apart
 from ...report import SCHEMA, OutputFolder, summary_faults
-from .bench_run import OWNED, BenchResult, write_bench
-from .merge_options import MergeOptions
-from .parquet import check_parquet
+from ..sweep import ExperimentResult
+from .bench_rows import check_parquet
+from .bench_run import OWNED, write_bench
+from .options import MergeOptions
 
 # What tells combinations and their conditions apart.
 _KEY = (
@@ -21,11 +22,12 @@ _KEY = (
 )
 # Of the picture, not of the machine that made it.
 _QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod")
+_SECTIONS: Mapping[str, Any] = {"grid": [], "fused": [], "grid_at": None, "fused_at": None}
 _MACHINE = ("machine", "clock", "clocks", "copy_gb_s")
 Row = dict[str, Any]
 
 
-def merge(options: MergeOptions) -> BenchResult:
+def merge(options: MergeOptions) -> ExperimentResult:
     """Join benches and write them as one.
 
     Rows of one combination in one case are one picture: their quality is that of the first bench
@@ -46,20 +48,19 @@ def merge(options: MergeOptions) -> BenchResult:
         "command": options.command,
         "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
         "rows": rows,
-        **{name: _first(benches, name, []) for name in ("grid", "fused")},
-        **{name: _first(benches, name, None) for name in ("grid_at", "fused_at")},
+        **{name: next((b[name] for b in benches if b.get(name)), missing) for name, missing in _SECTIONS.items()},
         "choice": None,
         "seconds": sum(bench["seconds"] for bench in benches),
     }
     with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
         write_bench(out, data, parquet=options.parquet)
-    return BenchResult(options.out, data)
+    return ExperimentResult(options.out, data, options.out / "bench.html")
 
 
 def _read(folder: Path) -> dict[str, Any]:
     path = folder / "bench.json"
     try:
-        data = json.loads(path.read_bytes())
+        data: dict[str, Any] = json.loads(path.read_bytes())
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: no bench ({error}): expected a folder that 'hmdwarp bench' wrote") from error
     rows = data.get("rows") if isinstance(data, dict) else None
@@ -137,7 +138,3 @@ def _about(machines: Mapping[str, Mapping[str, Any]]) -> list[str]:
         f"{about['clock']} clock, copies {about['copy_gb_s']:.1f} GB/s."
         for host, about in machines.items()
     ]
-
-
-def _first(benches: Iterable[Mapping[str, Any]], name: str, missing: Any) -> Any:
-    return next((bench[name] for bench in benches if bench.get(name)), missing)

@@ -1,8 +1,8 @@
-"""Options of a bench, checked before anything is started."""
+"""Options of `hmdwarp bench` and `hmdwarp bench merge`, checked before anything is started."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +24,7 @@ from ...options import (
     names_in,
     option,
     out_field,
+    path_of,
     same_as,
     several,
     split_names,
@@ -150,3 +151,24 @@ class BenchOptions(Declared):
     def guard_band(self) -> GuardBand:
         """The guard band. Errors: InputError for guard "auto", which a bench does not take."""
         return guard_band(self)
+
+
+def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
+    return tuple(path_of(text, "DIR") for text in texts)
+
+
+@attrs.frozen(kw_only=True)
+class MergeOptions(Declared):
+    """Which benches to join. Errors: InputError for fewer than two folders."""
+
+    folders: tuple[Path, ...] = option(
+        attrs.NOTHING, "Folders of benches, two or more.", kind=list, positional=True, metavar="DIR", parse=_folders
+    )
+    out: Path = out_field(attrs.NOTHING, "Folder for bench.csv, bench.json and bench.html of all.")
+    parquet: bool = parquet_field()
+    force: bool = force_field()
+    command: str = ""
+
+    def __attrs_post_init__(self) -> None:
+        if len(self.folders) < 2:
+            raise InputError(f"{len(self.folders)} folder to merge: expected two or more")

@@ -6,11 +6,9 @@ import functools
 import itertools
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import attrs
-from numpy.typing import NDArray
 
 from ...client.classes import load_client
 from ...client.plan import Plan
@@ -29,8 +27,8 @@ from ...run.recorded_frames import ONE_EYE, own_trace
 from ...run.recordings import refuse_traces_of_one_name
 from ...run.replay_setup import schedule_for
 from ...run.schedule import first_shown_s
-from ..sweep import Separate, SweepCase, Swept, raise_failures, run_cases
-from .compare_work import ComparePart, pictures_of, run_part
+from ..sweep import ExperimentResult, Separate, SweepCase, raise_failures, run_cases
+from .compare_work import ComparePart, Picture, pictures_of, run_part
 from .options import CompareOptions
 
 _DUPLICATE = (
@@ -39,49 +37,26 @@ _DUPLICATE = (
 PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
 # Recordings at a latency on the page, which draws charts of each.
 MOST_SHOWN = 40
+# What a run takes from the options as it is.
+_OF_RUN = (
+    *("scene", "scene_options", "sequence_options", "repair", "headset", "rate_hz", "seconds", "trace_options"),
+    *("metrics_every", "jod_s"),
+)
 Progress = Callable[[int, int], None]
 
 COLUMNS = (
-    "trace",
-    "scene",
-    "latency_ms",
-    "strategy",
-    "warp",
-    "fill",
+    *("trace", "scene", "latency_ms", "strategy", "warp", "fill"),
     *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
-    "jod",
-    "truth_preferred",
-    "client_ms",
-    "server_ms",
-    "mbit_s",
-    "up_mbit_s",
-    "decoded_mpx_s",
-    "start_bytes",
-    "client_bytes",
-    "unfit",
+    *("jod", "truth_preferred", "client_ms", "server_ms", "mbit_s", "up_mbit_s", "decoded_mpx_s"),
+    *("start_bytes", "client_bytes", "unfit"),
 )
-
-
-@attrs.frozen(eq=False)
-class CompareResult:
-    """What was found, as in compare.json, and where it lies; its rows are read from the disk."""
-
-    folder: Path
-    data: dict[str, Any]
-    # The runs, and which failed: raise_failures tells of them.
-    swept: Swept
-
-    @property
-    def report(self) -> Path:
-        """The page."""
-        return self.folder / PAGE
 
 
 def compare(
     options: CompareOptions,
     progress: Progress = lambda done, total: None,
     say: Callable[[str], None] = lambda text: None,
-) -> CompareResult:
+) -> ExperimentResult:
     """Run every strategy on every recording at every latency, and write options.out.
 
     Each run is a case, kept in the folder `cases` there as soon as it is done; those of a recording
@@ -107,13 +82,13 @@ def compare(
             "command": options.command,
             **{key: rows[0][key] for key in ("machine", "clock")},
             "clients": [{"name": client.name, "summary": client.summary} for client in clients],
-            "strategies": [_told(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
-            "left_out": [*left_out, *({"strategy": one.name, "why": f"failed: {one.why}"} for one in swept.failed)],
+            "strategies": [_described(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
+            "left_out": [*left_out, *({"strategy": each.name, "why": f"failed: {each.why}"} for each in swept.failed)],
             "rows": rows,
             "seconds": time.perf_counter() - started,
         }
         _write(out, data, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
-    return CompareResult(options.out, data, swept)
+    return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
 
 def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
@@ -144,7 +119,7 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
             left_out.append({"strategy": text, "why": str(error)})
             continue
         does = _what_it_does(run, plan)
-        alike = None if options.strategies else next((name for name, one in chosen.items() if one == does), None)
+        alike = None if options.strategies else next((name for name, same in chosen.items() if same == does), None)
         if alike is None:
             chosen[text] = does
         else:
@@ -180,39 +155,24 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
     by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
     return attrs.evolve(
         by_strategy.over(latency_ms, options.network, options.coding),
-        scene=options.scene,
-        scene_options=options.scene_options,
-        sequence_options=options.sequence_options,
-        repair=options.repair,
-        headset=options.headset,
+        **{name: getattr(options, name) for name in _OF_RUN},
         size=options.eye_size,
-        rate_hz=options.rate_hz,
         start_s=start_s,
-        seconds=options.seconds,
         lens="none",
-        trace_options=options.trace_options,
         against="",
-        metrics_every=options.metrics_every,
-        jod_s=options.jod_s,
         workers=options.sweep.measuring(options.workers),
         images=1,
     )
 
 
-def _told(text: str) -> dict[str, Any]:
+def _described(text: str) -> dict[str, Any]:
     strategy = strategies.get(text.partition(":")[0])
-    return {
-        "name": text,
-        "summary": strategy.summary,
-        "crosses": strategy.crosses,
-        "client": strategy.client,
-        "late": strategy.late,
-        "classes": [f"class-{number}" for number in strategy.classes],
-        "source": strategy.source,
-    }
+    about = {name: getattr(strategy, name) for name in ("summary", "crosses", "client", "late")}
+    classes = [f"class-{number}" for number in strategy.classes]
+    return {"name": text, **about, "classes": classes, "source": strategy.source}
 
 
-def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[NDArray, NDArray]]]) -> None:
+def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[Picture, Picture]]]) -> None:
     from ...report.compare_page import first_cases, render_compare_page
 
     out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
@@ -225,10 +185,7 @@ def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[
 def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
     for row in rows:
         plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"} | ratings_of(row)
-        quality = {
-            f"{name}{tail}": row["quality"][name][which]
-            for name in QUALITY
-            for tail, which in (("", "mean"), ("_p95", "p95"))
-        }
+        ends = list(itertools.product(QUALITY, (("", "mean"), ("_p95", "p95"))))
+        quality = {f"{name}{tail}": row["quality"][name][which] for name, (tail, which) in ends}
         why = "; ".join(f"{client}: {reason}" for client, reason in row["unfit"].items() if reason)
         yield {**plain, **quality, "unfit": why}

@@ -1,12 +1,13 @@
 from .identity import identity_of as identity_of
 from .identity import program_hash as program_hash
-from .kept_cases import Failure as Failure
-from .kept_cases import KeptCases as KeptCases
-from .kept_cases import Result as Result
-from .kept_rows import KeptRows as KeptRows
+from .kept import Failure as Failure
+from .kept import KeptCases as KeptCases
+from .kept import KeptRows as KeptRows
+from .kept import Result as Result
 from .options import ClusterOptions as ClusterOptions
 from .options import KeptOptions as KeptOptions
 from .options import SweepOptions as SweepOptions
+from .run_cases import ExperimentResult as ExperimentResult
 from .run_cases import Swept as Swept
 from .run_cases import outcomes as outcomes
 from .run_cases import raise_failed as raise_failed

@@ -9,8 +9,7 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
-from .kept_cases import DONE, FAILED, FOLDER, Failure, KeptCases, Result
-from .kept_rows import KeptRows, RowsOf
+from .kept import DONE, FAILED, FOLDER, Failure, KeptCases, KeptRows, Result, RowsOf
 from .options import ClusterOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
 
@@ -39,6 +38,26 @@ class Swept:
     def rows(self, rows_of: RowsOf) -> KeptRows:
         """Return the rows of all cases that are done, which stay on the disk."""
         return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
+
+
+@attrs.frozen(eq=False)
+class ExperimentResult:
+    """What was found, and where it lies."""
+
+    folder: Path
+    # As in the JSON file there; rows are read from the disk, until the next run in the folder.
+    data: dict[str, Any]
+    # The page.
+    report: Path
+    # The cases that were run, and which failed: raise_failures raises for them. None if merged.
+    swept: Swept | None = None
+    # Why nothing that was found fits what was asked for, else "".
+    refused: str = ""
+
+    def raise_failures(self) -> None:
+        """Raise the error of a run in which cases failed: see raise_failures."""
+        if self.swept is not None:
+            raise_failures(self.swept)
 
 
 def run_cases(

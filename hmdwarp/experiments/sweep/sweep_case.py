@@ -12,7 +12,7 @@ import attrs
 
 from ...errors import InputError
 from .identity import identity_of
-from .kept_cases import Failure, Result
+from .kept import Failure, Result
 
 Say = Callable[[str], None]
 # Takes the share of a case that is done, from 0 to 1.

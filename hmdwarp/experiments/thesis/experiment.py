@@ -1,16 +1,25 @@
-"""An experiment of the thesis as data: what it says, what to run, what to compute, and the rule."""
+"""An experiment of the thesis: what it claims, what to run, what to compute, and the rule.
+
+All of them stand in thesis.toml. A new one is an entry there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import functools
+import itertools
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import attrs
 
-from .run_kinds import Figures, PictureRun, Run, StreamRun
-from .verdicts import Rule
+from ...registry import unknown_name
+from .run_kinds import LATENCIES_MS, RATED_MS, FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun, motions, usual
+from .verdicts import Rule, number_of
 
-# The number of a cell from the figures of its runs, in their order; None where it is not known.
-Value = Callable[[Sequence[Figures]], float | None]
+KINDS = ("forward", "rotate", "sideways", "backward")
+Table = Mapping[str, Any]
 
 
 @attrs.frozen
@@ -20,9 +29,12 @@ class Cell:
     row: str
     column: str
     runs: tuple[Run, ...]
-    # In place of the experiment's own.
-    rule: Rule | None = None
-    value: Value | None = None
+    # What is computed, see verdicts.py.
+    computed: str
+
+    def number(self, figures: Sequence[Figures]) -> float | None:
+        """Return the number from the figures of the runs, in their order; None if not known."""
+        return number_of(self.computed, figures)
 
 
 @attrs.frozen(kw_only=True)
@@ -37,9 +49,8 @@ class Experiment:
     claim: str
     # The thesis's value or finding.
     thesis: str
-    # What `value` is, as a noun.
+    # What the number is, as a noun.
     measured: str
-    value: Value
     rule: Rule
     unit: str = ""
     digits: int = 2
@@ -51,6 +62,14 @@ class Experiment:
     # What the reader must know; not computed.
     note: str = ""
 
+    @classmethod
+    def of(cls, table: Table) -> Experiment:
+        """Return the experiment of an entry of thesis.toml."""
+        plain = {name: value for name, value in table.items() if name not in ("number", "rule", "cells", "pictures")}
+        cells = tuple(cell for part in table["cells"] for cell in _cells(part, table["number"]))
+        pictures = tuple(run for part in table.get("pictures", ()) for run in _pictures(part))
+        return cls(**plain, rule=Rule.of(table["rule"]), cells=cells, pictures=pictures)
+
     def runs(self) -> tuple[Run, ...]:
         """Return all runs, each once."""
         found = [run for cell in self.cells for run in cell.runs]
@@ -58,8 +77,73 @@ class Experiment:
 
     def rule_words(self) -> str:
         """Return the rule in words."""
-        special = {cell.row: cell.rule for cell in self.cells if cell.rule is not None}
-        if special:
-            each = "; ".join(f"{row} {rule.words(self.unit, self.scale)}" for row, rule in special.items())
-            return f"{self.measured}: {each}"
         return f"{self.measured}: {self.rule.words(self.unit, self.scale)}"
+
+
+@functools.cache
+def experiments() -> tuple[Experiment, ...]:
+    """Return all experiments, in the order of the page."""
+    text = Path(__file__).with_name("thesis.toml").read_text(encoding="utf-8")
+    return tuple(Experiment.of(table) for table in tomllib.loads(text)["experiment"])
+
+
+def experiments_named(names: Sequence[str]) -> tuple[Experiment, ...]:
+    """Return the experiments of these names in the order of the page; all for no name.
+
+    A beginning stands for all that begin so: "ratings", or "fig28" for "fig28-30".
+    Errors: UnknownNameError.
+    """
+    known = [each.name for each in experiments()]
+    chosen = set[str]()
+    for name in names:
+        found = [name] if name in known else [each for each in known if name and each.startswith(name)]
+        if not found:
+            raise unknown_name("experiment of the thesis", name, known)
+        chosen.update(found)
+    return tuple(each for each in experiments() if not names or each.name in chosen)
+
+
+def _cells(table: Table, number: str) -> Iterator[Cell]:
+    """Yield the cells of one entry of `cells`."""
+    number = table.get("number", number)
+    if "row" in table:
+        yield Cell(table["row"], table["column"], tuple(map(_run, table["runs"])), number)
+    elif "parts" in table:
+        for part in table["parts"]:
+            runs = [RatingsRun(part=part, latency_ms=latency_ms) for latency_ms in RATED_MS]
+            if "column" in table:
+                yield Cell(part, table["column"], tuple(runs), number)
+            else:
+                yield from (Cell(part, _ms(run.latency_ms), (run,), number) for run in runs)
+    else:
+        by = table.get("by", {"": table.get("runs", [{}])})
+        latencies = [float(latency_ms) for latency_ms in table.get("latencies", LATENCIES_MS)]
+        sets = [latencies] if table.get("together") else [[latency_ms] for latency_ms in latencies]
+        for motion, (label, runs), some in itertools.product(motions(*table.get("motions", KINDS)), by.items(), sets):
+            column = f"{', '.join(f'{latency_ms:g}' for latency_ms in some)} ms"
+            found = tuple(_run(run, motion=motion, latency_ms=latency_ms) for latency_ms in some for run in runs)
+            yield Cell(str(motion), f"{label} at {column}" if label else column, found, number)
+
+
+def _pictures(table: Table) -> Iterator[PictureRun | StreamRun]:
+    """Yield the runs of one entry of `pictures`."""
+    if "codec" in table:
+        yield _run(table)
+    else:
+        shown = itertools.product(table["motions"], table.get("latencies", (400,)), table.get("runs", [{}]))
+        for kind, latency_ms, run in shown:
+            yield _run(run, motion=usual(kind), latency_ms=float(latency_ms))
+
+
+def _run(table: Table, **more: Any) -> Any:
+    """Return the run of a table: a fact's, a stream's, or one of pictures."""
+    values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table.items()}
+    if "fact" in values:
+        return FactRun(**values)
+    if "codec" in values:
+        return StreamRun(**values)
+    return PictureRun(**{"motion": usual("sideways"), "latency_ms": 400.0, **values, **more})
+
+
+def _ms(latency_ms: float) -> str:
+    return f"{latency_ms:g} ms"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
 
+Picture = NDArray[Any]
 # Two depths nearer than this are one surface: what a grazing surface changes by within a pixel, see
 # metrics.regions.
 RELATIVE_STEP, LEAST_STEP = 0.02, 0.002
@@ -27,7 +30,11 @@ class Holes:
 
 
 def holes_of(
-    coverage: NDArray, truth_inverse_depth: NDArray, shown: View, rendered: View, rendered_inverse_depth: NDArray
+    coverage: Picture,
+    truth_inverse_depth: Picture,
+    shown: View,
+    rendered: View,
+    rendered_inverse_depth: Picture,
 ) -> Holes:
     """Tell the kinds of holes apart: where was the true surface of each hole in the late frame?
 
@@ -54,7 +61,7 @@ def holes_of(
     return Holes(*masks)
 
 
-def seam(shown: NDArray, truth: NDArray, filled: NDArray[np.bool_], warped: NDArray[np.bool_]) -> float | None:
+def seam(shown: Picture, truth: Picture, filled: NDArray[np.bool_], warped: NDArray[np.bool_]) -> float | None:
     """Return the mean false step, 0..1, between filled pixels and warped ones beside them.
 
     The step of the picture from one to the other, less that of the truth. shown, truth: (h, w, 3)

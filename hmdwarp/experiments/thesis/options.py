@@ -10,7 +10,7 @@ from ...errors import InputError
 from ...options import Declared, force_field, group, option, out_field, same_as
 from ...run import RunOptions
 from ..sweep.options import KeptOptions
-from .library import experiments_named
+from .experiment import experiments_named
 from .run_kinds import FULL_SIZE
 
 _RUN = attrs.fields(RunOptions)

@@ -12,8 +12,9 @@ SPEEDS_M_S = (0.25, 0.5, 1.0)
 SPEEDS_DEG_S = (30.0, 60.0, 113.0)
 USUAL_M_S, USUAL_DEG_S = 0.5, 60.0
 LATENCIES_MS = (200.0, 400.0, 600.0)
+RATED_MS = (200.0, 400.0, 800.0)  # of the ratings
 FULL_SIZE = (1280, 800)
-ROTATE, SIDEWAYS, FORWARD, BACKWARD = "rotate", "sideways", "forward", "backward"
+ROTATE = "rotate"
 RATE_HZ = 60.0
 # All latencies show the same instants, at which the head has moved at full speed for the longest of
 # them: between the ease at the start and the turn. 1.2 m of `room` are free at 1 m/s.
@@ -112,7 +113,7 @@ class RatingsRun:
 
 @attrs.frozen(kw_only=True)
 class FactRun:
-    """A number of this program that the thesis has too: see _FACTS of thesis_work."""
+    """A number of this program that the thesis has too: see FACTS of run_figures."""
 
     fact: str
 

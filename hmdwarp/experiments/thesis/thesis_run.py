@@ -1,49 +1,44 @@
-"""All experiments: what has to be run, the verdicts, and the files."""
+"""`hmdwarp thesis`: every run is a case; from their figures come the verdicts and the files."""
 
 from __future__ import annotations
 
 import base64
+import functools
+import platform
+import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import attrs
 import numpy as np
 
+from ...gpu import Gpu
 from ...report import OutputFolder, jpeg_bytes, plain, render_thesis_page
 from ...resources import __version__
-from ..sweep import SweepCase, Swept, raise_failures, run_cases
-from .experiment import Experiment
-from .library import EXPERIMENTS, experiments_named
+from ...run.run_summary import machine_of
+from ..sweep import ExperimentResult, Result, SweepCase, Swept, raise_failures, run_cases
+from .experiment import Experiment, experiments, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
-from .picture_runs import Thoroughness
-from .run_kinds import Figures, PictureRun, Run, StreamRun, is_quick
-from .thesis_work import PICTURE, TIMELINE, TRUTH, Ratings, ThesisWork, cases_of
+from .run_figures import FACTS, Looked, Thoroughness, look, stream
+from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 
 SCHEMA = 1
 PAGE, TABLE, DATA = "thesis.html", "results.csv", "results.json"
 COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
 PAGE_WIDTH = 560
+PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
+# What the figures depend on besides what draws and measures pictures; the rules that judge them do
+# not count.
+_ALSO = ("experiments/thesis/run_figures.py", "experiments/thesis/hole_kinds.py")
+# What the published ratings of a part and latency say: the study package's, handed in.
+Ratings = Callable[[str, float], Figures]
 Progress = Callable[[int, int], None]
 Say = Callable[[str], None]
-
-
-@attrs.frozen(eq=False)
-class ThesisResult:
-    """What was found, as in results.json, and where it lies."""
-
-    folder: Path
-    data: dict[str, Any]
-    # The runs, and which failed: raise_failures tells of them.
-    swept: Swept
-
-    @property
-    def report(self) -> Path:
-        """The page."""
-        return self.folder / PAGE
 
 
 def run_thesis(
@@ -51,29 +46,30 @@ def run_thesis(
     ratings: Ratings,
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
-) -> ThesisResult:
+) -> ExperimentResult:
     """Run the experiments and write the page, results.json and results.csv into options.out.
 
     Each run is a case, kept in the folder `cases` there as soon as it is done. One that fails
-    leaves the others, see ThesisResult.swept. ratings: what the published ratings say; a function
-    of a module, as it crosses to other machines by pickle. progress(done, total): in runs. say:
-    gets a sentence.
+    leaves the others, see ExperimentResult.swept. ratings: what the published ratings say; a
+    function of a module, as it crosses to other machines by pickle. progress(done, total): in runs.
+    say: gets a sentence.
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
     machine lacks; that of the run where none of several was done.
     """
     started = time.perf_counter()
-    chosen = [_quick(one) if options.quick else one for one in experiments_named(options.only)]
+    chosen = [_quick(each) if options.quick else each for each in experiments_named(options.only)]
     with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
         how = Thoroughness(options.eye_size, *((1, 2, QUICK_SCALE, 0.25) if options.quick else (3, 5)))
-        runs = tuple(dict.fromkeys(run for one in chosen for run in one.runs()))
+        runs = tuple(dict.fromkeys(run for each in chosen for run in each.runs()))
         # Of any experiment, not only of those chosen: what is kept serves another choice too.
-        pictured: set[Run] = {run for one in EXPERIMENTS for run in one.pictures}
+        pictured: set[Run] = {run for each in experiments() for run in each.pictures}
         cases = cases_of(runs, pictured, how)
         swept = run_cases(ThesisWork(runs, ratings), cases, options.out, options.sweep, progress, say)
         if not (figures := _figures(swept.results())):
             raise_failures(swept)
         made_on = next(data for _, data in swept.results())
-        judged = [_judged(one, figures) for one in chosen]
+        judged = [_judged(each, figures) for each in chosen]
+        counts = Counter(each["verdict"] for each in judged)
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -82,21 +78,115 @@ def run_thesis(
             "clock": made_on["clock"],
             "size": list(options.eye_size),
             "quick": options.quick,
-            "verdicts": _counts(judged),
+            "verdicts": {verdict.value: counts[verdict.value] for verdict in Verdict},
             "experiments": judged,
-            "failed": [f"{one.name}: {one.why}" for one in swept.failed],
+            "failed": [f"{failure.name}: {failure.why}" for failure in swept.failed],
             "seconds": time.perf_counter() - started,
         }
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
         out.write_csv(TABLE, _rows(judged), COLUMNS)
         out.write_json(DATA, data)
-    return ThesisResult(options.out, data, swept)
+    return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
 
-def _quick(one: Experiment) -> Experiment:
+@attrs.frozen
+class ThesisPart:
+    """What one case runs."""
+
+    run: Run
+    how: Thoroughness
+    # Whether its pictures, or the time line of its frames, are kept.
+    is_pictured: bool
+
+
+def cases_of(runs: Sequence[Run], pictured: set[Run], how: Thoroughness) -> list[SweepCase]:
+    """Return a case for each run.
+
+    Those that are timed are one group, as are those on the same frames. pictured: whose pictures
+    are kept.
+    """
+    cases = []
+    for run in runs:
+        also, group = ("study/",) if isinstance(run, RatingsRun) else _ALSO, ""
+        if isinstance(run, PictureRun):  # what is timed is compared with each other
+            group = "timed" if run.timed else repr(run.shared)
+        cases.append(SweepCase.of("thesis", str(run), ThesisPart(run, how, run in pictured), also, group=group))
+    places: dict[Any, int] = {}
+    for case in cases:
+        for key in (case.group, _frames(case.what.run)):
+            places.setdefault(key, len(places))
+    return sorted(cases, key=lambda case: (places[case.group], places[_frames(case.what.run)]))
+
+
+def _frames(run: Run) -> Any:
+    return (run.timed, run.shared) if isinstance(run, PictureRun) else run
+
+
+@attrs.frozen
+class ThesisWork:
+    """Runs the cases of the thesis."""
+
+    # All that are wanted: those on the same frames are looked at together.
+    runs: tuple[Run, ...]
+    ratings: Ratings
+
+    @contextmanager
+    def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
+        """Open a folder for the traces of heads."""
+        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
+            yield _Runner(self, Path(name))
+
+
+@functools.cache
+def _examined() -> dict[str, Any]:
+    """Return what this machine is, found out once in each process."""
+    with Gpu() as gpu:
+        return {"machine": {**machine_of(gpu), "host": platform.node()}, "clock": gpu.timer.clock}
+
+
+class _Runner:
+    """Runs one case after the other; what was looked at together waits for its turn."""
+
+    def __init__(self, work: ThesisWork, folder: Path) -> None:
+        self._work, self._folder = work, folder
+        self._looked: dict[Run, Looked] = {}
+        # Frames on which not all could be looked at: there each is looked at by itself.
+        self._apart: set[Any] = set()
+
+    def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
+        part: ThesisPart = case.what
+        machine, run, files = _examined(), part.run, dict[str, bytes]()
+        if isinstance(run, PictureRun):
+            looked = self._look(run, part.how)
+            figures, files = looked.figures, {PICTURE: jpeg_bytes(looked.picture), TRUTH: jpeg_bytes(looked.truth)}
+        elif isinstance(run, StreamRun):
+            figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
+            files = {TIMELINE: drawn.encode()}
+        elif isinstance(run, RatingsRun):
+            figures = self._work.ratings(run.part, run.latency_ms)
+        else:
+            figures = {"value": FACTS[run.fact]()}
+        return Result({**machine, "figures": figures}, files if part.is_pictured else {})
+
+    def _look(self, run: PictureRun, how: Thoroughness) -> Looked:
+        frames = _frames(run)
+        if run not in self._looked:
+            together = [each for each in self._work.runs if isinstance(each, PictureRun) and _frames(each) == frames]
+            chosen = [run] if frames in self._apart else together
+            try:
+                self._looked = {looked.run: looked for looked in look(chosen, how, self._folder)}
+            except Exception:
+                if len(chosen) == 1:
+                    raise
+                self._apart.add(frames)  # one of them is at fault: the others go on
+                return self._look(run, how)
+        return self._looked[run]
+
+
+def _quick(experiment: Experiment) -> Experiment:
     """Return the experiment with the middle speed of each motion only."""
-    cells = tuple(cell for cell in one.cells if all(is_quick(run) for run in cell.runs))
-    return attrs.evolve(one, cells=cells or one.cells)
+    cells = tuple(cell for cell in experiment.cells if all(is_quick(run) for run in cell.runs))
+    return attrs.evolve(experiment, cells=cells or experiment.cells)
 
 
 def _figures(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:
@@ -113,84 +203,60 @@ def _figures(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run
     return found
 
 
-def _judged(one: Experiment, figures: Mapping[Run, Figures]) -> dict[str, Any]:
+def _judged(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, Any]:
     """Return an experiment as plain data, with the number of each cell and the verdict.
 
     A cell one of whose runs failed has no number.
     """
     findings = []
-    for cell in one.cells:
+    for cell in experiment.cells:
         known = [figures[run] for run in cell.runs if run in figures]
-        value = (cell.value or one.value)(known) if len(known) == len(cell.runs) else None
-        findings.append(Finding.of(cell.row, cell.column, value, cell.rule or one.rule))
-    verdict = verdict_of(findings)
+        value = cell.number(known) if len(known) == len(cell.runs) else None
+        findings.append(Finding.of(cell.row, cell.column, value, experiment.rule))
+    same = ("name", "source", "claim", "thesis", "measured", "unit", "digits", "scale")
+    values = sorted(finding.value * experiment.scale for finding in findings if finding.value is not None)
+    ends = dict.fromkeys(plain(value, experiment.digits) for value in (*values[:1], *values[-1:]))
     return {
-        "name": one.name,
-        "source": one.source,
-        "claim": one.claim,
-        "thesis": one.thesis,
-        "measured": one.measured,
-        "unit": one.unit,
-        "digits": one.digits,
-        "scale": one.scale,
-        "rule": one.rule_words(),
-        "ours": _ours(one, findings),
-        "verdict": verdict.value,
+        **{name: getattr(experiment, name) for name in same},
+        "rule": experiment.rule_words(),
+        "ours": f"{' to '.join(ends)} {experiment.unit}".strip() if values else "",
+        "verdict": verdict_of(findings).value,
         "holds_at": settings_text(findings, True),
         "fails_at": settings_text(findings, False),
         "unknown_at": settings_text(findings, None),
-        "note": one.note,
+        "note": experiment.note,
         "cells": [attrs.asdict(finding) for finding in findings],
     }
 
 
-def _ours(one: Experiment, findings: Sequence[Finding]) -> str:
-    """Return the range of our numbers."""
-    values = sorted(finding.value * one.scale for finding in findings if finding.value is not None)
-    if not values:
-        return ""
-    ends = list(dict.fromkeys(plain(value, one.digits) for value in (values[0], values[-1])))
-    return f"{' to '.join(ends)} {one.unit}".strip()
-
-
-def _counts(experiments: Sequence[Mapping[str, Any]]) -> dict[str, int]:
-    counted = Counter(one["verdict"] for one in experiments)
-    return {verdict.value: counted[verdict.value] for verdict in Verdict}
-
-
-def _rows(experiments: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    for one in experiments:
-        same = {
-            "experiment": one["name"],
-            **{name: one[name] for name in ("source", "measured", "unit", "rule", "verdict")},
-        }
-        for cell in one["cells"]:
-            value = None if cell["value"] is None else cell["value"] * one["scale"]
+def _rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+    for each in judged:
+        for cell in each["cells"]:
+            value = None if cell["value"] is None else cell["value"] * each["scale"]
             holds = {None: None, True: "yes", False: "no"}[cell["holds"]]
-            yield {**same, "row": cell["row"], "column": cell["column"], "value": value, "holds": holds}
+            named = {name: each[name] for name in ("source", "measured", "unit", "rule", "verdict")}
+            place = {"experiment": each["name"], "row": cell["row"], "column": cell["column"]}
+            yield {**named, **place, "value": value, "holds": holds}
 
 
 def _pictures(chosen: Sequence[Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
     """Return (caption, data URI or <svg> element) of each experiment's pictures, by its name."""
-    done = {case.what.run: case.identity for case, _ in swept.results()}
+    done = {case.what.run: case.identity for case in swept.done}
 
     def file(run: Run, name: str) -> Path:
         return swept.kept.file(done[run], name)
 
-    return {one.name: [*_pictures_of([run for run in one.pictures if run in done], file)] for one in chosen}
-
-
-def _pictures_of(
-    pictured: Sequence[PictureRun | StreamRun], file: Callable[[Run, str], Path]
-) -> Iterator[tuple[str, str]]:
-    pictures = [run for run in pictured if isinstance(run, PictureRun)]
-    for run in pictures:
-        yield run.caption, _uri(file(run, PICTURE))
-    for run in {(run.scene, run.motion): run for run in pictures}.values():
-        yield f"what should be seen: {run.motion}", _uri(file(run, TRUTH))
-    for stream_run in pictured:
-        if isinstance(stream_run, StreamRun):
-            yield stream_run.caption, file(stream_run, TIMELINE).read_text(encoding="utf-8")
+    found: dict[str, list[tuple[str, str]]] = {}
+    for each in chosen:
+        known = [run for run in each.pictures if run in done]
+        pictures = [run for run in known if isinstance(run, PictureRun)]
+        truths = {(run.scene, run.motion): run for run in pictures}.values()
+        found[each.name] = [
+            *((run.caption, _uri(file(run, PICTURE))) for run in pictures),
+            *((f"what should be seen: {run.motion}", _uri(file(run, TRUTH))) for run in truths),
+            *((run.caption, file(run, TIMELINE).read_text("utf-8")) for run in known if isinstance(run, StreamRun)),
+        ]
+    return found
 
 
 def _uri(path: Path) -> str:

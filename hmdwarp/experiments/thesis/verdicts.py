@@ -1,13 +1,115 @@
-"""Verdicts on claims: computed from one number for each setting by a stated rule."""
+"""The number of each setting of an experiment, and the verdict on the claim by a stated rule."""
 
 from __future__ import annotations
 
 import enum
+import itertools
 import math
-from collections.abc import Iterable, Sequence
-from typing import Protocol
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import attrs
+
+from .run_kinds import Figures
+
+# Shares below this are a few pixels: their ratios say nothing.
+LEAST_SHARE = 1e-4
+
+
+def number_of(text: str, runs: Sequence[Figures]) -> float | None:
+    """Return the number that a text such as "change psnr_db" stands for; None if it is not known.
+
+    runs: the figures of the cell's runs, in their order.
+    """
+    name, *words = text.split()
+    return _NUMBERS[name](runs, *words)
+
+
+def _only(runs: Sequence[Figures], name: str, over: str = "1") -> float | None:
+    """Return the figure of the only run, over a number."""
+    (run,) = runs
+    found = run.get(name)
+    return None if found is None else found / float(over)
+
+
+def _change(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the figure of the last run less that of the first."""
+    first, last = runs[0].get(name), runs[-1].get(name)
+    return None if first is None or last is None else last - first
+
+
+def _ratio(runs: Sequence[Figures], name: str, of: str = "", expected: str = "1") -> float | None:
+    """Return the figure of the last run over `of`, by default the same figure, of the first.
+
+    expected: the ratio that is 1.
+    """
+    first, last = runs[0].get(of or name), runs[-1].get(name)
+    return None if last is None or not first else last / first / float(expected)
+
+
+def _least_growth(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the least ratio of a share to that of the run before it."""
+    known = [share for run in runs if (share := run.get(name)) is not None and share >= LEAST_SHARE]
+    return None if len(known) < len(runs) else min(after / before for before, after in itertools.pairwise(known))
+
+
+def _least_step(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the least difference of a figure from that of the run before it."""
+    known = [figure for run in runs if (figure := run.get(name)) is not None]
+    return None if len(known) < len(runs) else min(after - before for before, after in itertools.pairwise(known))
+
+
+def _closed(runs: Sequence[Figures], left: str, whole: str) -> float | None:
+    """Return the part of the holes `whole` that the last run does not leave; None for no holes."""
+    there, left_over = runs[-1].get(whole), runs[-1].get(left)
+    return None if there is None or left_over is None or there < LEAST_SHARE else 1 - left_over / there
+
+
+def _growth_exponent(runs: Sequence[Figures], name: str) -> float | None:
+    """Return n where the figure grows as pixels to the power of n, from first run to last."""
+    grown, pixels = _ratio(runs, name), _ratio(runs, "pixels")
+    return None if not grown or not pixels else math.log(grown) / math.log(pixels)
+
+
+_NUMBERS: Mapping[str, Callable[..., float | None]] = {
+    "only": _only,
+    "change": _change,
+    "ratio": _ratio,
+    "least_growth": _least_growth,
+    "least_step": _least_step,
+    "closed": _closed,
+    "growth_exponent": _growth_exponent,
+    # The program has no such thing.
+    "none": lambda runs: None,
+}
+
+
+@attrs.frozen
+class Rule:
+    """The number lies from `low` to `high`, both included."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    @classmethod
+    def of(cls, text: str) -> Rule:
+        """Return the rule of a text: "at least 1", "at most 0.5" or "from 0.5 to 2"."""
+        kind, first, *rest = text.split()
+        if kind == "from":
+            return cls(float(first), float(rest[-1]))
+        return cls(low=float(rest[-1])) if first == "least" else cls(high=float(rest[-1]))
+
+    def holds(self, value: float) -> bool:
+        """Return whether the claim holds for the number."""
+        return self.low <= value <= self.high
+
+    def words(self, unit: str, scale: float) -> str:
+        """Return the rule for a number that is written in `unit`, `scale` times the stored one."""
+        low, high = (f"{limit * scale:g}" for limit in (self.low, self.high))
+        if math.isinf(self.low):
+            text = f"at most {high}"
+        else:
+            text = f"at least {low}" if math.isinf(self.high) else f"from {low} to {high}"
+        return f"{text} {unit}".strip()
 
 
 class Verdict(enum.Enum):
@@ -17,62 +119,6 @@ class Verdict(enum.Enum):
     CONDITIONS = "holds under conditions"
     FAILS = "does not hold"
     UNKNOWN = "cannot be told"
-
-
-class Rule(Protocol):
-    """A test of one number."""
-
-    def holds(self, value: float) -> bool:
-        """Return whether the claim holds for the number."""
-        ...
-
-    def words(self, unit: str, scale: float) -> str:
-        """Return the rule for a number that is written in `unit`, `scale` times the stored one."""
-        ...
-
-
-@attrs.frozen
-class AtMost:
-    """The number is `limit` or less."""
-
-    limit: float
-
-    def holds(self, value: float) -> bool:
-        return value <= self.limit
-
-    def words(self, unit: str, scale: float) -> str:
-        return f"at most {_number(self.limit, unit, scale)}"
-
-
-@attrs.frozen
-class AtLeast:
-    """The number is `limit` or more."""
-
-    limit: float
-
-    def holds(self, value: float) -> bool:
-        return value >= self.limit
-
-    def words(self, unit: str, scale: float) -> str:
-        return f"at least {_number(self.limit, unit, scale)}"
-
-
-@attrs.frozen
-class Between:
-    """The number lies from `low` to `high`, both included."""
-
-    low: float
-    high: float
-
-    def holds(self, value: float) -> bool:
-        return self.low <= value <= self.high
-
-    def words(self, unit: str, scale: float) -> str:
-        return f"from {_number(self.low, '', scale)} to {_number(self.high, unit, scale)}"
-
-
-def _number(value: float, unit: str, scale: float) -> str:
-    return f"{value * scale:g} {unit}".strip()
 
 
 @attrs.frozen

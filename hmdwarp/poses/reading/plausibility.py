@@ -43,6 +43,13 @@ _LEAST_STEPS = 8
 # Heights of eyes over a floor, sitting children to standing adults.
 _HEIGHTS_M = (0.4, 2.4)
 CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
+# The fastest recorded head turns reach about 800 deg/s and 6 m/s; a jump is far beyond that and too
+# large to be noise.
+JUMP_SPEED_RAD_S = np.radians(2000)
+JUMP_ANGLE_RAD = np.radians(20)
+JUMP_SPEED_M_S = 15.0
+JUMP_DISTANCE_M = 0.25
+_BLOCK = 1_000_000
 _SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -54,8 +61,8 @@ class Evidence:
     tips: Array  # (3, 3), mean square of that cosine
     world_turns: Array  # (3,), share of the rotation about each axis of the world; zeros: too little
     head_turns: Array  # (3,), the same about the head's axes
-    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: nobody walks
-    climb: Array  # (3,), share of the way along each axis of the world; zeros: nobody walks
+    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: no walk
+    climb: Array  # (3,), share of the way along each axis of the world; zeros: no walk
     neck: Array  # (3,), unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
     height_m: Array  # (3,), mean position where it is steady along an axis, else 0
     gravity: Array  # (3,), up by the file's gravity columns; zeros: none
@@ -193,10 +200,7 @@ _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet":
 
 
 def rate_fault(step_ns: float, unit: str) -> str:
-    """Return what is odd about a clock of `unit` with this median step, and the unit that is not.
-
-    Empty where the rate is a tracker's.
-    """
+    """Return the unit that makes this median step a tracker's rate; "" where it is one."""
     rate_hz = BILLION / step_ns
     if RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
         return ""
@@ -209,10 +213,7 @@ def rate_fault(step_ns: float, unit: str) -> str:
 
 
 def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str]:
-    """Return what is odd about the places of a head, and the scale that would make them human.
-
-    Both empty where they are.
-    """
+    """Return what is odd about a head's places, and a scale that helps; "" where nothing is."""
     at = _every(time_ns)
     p, t = position_m[at], time_ns[at] * 1e-9
     far = float(np.median(np.linalg.norm(p, axis=1)))
@@ -302,3 +303,42 @@ def _shares(vectors: Array) -> Array:
     squares = (vectors**2).sum(axis=0)
     total = float(squares.sum())
     return squares / total if total else np.zeros(3)
+
+
+def find_jumps(
+    time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None
+) -> NDArray[np.int64]:
+    """Return indices i whose step to row i + 1 is too far and too fast, in angle or place."""
+    found = []
+    for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory
+        b = min(a + _BLOCK, len(time_ns) - 1)
+        seconds = np.diff(time_ns[a : b + 1]) * 1e-9
+        angle = quaternions.angle_between(orientation[a:b], orientation[a + 1 : b + 1])
+        jump = (angle > JUMP_ANGLE_RAD) & (angle > JUMP_SPEED_RAD_S * seconds)
+        if position is not None:
+            distance = np.linalg.norm(np.diff(position[a : b + 1], axis=0), axis=1)
+            jump |= (distance > JUMP_DISTANCE_M) & (distance > JUMP_SPEED_M_S * seconds)
+        found.append(np.flatnonzero(jump) + a)
+    return np.concatenate(found) if found else np.empty(0, np.int64)
+
+
+def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Return the direction in the world, (3,), that is up for the head.
+
+    None if the motion is ambiguous.
+
+    People turn and nod far more than they tilt their heads sideways, so the axis through the ears
+    stays level: up is the direction it has the smallest component in. That is trusted if this
+    component is small (5 %, an rms roll of 13 degrees) and the next direction has five times as
+    much, and 5 % at least (the head has turned). At most 100,000 rows, evenly spaced, are used.
+    """
+    q = orientation[:: max(1, len(orientation) // 100_000)]
+    if len(q) < 100:
+        return None
+    right = quaternions.rotate(q, np.array([[1.0, 0, 0]]))
+    share, axes = np.linalg.eigh(right.T @ right / len(q))
+    if not share[0] < 0.05 < share[1] or share[1] < 5 * share[0]:
+        return None
+    axis = axes[:, 0]
+    crown = quaternions.rotate(q, np.array([[0, 1.0, 0]])).mean(axis=0)
+    return axis if axis @ crown >= 0 else -axis

@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
-from ..defects import Defect
+from ..options import Euler
+from ..stated import Defect, Layout
 from .file_head import COMMENT_SIGNS, Head, is_number, split
-from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
+from .times import WIDTH, Stamps, parse_fields, parse_one
 
+Numbers = NDArray[np.float64]
 CHUNK_BYTES = 4 * 1024 * 1024
 _REPAIR = "; repair or remove that line"
 _MATRIX_OFF = 0.05
@@ -30,43 +32,6 @@ _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
-
-
-ASSUMED = "assumed"
-BY_FORMAT = "by the format"
-BY_FILE = "stated by the file"
-BY_USER = "as --axes or --up says"
-BY_MOTION = "by --axes auto, from the motion"
-
-
-@attrs.frozen
-class Euler:
-    """How three angles make an orientation."""
-
-    order: str  # turns about the fixed axes in the order they are applied, such as "zxy"
-    degrees: bool
-
-
-@attrs.frozen
-class Layout:
-    """Which columns to read, and their meaning."""
-
-    time: int | None  # column index
-    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle a letter
-    orientation: tuple[int, ...]
-    matrix: bool = False
-    euler: Euler | None = None
-    nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
-    position: tuple[int, int, int] | None = None  # columns of x y z
-    unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
-    device: int | None = None  # column that identifies the device of each row
-    axes: str = "openxr"  # what `parse_axes` takes
-    axes_by: str = ASSUMED  # who says so
-    gravity_down: tuple[float, float, float] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
-    scale: float = 1.0  # metres per unit
-    order_assumed: bool = False  # of the quaternions: w last, though nothing says so
-    clock_ignored: bool = False  # --trace-rate replaces the time column
-    caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
 
 @attrs.define
@@ -127,23 +92,13 @@ class RowReader:
             parts.append(rows if rows is not None else self._read_slowly(chunk))
         if self._repeated_headers:
             lines = self._repeated_headers
-            self.defects.append(
-                Defect(
-                    "header-repeated",
-                    f"the header comes again {counted(len(lines), 'time')}",
-                    "skipped",
-                    len(lines),
-                    lines[0],
-                )
-            )
+            what = f"the header comes again {counted(len(lines), 'time')}"
+            self.defects.append(Defect("header-repeated", what, "skipped", len(lines), lines[0]))
         self._judge_bad_rows(sum(map(len, parts)))
         return self._joined(parts)
 
     def _judge_bad_rows(self, good: int) -> None:
-        """Drop rows that hold no pose, up to a share; beyond it the file was misread.
-
-        Errors: TraceError of the first of them.
-        """
+        """Drop up to a share of rows without a pose; else the file was misread: TraceError."""
         if self._first_bad is None:
             return
         line, error = self._first_bad
@@ -216,10 +171,7 @@ class RowReader:
         return text
 
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
-        """Parse the whole chunk by numpy's C parser.
-
-        Return None for anything unusual.
-        """
+        """Parse the whole chunk by numpy's C parser. Return None for anything unusual."""
         text, count = self._prepared(chunk.text), chunk.count
         if not self._regular(text, count):
             return None
@@ -231,14 +183,8 @@ class RowReader:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
         try:
-            how: dict[str, Any] = {
-                "delimiter": self.head.separator,
-                "usecols": columns,
-                "comments": None,
-                "ndmin": 1,
-                "encoding": "latin-1",
-            }
-            table = np.loadtxt(io.BytesIO(text), dtype=kinds, **how)
+            how: dict[str, Any] = {"comments": None, "ndmin": 1, "encoding": "latin-1"}
+            table = np.loadtxt(io.BytesIO(text), kinds, delimiter=self.head.separator, usecols=columns, **how)
             values = table["v"]
             # min and max are NaN if anything is
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
@@ -250,18 +196,18 @@ class RowReader:
                 stamps.billionths += parse_fields(table["n"]).whole
         except (ValueError, OverflowError):
             return None
-        values = table["v"]
-        turns = len(layout.orientation)
-        position = None if layout.position is None else np.ascontiguousarray(values[:, turns:])
         device = None if layout.device is None else np.ascontiguousarray(table["d"])
-        line = np.arange(chunk.line, chunk.line + count, dtype=np.int32)
-        return Rows(stamps, np.ascontiguousarray(values[:, :turns]), position, device, line)
+        return self._rows(stamps, values, device, np.arange(chunk.line, chunk.line + count, dtype=np.int32))
+
+    def _rows(
+        self, stamps: Stamps | None, values: Numbers, device: NDArray[np.bytes_] | None, line: NDArray[np.int32]
+    ) -> Rows:
+        turns = len(self.layout.orientation)
+        position = None if self.layout.position is None else values[:, turns:].copy()
+        return Rows(stamps, values[:, :turns].copy(), position, device, line)
 
     def _regular(self, text: bytes, count: int) -> bool:
-        """Return whether every line has the same number of fields.
-
-        loadtxt with usecols would not notice longer ones.
-        """
+        """Return whether all lines have as many fields: loadtxt with usecols ignores more."""
         if not text.strip():
             return False
         mark = self.head.separator or " "
@@ -280,10 +226,7 @@ class RowReader:
         return bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
 
     def _read_slowly(self, chunk: _Chunk) -> Rows:
-        """Parse line by line: skip comments, blank lines and repeated headers.
-
-        Drop a last line that was cut; count any other bad one.
-        """
+        """Parse line by line, skip what is no row, drop a cut last line, count other bad ones."""
         pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
         found = [
             (i, t)
@@ -324,10 +267,8 @@ class RowReader:
             whole = np.array([t[0] for t in times], dtype=np.int64)
             parts = np.array([t[1] for t in times], dtype=np.int64)
             stamps = Stamps(whole, parts, any(t[2] for t in times))
-        turns = len(self.layout.orientation)
-        position = None if self.layout.position is None else table[:, turns:].copy()
         device = None if self.layout.device is None else np.array(devices, dtype=np.bytes_)
-        return Rows(stamps, table[:, :turns].copy(), position, device, np.array(lines, dtype=np.int32))
+        return self._rows(stamps, table, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
         where = f"{self.head.path}: line {number}"
@@ -394,10 +335,7 @@ class RowReader:
 
 
 def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
-    """Return (n, 4) quaternions xyzw of what the file holds; zeros for a matrix without a turn.
-
-    Errors: TraceError.
-    """
+    """Return (n, 4) quaternions xyzw; zeros for a matrix without a turn. Errors: TraceError."""
     if not layout.matrix and layout.euler is None:
         return numbers
     from scipy.spatial.transform import Rotation
@@ -422,15 +360,9 @@ def _taken(parts: list[Rows], get) -> NDArray:
 
 
 def _looks_cut(text: str) -> bool:
-    """Return whether a last line is truncated: fewer fields, or a field that ends in the middle.
-
-    NaN and words are faults, not truncation.
-    """
+    """Return whether a last line may be truncated; NaN and words are faults, not truncation."""
     return not any(
         f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")
         for f in split(text, None)
         for f in f.split(",")
     )
-
-
-__all__ = ["BadStamp", "Layout", "RowReader", "Rows"]

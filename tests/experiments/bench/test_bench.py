@@ -16,10 +16,9 @@ from replays import contents, run
 
 from hmdwarp.client import build_plan
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.bench.answer import answer
-from hmdwarp.experiments.bench.bench_rows import COLUMNS
-from hmdwarp.experiments.bench.displacement_grid import AXES, displaced
-from hmdwarp.experiments.bench.traffic import passes_of
+from hmdwarp.experiments.bench.bench_rows import COLUMNS, passes_of
+from hmdwarp.experiments.bench.notes import answer
+from hmdwarp.experiments.bench.sections import AXES, displaced
 from hmdwarp.geometry import Pose
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
@@ -67,7 +66,7 @@ KEYS = {
 def small_grid():
     """A sixteenth of the grid's pixels."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.experiments.bench.displacement_grid.SIZE", (100, 100))
+        patch.setattr("hmdwarp.experiments.bench.bench_work.GRID_SIZE", (100, 100))
         yield
 
 

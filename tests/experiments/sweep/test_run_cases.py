@@ -111,7 +111,7 @@ def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
     plain = identity_of("kind", 1)
     assert (
         len(
-            {plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("experiments/thesis/thesis_work.py",))}
+            {plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("experiments/thesis/run_figures.py",))}
         )
         == 3
     )

@@ -8,11 +8,12 @@ import pytest
 
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.experiments.thesis import EXPERIMENTS, PictureRun, experiments_named
+from hmdwarp.experiments.thesis import PictureRun, experiments, experiments_named
 from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 
+EXPERIMENTS = experiments()
 # Figures of its experiments; those not listed are drawings.
 FIGURES = {10, 27, *range(28, 34), *range(35, 46), *range(47, 51), *range(52, 56)}
 PASSES = ["copy", "client depth", "interpolation", "composite", "reflections"]  # each beside the warp

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis import AtLeast, AtMost, Between, Finding, Verdict, settings_text, verdict_of
+from hmdwarp.experiments.thesis import Finding, Rule, Verdict, settings_text, verdict_of
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])
@@ -35,21 +35,21 @@ def test_the_verdict_follows_from_what_was_measured(holds):
 @given(NUMBERS, NUMBERS, NUMBERS)
 def test_limits_belong_to_what_they_limit(value, one, other):
     low, high = sorted((one, other))
-    assert AtMost(high).holds(high) and AtLeast(low).holds(low)
-    assert Between(low, high).holds(value) == (AtLeast(low).holds(value) and AtMost(high).holds(value))
-    assert AtMost(one).holds(value) or AtLeast(one).holds(value)
+    assert Rule(high=high).holds(high) and Rule(low=low).holds(low)
+    assert Rule(low, high).holds(value) == (Rule(low=low).holds(value) and Rule(high=high).holds(value))
+    assert Rule(high=one).holds(value) or Rule(low=one).holds(value)
 
 
 @pytest.mark.parametrize("value", [None, math.nan, math.inf, -math.inf])
 def test_what_could_not_be_measured_is_not_judged(value):
-    finding = Finding.of("row", "column", value, AtMost(1.0))
+    finding = Finding.of("row", "column", value, Rule(high=1.0))
     assert (finding.value, finding.holds) == (None, None)
 
 
 def test_rules_are_said_in_the_unit_of_the_number():
-    assert AtMost(0.001).words("%", 100) == "at most 0.1 %"
-    assert AtLeast(1.0).words("times", 1) == "at least 1 times"
-    assert Between(0.5, 2.0).words("times", 1) == "from 0.5 to 2 times"
+    assert Rule.of("at most 0.001").words("%", 100) == "at most 0.1 %"
+    assert Rule.of("at least 1").words("times", 1) == "at least 1 times"
+    assert Rule.of("from 0.5 to 2").words("times", 1) == "from 0.5 to 2 times"
 
 
 @given(st.lists(st.tuples(st.sampled_from("pqr"), st.sampled_from("xyz"), HOLDS), unique_by=lambda one: one[:2]))

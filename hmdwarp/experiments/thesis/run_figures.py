@@ -1,0 +1,284 @@
+"""Measures the runs of experiments: pictures, several on the same late frames; streams; facts."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from statistics import fmean, median
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...client.compensator import EyeResult
+from ...client.plan import needs_of
+from ...colour import picture_from_linear
+from ...frames import EyeImage
+from ...gpu.textures import download
+from ...headsets import load_headset
+from ...link import Bandwidth, LinkOptions, StageTimes
+from ...link.codec import EXACT, Coding
+from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
+from ...pipeline.build import refreshes_of
+from ...pipeline.loop import Refresh
+from ...pipeline.planning import build_plan_for
+from ...poses import GLIDES, synthesise
+from ...poses.synth import write_synthetic
+from ...report import timeline_svg
+from ...run import RunOptions, draw_truth, figures, set_up_replay
+from ...run.combinations import Combination
+from ...run.read_back import coverage, shown_picture
+from ...run.replay_setup import ReplaySetup
+from ...run.side_by_side import refreshes
+from ...scenes import load_scene
+from .hole_kinds import holes_of, seam
+from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
+
+HEADSET = "flat-90"
+# By the wall clock a shorter pass is mostly the driver's overhead.
+LEAST_WALL_MS = 1.0
+Picture = NDArray[np.uint8]
+EYES = (0, 1)
+FACTS: Mapping[str, Callable[[], float]] = {
+    "triangles": lambda: float(load_scene("room").triangle_count),
+    "place_of_500_ms": lambda: float(refreshes_of(500.0, RATE_HZ)),
+}
+
+
+@attrs.frozen
+class Thoroughness:
+    """How much is measured of each run."""
+
+    # Pixels of one eye where a run's scale is 1.
+    size: tuple[int, int]
+    instants: int
+    # Timed runs of each pass at each instant.
+    rounds: int
+    # Of each side of a stream's pictures, and how long a stream lasts.
+    stream_scale: float = 1.0
+    stream_s: float = 1.0
+
+
+@attrs.frozen(eq=False)
+class Looked:
+    """What a run gave."""
+
+    run: PictureRun
+    figures: Figures
+    # The shown picture and the truth at the first instant: (h, w, 3) sRGB, top row first.
+    picture: Picture
+    truth: Picture
+
+
+def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterator[Looked]:
+    """Measure runs that share their frames. folder: for the trace of the head.
+
+    Errors: as set_up_replay and build_plan.
+    """
+    first = runs[0]
+    assert {run.shared for run in runs} == {first.shared}
+    moved = first.motion
+    track = synthesise(moved.kind, seconds=TRACE_S, speed=moved.speed, amplitude=moved.amplitude)
+    path = folder / f"{moved}.csv".replace(" ", "-").replace("/", "-")
+    with path.open("w", encoding="utf-8") as stream:
+        write_synthetic(track, stream)
+    options, headset, scene = _options(first, how, path), load_headset(HEADSET), load_scene(first.scene)
+    combinations = [
+        Combination(run.warp, run.fill, build_plan_for(options.with_pair(run.warp, run.fill), headset, scene))
+        for run in runs
+    ]
+    needs = needs_of(combination.plan for combination in combinations)
+    with set_up_replay(options, needs) as setup:
+        numbers = _instants(setup, moved, how.instants)
+        watchers = [_Watcher(setup, run, one, how) for run, one in zip(runs, combinations, strict=True)]
+        wanted = {number - back for number in numbers for back in (0, 1)}
+        for number, refresh in refreshes(setup, needs, wanted):
+            turn = numbers.index(number if number in numbers else number + 1)
+            seen = _Seen.of(setup, refresh, EYES[turn % len(EYES)], is_measured=number in numbers)
+            for watcher in watchers:
+                watcher.see(seen)
+        yield from (watcher.result() for watcher in watchers)
+
+
+def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
+    return RunOptions(
+        trace=str(trace),
+        scene=run.scene,
+        latency_ms=run.latency_ms,
+        warp="none",  # the loop's own; those of the runs see the same frames
+        fill="none",
+        effects=run.effects,
+        lens="none",
+        headset=HEADSET,
+        size=size_of(run, how),
+        rate_hz=RATE_HZ,
+        guard=run.guard,
+        against="",
+    )
+
+
+def size_of(run: PictureRun, how: Thoroughness) -> tuple[int, int]:
+    """Return the pixels of one eye."""
+    width, height = (max(8, round(side * run.scale)) for side in how.size)
+    return width, height
+
+
+def _instants(setup: ReplaySetup, motion: Motion, wanted: int) -> list[int]:
+    """Return at most `wanted` refreshes at which the head has moved at full speed for long."""
+    eased_s, turn_s = GLIDES[motion.kind].with_(motion.speed, motion.amplitude).steady_s
+    first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
+    from_s, to_s = eased_s + max(LATENCIES_MS) * 1e-3, turn_s
+    times_s = [from_s + (k + 0.5) / wanted * (to_s - from_s) for k in range(wanted)]
+    return sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
+
+
+@attrs.frozen(eq=False)
+class _Seen:
+    """One eye at one refresh: what all runs share."""
+
+    refresh: Refresh
+    eye: int
+    truth: Picture
+    # None where the picture is only the predecessor of a measured one.
+    truth_inverse_depth: NDArray[np.float32] | None
+    late: Picture
+    late_inverse_depth: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, setup: ReplaySetup, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
+        drawn = draw_truth(setup.server, refresh.inputs[eye], setup.size, depth=is_measured)
+        frame = refresh.frame.eyes[eye]
+        late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
+        return cls(refresh, eye, picture_from_linear(drawn.colour), drawn.inverse_depth, late, depth)
+
+    @property
+    def rendered(self) -> EyeImage:
+        """The late frame of the eye."""
+        return self.refresh.frame.eyes[self.eye]
+
+
+class _Watcher:
+    """One warp and fill: its compensator, and the figures of its pictures."""
+
+    def __init__(self, setup: ReplaySetup, run: PictureRun, combination: Combination, how: Thoroughness) -> None:
+        self._setup, self._run, self._plan = setup, run, combination.plan
+        self._rounds = how.rounds if run.timed else 0
+        self._compensator = setup.compensator(combination.plan)
+        self._figures: list[Figures] = []
+        self._times: list[dict[str, float]] = []
+        self._before: Compared | None = None
+        self._first: tuple[Picture, Picture] | None = None
+
+    def see(self, seen: _Seen) -> None:
+        """Run the passes for the eye; measure the picture, or keep it to compare with the next."""
+        inputs = self._setup.loop.inputs(seen.refresh, self._plan.needs)[seen.eye]
+        if seen.truth_inverse_depth is None and not self._run.flickers:
+            return
+        result = self._compensator.run(inputs)
+        self._setup.gpu.timer.collect()
+        now = Compared(shown_picture(result), seen.truth, result.view)
+        if seen.truth_inverse_depth is None:
+            self._before = now
+            return
+        self._figures.append(self._measured(seen, seen.truth_inverse_depth, result, now))
+        self._before = None
+        self._first = self._first or (now.shown, seen.truth)
+        for _ in range(self._rounds):
+            self._compensator.run(inputs)
+            stages = self._setup.gpu.timer.collect()
+            names = dict.fromkeys(name for name, _ in stages)
+            self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
+
+    def _measured(self, seen: _Seen, truth_inverse_depth: NDArray[Any], result: EyeResult, now: Compared) -> Figures:
+        covered = coverage(result)
+        empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
+        kinds = holes_of(covered, truth_inverse_depth, result.view, seen.rendered.view, seen.late_inverse_depth)
+        there = covered != 0
+        found: Figures = {
+            "psnr_db": psnr_db(now.shown, now.truth),
+            "hole_share": hole_share(covered),
+            "border_share": float(kinds.border.mean()),
+            "inner_share": float((kinds.disoccluded | kinds.cracks).mean()),
+            "crack_share": float(kinds.cracks.mean()),
+            "empty_share": float(empty.mean()),
+            "cracks_left_share": float((kinds.cracks & empty).mean()),
+            "inner_left_share": float((~kinds.border & empty).mean()),
+            "seam": seam(now.shown, now.truth, ~there & ~empty, there),
+            "flicker": self._flicker(now),
+        }
+        if seen.late.shape == now.shown.shape and there.any():
+            truth = now.truth[there][None]
+            found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)
+        return found
+
+    def _flicker(self, now: Compared) -> float | None:
+        if self._before is None:
+            return None
+        job = Measurement(QualityJob(now, self._before), self._setup.pixels_per_degree)
+        return metrics.get("flicker").compute(job)
+
+    def result(self) -> Looked:
+        """Return means over the instants, and medians of the times for one eye."""
+        names = dict.fromkeys(itertools.chain.from_iterable(self._figures))
+        figures: Figures = {name: _mean([one.get(name) for one in self._figures]) for name in names}
+        for stage in dict.fromkeys(itertools.chain.from_iterable(self._times)):
+            found = median(times.get(stage, 0.0) for times in self._times)
+            can_tell = self._setup.gpu.timer.clock == "gpu" or found >= LEAST_WALL_MS
+            figures[f"{stage}_ms"] = found if can_tell else None
+        width, height = self._setup.size
+        figures["pixels"] = float(width * height)
+        figures["instants"] = float(len(self._figures))
+        assert self._first is not None
+        return Looked(self._run, figures, *self._first)
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return fmean(known) if known else None
+
+
+def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
+    """Return what the frames of one eye weigh and how late they are, and their time line as SVG.
+
+    scale: of each side of the pictures. Errors: as replay.
+    """
+    width, height = (max(16, round(side * scale)) for side in run.size)
+    summary = figures(
+        RunOptions(
+            trace=run.trace,
+            latency_ms=run.latency_ms,
+            warp=run.warp,
+            fill="none",
+            guard=1.0,
+            predict="none",
+            lens="none",
+            headset=HEADSET,
+            size=(width, height),
+            rate_hz=RATE_HZ,
+            start_s=2.0,
+            seconds=seconds,
+            coding=Coding(run.codec, depth=EXACT),
+            network=LinkOptions() if run.bandwidth_mbit is None else _limited(run.bandwidth_mbit),
+            against="",
+            metrics_every=10**6,
+            workers=0,
+        )
+    )
+    link = summary["link"]
+    per_eye = link["mbit_s"] / 2
+    found: Figures = {
+        "mbit_s": per_eye,
+        **{f"{name}_mbit_s": value / 2 for name, value in link["layers_mbit_s"].items()},
+    }
+    if scale == 1:  # smaller pictures tell nothing of these
+        found["full_size_mbit_s"] = per_eye
+        # A CPU that renders says nothing of a machine with a GPU.
+        found["response_ms"] = (link["response_ms"] or {}).get("median_ms") if summary["clock"] == "gpu" else None
+    return found, timeline_svg(link.get("timeline") or ())
+
+
+def _limited(mbit_s: float) -> LinkOptions:
+    """Return a link on which all that a frame goes through delays it."""
+    return LinkOptions(bandwidth=Bandwidth(mbit_s), response=StageTimes())
