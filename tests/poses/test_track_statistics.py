@@ -68,10 +68,7 @@ def test_the_error_table_by_another_route(latency_ms):
     grid = np.arange(track.start_ns + (latency_ms + 50) * 1_000_000, track.end_ns + 1, 5_000_000)
     now, then, before = (at((grid - back * 1_000_000) / 1e9) for back in (0, latency_ms, latency_ms + 50))
     speed = (then * before.inv()).as_rotvec() / 0.05
-    guesses = [
-        then,
-        Rotation.from_rotvec(speed * min(latency_ms / 1e3, 0.1)) * then,
-    ]
+    guesses = [then, Rotation.from_rotvec(speed * min(latency_ms / 1e3, 0.1)) * then]
     row = error_row(track, latency_ms)
     assert row.count == len(grid)
     for guess, found in zip(guesses, (row.errors["none"], row.errors["constant_velocity"]), strict=True):
