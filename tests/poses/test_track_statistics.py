@@ -46,7 +46,7 @@ def test_rate_duration_gaps_and_jumps():
     assert figures.jumps == 1
 
 
-def test_nothing_is_measured_across_a_gap():
+def test_statistics_stop_at_gaps():
     """Two turns at 30 deg/s, 90 degrees apart: the step between must not show."""
     a = spinning(30, seconds=2)
     b = Rotation.from_euler("Y", 90, degrees=True) * Rotation.from_quat(a.orientation_xyzw)
