@@ -7,19 +7,16 @@ shown pixel gets it from the same rendered pixels as its colour, with the same c
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import attrs
 import moderngl
 
 from ..frames import EyeImage, Needs, Surface
 from ..geometry import WarpMap
+from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, Canvas, allocate
-
-if TYPE_CHECKING:
-    from ..gpu.context import Gpu
-    from .inputs import PassInputs
-    from .warps import Warp
+from .inputs import PassInputs
+from .warps import Warp
 
 PictureOf = Callable[[EyeImage], moderngl.Texture]
 

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..geometry import View
+from ..gpu.timers import Lap
+from ..poses import PoseSample
 from .layers import Layer, layers
+from .needs import Needs
 
 if TYPE_CHECKING:
     import moderngl
-
-    from ..gpu.timers import Lap
-    from ..poses import PoseSample
-    from .needs import Needs
 
 
 @attrs.frozen(eq=False)

@@ -17,7 +17,7 @@ from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
 from .overload import Overload
-from .stage_times import StageTimes, parse_response
+from .response import StageTimes, parse_response
 
 ALL, CHANGES = "all", "changes"
 DROP, RESOLUTION = "drop", "resolution"

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 import moderngl
 
 from ...errors import PlanError
+from ...frames import EyeImage
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ..carry import as_image
 from ..effects import ShownPass
+from ..inputs import PassInputs, ShownPicture
 from ..warps import Output
 from ..warps.iterative import Iterative
 from .closing import Closing
-
-if TYPE_CHECKING:
-    from ...frames import EyeImage
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-if TYPE_CHECKING:
-    import moderngl
+import moderngl
 
-    from ...geometry import Fov
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Compute
-    from ...gpu.textures import Canvas
-    from ...headsets import Headset
-
+from ...geometry import Fov
+from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
+from ...gpu.textures import Canvas
+from ...headsets import Headset
 
 # Image unit of the picture that programs for the panel read.
 TEXELS_UNIT = 7

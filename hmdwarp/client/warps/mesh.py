@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import attrs
 
+from ...gpu.textures import Canvas
+from ..inputs import PassInputs
 from ..warp_kinds import GridMesh, MeshWarp
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 STEEPEST_DEG = 85.0
 MOST_VERTICES = 1024  # a side: a vertex's index times the picture's side stays below 2^24

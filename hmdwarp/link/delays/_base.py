@@ -5,12 +5,11 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
+
+import numpy as np
 
 from ...errors import InputError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 LONGEST_MS = 60_000.0  # more is probably another unit, such as microseconds
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry import Fov, Pose, View
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
-from ...gpu.scopes import drawing_into
+from ...gpu.context import drawing_into
 from .cube_drawing import draw_cube
 from .moving import Place
 from .passes import SAME_SURFACE, ScenePasses, clear_depth

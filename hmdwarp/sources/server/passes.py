@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import moderngl
 
 from ...geometry import View
-from ...gpu.context import Gpu
-from ...gpu.scopes import drawing_into
+from ...gpu.context import Gpu, drawing_into
 from ...scenes import Scene
 from .lighting import Indirect, Lighting
 from .moving import STAYS, Moving, Place

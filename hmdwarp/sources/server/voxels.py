@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...frames.layers.voxels import MOST_CONES, VoxelLight
-from ...gpu.scopes import drawing_into
+from ...gpu.context import drawing_into
 from ...gpu.textures import COLOUR, allocate, release_all
 from ...scenes import VoxelGrid, voxel_surfaces
 from .lighting import Indirect, Lighting

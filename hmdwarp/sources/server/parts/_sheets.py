@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....geometry import Pose
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.textures import release_all
 from ..projection import clip_from_eye
 

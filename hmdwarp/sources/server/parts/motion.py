@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ....frames import BodyIds
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, MovingBody
 from ..passes import SAME_SURFACE, draw_moving

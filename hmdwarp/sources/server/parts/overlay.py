@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from . import parts
 from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER, OVER_KEEPING_COVERAGE, Sheets

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ....frames import Surface, Transparent
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.textures import allocate
 from ....scenes import is_cutout
 from ..passes import SAME_SURFACE

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ....frames import Needs
-from ....geometry.wide import wide_size, wide_view
+from ....geometry.cube import wide_size, wide_view
 from . import parts
 from ._base import Drawing, Part
 
