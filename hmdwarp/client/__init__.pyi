@@ -25,7 +25,6 @@ from .plan import PlannedEffect as PlannedEffect
 from .plan import Step as Step
 from .plan import build_plan as build_plan
 from .plan import needs_of as needs_of
-from .variants import Choice as Choice
 from .variants import every_baseline as every_baseline
 from .variants import every_fill as every_fill
 from .variants import every_warp as every_warp

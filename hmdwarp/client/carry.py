@@ -62,12 +62,12 @@ def images_read(needs: Needs) -> int:
 
     Includes the newest.
     """
-    return 1 + needs.others.count + needs.get("views", 0)
+    return 1 + needs.others.count + int(needs.get("views", 0))
 
 
 def pictures_read(needs: Needs) -> int:
     """Return how many pictures with depth a warp with these needs reads for one eye, at most."""
-    return (1 + needs.get("peeled", 0)) * images_read(needs)
+    return (1 + int(needs.get("peeled", 0))) * images_read(needs)
 
 
 class ShownDepth:

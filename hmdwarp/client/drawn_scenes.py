@@ -190,6 +190,6 @@ def share_of(default: float) -> float:
     return attrs.field(default=default, validator=_check_share)
 
 
-def _check_share(_: object, field: attrs.Attribute, value: float) -> None:
+def _check_share(_: object, field: attrs.Attribute[float], value: float) -> None:
     if not 0 < value <= 1:
         raise ValueError(f"{field.name} is {value:g}: expected more than 0 and at most 1")

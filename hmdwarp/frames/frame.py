@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ..geometry import View
-from ..gpu.timers import Lap
-from ..poses import PoseSample
 from .layers import Layer, layers
 from .needs import Needs
 
 if TYPE_CHECKING:
     import moderngl
+
+    from ..gpu.timers import Lap
+    from ..poses import PoseSample
 
 
 @attrs.frozen(eq=False)

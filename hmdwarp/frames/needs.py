@@ -46,7 +46,8 @@ class Needs(Mapping[str, Any]):
     @property
     def others(self) -> Others:
         """The other eye's picture and the older frames that the client keeps."""
-        return self.get("others", Others())
+        others: Others = self.get("others", Others())
+        return others
 
     def serve(self, needed: Needs) -> bool:
         """Return whether frames drawn for these needs suit a plan that needs `needed`."""

@@ -40,7 +40,7 @@ def inner_size(fov: Fov, size: tuple[int, int]) -> int:
     Density counts in pixels per tangent: looking along a face, no detail of the picture is lost.
     """
     left, right, down, up = fov.tangents
-    return max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6))
+    return int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6)))
 
 
 def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import attrs
 import moderngl
 
@@ -67,9 +69,10 @@ class Reflections(ShownPass):
         self._closing.run(self._surface.texture)
         self._draw(inputs, picture, into)
 
-    def _surface_of(self, image: EyeImage, free) -> moderngl.Texture:
+    def _surface_of(self, image: EyeImage, free: Iterator[moderngl.Texture]) -> moderngl.Texture:
         if "reflection" in image:
-            return image["reflection"].surface
+            surface: moderngl.Texture = image["reflection"].surface
+            return surface
         into = next(free)
         image.colour.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)

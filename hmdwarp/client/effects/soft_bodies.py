@@ -160,7 +160,7 @@ class SoftBodiesPass(ShownPass):
         self._late = inputs.rendered
         return attrs.evolve(inputs, rendered=self._without(inputs.rendered, next(free)), others=others)
 
-    def _without(self, image: EyeImage, left: list) -> EyeImage:
+    def _without(self, image: EyeImage, left: list[moderngl.Texture]) -> EyeImage:
         assert self._bodies is not None, "a plan that reads client.soft_bodies is for a client with geometry"
         self._bodies.draw(image.view, image.drawn_ns, self._then)
         self.gpu.barrier()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...frames import EyeImage
 from ...geometry import View, WarpMap
 from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, tiles
 from ..warp_kinds import DEPTH_FLOOR
 
@@ -50,7 +51,10 @@ def sees(view: View, towards: NDArray[np.float64]) -> Mask:
     left, right, down, up = view.fov.tangents
     with np.errstate(divide="ignore", invalid="ignore"):
         across, above = -x / z, -y / z
-    return (z < 0) & (across >= left - 1e-9) & (across <= right + 1e-9) & (above >= down - 1e-9) & (above <= up + 1e-9)
+    inside: NDArray[np.bool_] = (
+        (z < 0) & (across >= left - 1e-9) & (across <= right + 1e-9) & (above >= down - 1e-9) & (above <= up + 1e-9)
+    )
+    return inside
 
 
 def distance_m(a: View, b: View) -> float:
@@ -219,7 +223,7 @@ class Keeper:
     def _bound_units() -> dict[str, int]:
         return {"depths": _FIRST, "lowest": _SECOND, "highest": _THIRD}
 
-    def _run(self, program, size: tuple[int, int], **uniforms: object) -> None:
+    def _run(self, program: Compute, size: tuple[int, int], **uniforms: object) -> None:
         self._gpu.barrier()
         program.uniforms.set(**uniforms)
         program.run(*size)

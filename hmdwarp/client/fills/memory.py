@@ -139,7 +139,7 @@ class Memory(Fill):
 
     @classmethod
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
-        return min(settings.frames * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
+        return min(int(settings.frames) * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

@@ -50,7 +50,8 @@ class Environment(GatherWarp):
         return WarpMap(turn.as_matrix() @ _EYE_FROM_HOMOGENEOUS @ tangent_from_pixel, np.zeros(3))
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:
-        return inputs.rendered["cube"]
+        cube: moderngl.Texture = inputs.rendered["cube"]
+        return cube
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
         cube = inputs.rendered["cube"]

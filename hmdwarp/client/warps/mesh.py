@@ -97,4 +97,4 @@ class Mesh(MeshWarp):
         # Seven depths for each vertex, or its own alone; the shown colour and depth as those of a
         # whole mesh; of the rendered colour what is shown.
         depths = (7 if settings.ring else 1) * settings.grid**2
-        return depths * DEPTH_BYTES + shown_pixels * (3 * COLOUR_BYTES + 3 * DEPTH_BYTES)
+        return int(depths) * DEPTH_BYTES + shown_pixels * (3 * COLOUR_BYTES + 3 * DEPTH_BYTES)

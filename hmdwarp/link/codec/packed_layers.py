@@ -6,7 +6,7 @@ import functools
 import math
 import struct
 import zlib
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ _LEVEL = 1  # level 6 takes 10 times as long to save another tenth
 _MOST_AXES = 8
 
 
-def pack(layer: NDArray) -> bytes:
+def pack(layer: NDArray[Any]) -> bytes:
     """Pack (n,), (h, w) or (h, w, channels) of any number type without loss.
 
     Each byte of a value is coded as its difference from that of the pixel before, equal bytes of
@@ -40,7 +40,7 @@ def pack(layer: NDArray) -> bytes:
     return zlib.compress(head + once, _LEVEL)
 
 
-def unpack(data: bytes) -> NDArray:
+def unpack(data: bytes) -> NDArray[Any]:
     """Return what `pack` was given. Errors: Undecodable for damaged bytes."""
     try:
         whole = zlib.decompress(data)
@@ -117,7 +117,7 @@ def covered(colour: NDArray[T], hole: NDArray[np.bool_]) -> NDArray[T]:
     if not hole.any() or hole.all():
         return colour
     across = np.take_along_axis(colour, _nearest(hole)[..., None], axis=1)
-    rows: NDArray = np.all(hole, axis=1)
+    rows: NDArray[np.bool_] = np.all(hole, axis=1)
     return across[_nearest(rows[None])[0]] if rows.any() else across
 
 
