@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...metrics import JOD, LEAST_INSTANTS, PRIMARY, metrics_in_order
+from ..tables import markdown, terminal_table
 from ..words import name_pieces
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 
@@ -42,19 +43,14 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
     width: of the terminal. Names of warps with settings are folded between their parts. Then
     columns are left out, the least important first, until the rest fits; numbers are never cut.
     """
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
     from rich.text import Text
 
     rows = list(rows)
     groups = cases(rows)
     heading = groups[0].label if len(groups) == 1 else f"{len(groups)} cases"
     names, warp_width = _that_fit(groups, width)
-    table = Table(
-        title=Text(", ".join([heading, *common(rows)])), title_justify="left",
-        caption=Text(_caption(rows, names)), caption_justify="left",
-        box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
-    )  # fmt: skip
+    title, caption = Text(", ".join([heading, *common(rows)])), Text(_caption(rows, names))
+    table = terminal_table(title=title, caption=caption, padding=(0, 1, 0, 0))
     table.add_column(" ", no_wrap=True, width=len(MARK))
     for name in names:
         width = warp_width if name == "warp" else _width(name, groups)
@@ -63,22 +59,14 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
         if len(groups) > 1:
             table.add_section()
             table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
-        best = _identities(group.held(PRIMARY))
+        best = {id(row) for row in group.held(PRIMARY)}
         for row in group.ordered(PRIMARY):
             marked = id(row) in best
-            cells = [
-                _folded(column(name).text(row), warp_width) if name == "warp" else column(name).text(row)
-                for name in names
-            ]
-            table.add_row(
-                Text(MARK if marked else "", style="bold green"),
-                *(Text(cell, style="bold" if marked else "") for cell in cells),
-            )
+            texts = {name: column(name).text(row) for name in names}
+            texts["warp"] = _folded(texts["warp"], warp_width)
+            cells = (Text(text, style="bold" if marked else "") for text in texts.values())
+            table.add_row(Text(MARK if marked else "", style="bold green"), *cells)
     return table
-
-
-def _identities(rows: Iterable[Row]) -> set[int]:
-    return {id(row) for row in rows}
 
 
 def _head(name: str) -> str:
@@ -161,11 +149,11 @@ def markdown_table(rows: Iterable[Row], columns: Sequence[str] = (), *, mark: st
     """
     rows = list(rows)
     chosen = [column(name) for name in columns or decision(rows)]
-    best = _identities(row for case in cases(rows) for row in case.held(mark)) if mark else set()
+    best = {id(row) for case in cases(rows) for row in case.held(mark)} if mark else set()
     heads = [f"{c.figure.label} {c.figure.unit}".strip() for c in chosen]
     lines = [heads, ["---:" if c.is_number else "---" for c in chosen]]
     lines += [[_markdown_cell(c.figure.name, c.text(row), id(row) in best) for c in chosen] for row in rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    return markdown(lines)
 
 
 def _markdown_cell(name: str, text: str, bold: bool) -> str:

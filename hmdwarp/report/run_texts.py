@@ -1,14 +1,26 @@
-"""The frames in transit and the holes each fill closed, as text for the page and the terminal."""
+"""A run in words: its source, the frames in transit, what the client holds, a live run's lines."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
 
-from .source_texts import drawing_text, eyes_text
-from .tables import Summary
+from ..metrics import STAGES, Figure, metrics, metrics_in_order
+from .words import counted
 
+Summary = Mapping[str, Any]
 Pairs = list[tuple[str, str]]
 
+QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
+TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
+# Of the `miss` of a summary.
+MISS_FIGURES = (
+    Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
+    Figure("longest_stale", "Most missed in a row", "", 0),
+    Figure("judder_deg", "Judder, RMS", "deg", 3),
+)
+_MS = Figure("", "", "ms", 2)
 _RESPONSE = {
     "render_ms": "{drawing}, {eyes}",
     "encode_ms": "encoding of the shown frames",
@@ -43,6 +55,48 @@ _CODING = (
     ("coded_psnr_db", "pictures after coding", "dB PSNR"),
 )
 _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
+
+
+def source_facts(summary: Summary) -> Pairs:
+    """Return (kind, text) of the frames' origin: a scene, or a folder, its camera and the eyes."""
+    recorded = summary.get("recorded")
+    if recorded is None:
+        return [("scene", summary["scene"])]
+    across, down = recorded["fov_deg"]
+    camera = f"{'×'.join(map(str, recorded['size']))}, {across:.1f} × {down:.1f} degrees"
+    distance = recorded["eye_distance_mm"]
+    eyes = f"both, the right one {distance:g} mm beside the camera" if distance else "one, the camera's"
+    return [
+        ("recorded frames", f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"),
+        ("camera", camera),
+        ("eyes", eyes),
+    ]
+
+
+def source_text(summary: Summary) -> str:
+    """Return "scene room", or "recorded frames NAME"."""
+    return f"{'scene' if 'recorded' not in summary else 'recorded frames'} {summary['scene']}"
+
+
+def eyes_text(summary: Summary) -> str:
+    """Return whose time it is that all eyes take together."""
+    recorded = summary.get("recorded")
+    return "both eyes" if recorded is None or recorded["eye_distance_mm"] else "the camera's eye"
+
+
+def drawing_text(summary: Summary) -> str:
+    """Return what the server does before it sends a frame."""
+    return "drawing" if "recorded" not in summary else "reading the recorded frame"
+
+
+def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the texts of MISS_FIGURES. entry: `miss` of a summary."""
+    return tuple(figure.text(entry[figure.name]) for figure in MISS_FIGURES)
+
+
+def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
+    """Return the axes in which each recorded trace was read, by its name."""
+    return {str(one["trace"]): str(one["trace_axes"]) for one in summaries if one.get("trace_axes")}
 
 
 def filled_rows(summary: Summary) -> Pairs:
@@ -162,3 +216,72 @@ def transit_lines(summary: Summary) -> list[str]:
         rows = [*coding_rows(summary), *_response(summary, "median_ms")]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines
+
+
+def live_lines(summary: Summary, folder: Path | None) -> list[str]:
+    """Return the lines that end a live run.
+
+    summary: as summary.json, empty if no picture was shown; folder: of the report.
+    """
+    if not summary:
+        return ["no picture was shown"]
+    live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
+    of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
+    figures = [
+        ("shown", _shown(summary)),
+        ("judder", _judder(summary)),
+        ("frame age at display", _pair(live["age_ms"])),
+        ("pose age at hand-over", _pair(live["pose_age_ms"])),
+        ("from picture to picture", _pair(live["period_ms"])),
+        ("time per eye", _per_eye(summary)),
+        (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
+        ("holes before the fill", _holes(summary)),
+    ]
+    lines = [f"{label:<24}{text}" for label, text in figures if text]
+    lines += [f"note: {note}" for note in summary["notes"]]
+    return lines + ([f"report: {folder / 'report.html'}"] if folder is not None else [])
+
+
+def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
+    """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
+    live = summary["live"]
+    rows = []
+    for name, entry in live["refresh_ms"].items():
+        what = {"render": f"{drawing_text(summary)} by the server", "total": "total"}.get(name, name)
+        share = (entry["median"] or 0.0) / live["budget_ms"]
+        rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), share))
+    return rows
+
+
+def _shown(summary: Summary) -> str:
+    live, (share, longest, _) = summary["live"], miss_texts(summary["miss"])
+    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
+    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
+    return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"
+
+
+def _judder(summary: Summary) -> str:
+    judder = miss_texts(summary["miss"])[-1]
+    return f"{judder} deg RMS" if summary["live"]["missed"] else ""
+
+
+def _pair(entry: Mapping[str, float | None], more: str = "") -> str:
+    return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}{more}"
+
+
+def _per_eye(summary: Summary) -> str:
+    times = summary["time_ms"]
+    if times["total"]["median"] is None:
+        return ""
+    parts = [
+        f"{figure.name} {times[figure.name]['median']:.2f}"
+        for figure in TIME_FIGURES[:-1]
+        if times[figure.name]["median"]
+    ]
+    clock = "" if summary["clock"] == "gpu" else ", by the wall clock"
+    return f"{_pair(times['total'])}: {', '.join(parts) or 'no pass ran'}{clock}"
+
+
+def _holes(summary: Summary) -> str:
+    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
+    return "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"
