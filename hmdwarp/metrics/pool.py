@@ -18,8 +18,8 @@ from typing import Any
 import attrs
 
 from ..errors import HmdwarpError, MachineError
-from .job import QualityJob, QualityResult, measure
-from .metric import PRIMARY
+from .job import QualityJob, QualityResult
+from .metric import PRIMARY, measure
 
 
 @attrs.frozen(eq=False)
