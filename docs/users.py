@@ -16,7 +16,7 @@ from hmdwarp.gpu import Gpu, download
 from hmdwarp.scenes import Lamp, Scene, load_scene
 from hmdwarp.scenes.library._lit_room import in_atlas, wall
 from hmdwarp.sources.server import Server
-from hmdwarp.sources.server.voxels import VoxelLighting
+from hmdwarp.sources.server.parts.voxels import VoxelLighting
 
 SCENE, SIZE, FOV = "lantern", (160, 200), Fov(-0.8, 0.8, -0.9, 0.9)
 USERS, INSTANTS = (1, 4, 16), 3

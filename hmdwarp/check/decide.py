@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 
 import attrs
 import numpy as np
 
-from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
-from .frame_reading import BUFFER, METRES, Reading
+from .conventions import ENCODING, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences
+from .frame_reading import Reading
+from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree
@@ -24,31 +26,7 @@ _NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted 
 # Below these a number is as stated.
 _SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
 _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
-ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
-RAY, ENCODING, PLANES, SCALE, PIXEL, TIME = "ray", "encoding", "planes", "scale", "pixel", "time"
-
-
 _OF_NUMBER = {FACTOR: SCALE, OFFSET: PLANES, ALONG: RAY, PIXEL_X: PIXEL, PIXEL_Y: PIXEL, LATE: TIME}
-
-
-def differences(reading: Reading) -> tuple[str, ...]:
-    """Return the names of the conventions in which a reading differs from what is stated."""
-    plain = Reading()
-    offset = reading.offset != 0
-    found = {
-        ORDER: reading.order != plain.order,
-        DIRECTION: reading.inverse,
-        AXES: reading.axes != plain.axes,
-        ROWS: reading.colour_rows_up or reading.depth_rows_up,
-        EYES: reading.eyes_swapped,
-        RAY: reading.along != 0,
-        ENCODING: reading.kind == BUFFER or reading.factor < 0,
-        PLANES: reading.kind == METRES and reading.factor > 0 and offset,
-        SCALE: reading.kind == METRES and reading.factor > 0 and not offset and reading.factor != 1,
-        PIXEL: (reading.pixel_x, reading.pixel_y) != (0, 0),
-        TIME: reading.late_s != 0,
-    }
-    return tuple(name for name, differs in found.items() if differs)
 
 
 @attrs.frozen(eq=False)
@@ -95,7 +73,8 @@ def decide(search: Search) -> Decision:
         numbers = _best_of(search, search.numbers(plain))
         found += numbers
         if not explains(search, search.best(found)):
-            found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in numbers if ENCODING in differences(one)]
+            encoded = [reading for reading in numbers if ENCODING in differences(reading)]
+            found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
         if not explains(search, search.best(found)):
             found += _two(search, plain)
     close = _close(search, [*found, *search.late(plain)])
@@ -113,8 +92,8 @@ def decide(search: Search) -> Decision:
         candidates += finer
         leader = min(finer, key=lambda one: float(one.cost.sum()))
     if leader.changes > 1:
-        leader = _simplest(search, [one for one in candidates if one.changes])
-    return Decision(search, noise, leader, tuple(one for one in candidates if one is not leader))
+        leader = _simplest(search, [candidate for candidate in candidates if candidate.changes])
+    return Decision(search, noise, leader, tuple(candidate for candidate in candidates if candidate is not leader))
 
 
 def _fixed(reading: Reading) -> Fitted:
@@ -159,7 +138,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
             return True
         return share >= most and likeness(search, one.reading) >= alike
 
-    as_good = [one for one in candidates if is_as_good(one)]
+    as_good = [candidate for candidate in candidates if is_as_good(candidate)]
     return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
 
 
@@ -214,4 +193,4 @@ def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
         return abs(found.late_s) > _LATE * search.stated.interval_s
     if name == PLANES:
         return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
-    return abs(np.log(found.factor / start.factor)) > _SCALE
+    return abs(math.log(found.factor / start.factor)) > _SCALE

@@ -43,5 +43,6 @@ __all__ = [
     "Layer",
     "Surface",
     "layers",
+    "readable",
     "readable_names",
 ]

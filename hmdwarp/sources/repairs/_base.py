@@ -1,4 +1,4 @@
-"""The base class of repairs."""
+"""The base class of repairs, and which depths belong to one surface."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class MeasuredDepth:
     confidence: Pixels
 
     @classmethod
-    def given(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
+    def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
         """Return depth as a camera gave it: sure wherever it is known."""
         inverse = np.asarray(inverse_depth, np.float32)
         return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
@@ -37,7 +37,7 @@ class MeasuredDepth:
 class Repair(ABC):
     """Make the depth of a picture fit for warping: take out what is wrong, guess what is missing.
 
-    It keeps no memory of earlier pictures and never changes what it is given.
+    It keeps no memory of earlier pictures and never changes its arguments.
     """
 
     name: ClassVar[str]
@@ -58,7 +58,7 @@ class Repair(ABC):
 
 @attrs.frozen
 class RepairChain:
-    """Repairs, one after the other; none leaves depth as it was given."""
+    """Repairs, one after the other; without any, depth stays as it was."""
 
     steps: tuple[Repair, ...] = ()
     # The shortest text that makes the same chain.
@@ -70,7 +70,7 @@ class RepairChain:
         colour: (h, w, 3) sRGB, 0 to 1. inverse_depth: (h, w) in 1/m, NaN for none. Both with the
         top row first; neither is changed.
         """
-        depth = MeasuredDepth.given(inverse_depth)
+        depth = MeasuredDepth.measured(inverse_depth)
         for step in self.steps:
             depth = step.run(colour, depth)
         known = (depth.inverse_depth >= 0) & (depth.confidence > 0)
@@ -78,3 +78,27 @@ class RepairChain:
             np.where(known, depth.inverse_depth, np.float32(np.nan)),
             np.where(known, np.clip(depth.confidence, LEAST_SURE, 1), np.float32(0)),
         )
+
+
+def _check_limit(_: object, field: attrs.Attribute[float], value: float) -> None:
+    if not 0 <= value < float("inf"):
+        raise ValueError(f"{field.name} is {value:g}: expected 0 or more")
+
+
+@attrs.frozen
+class SurfaceSettings:
+    """When two inverse depths belong to one surface.
+
+    They do if they differ by at most tolerance * (the smaller one + floor).
+    """
+
+    tolerance: float = attrs.field(default=0.15, validator=_check_limit)
+    floor: float = attrs.field(default=0.05, validator=_check_limit)  # 1/m
+
+    def nearest_beside(self, inverse: Pixels) -> Pixels:
+        """Return the largest inverse depth that belongs to one surface with each of these."""
+        return inverse + np.float32(self.tolerance) * (inverse + np.float32(self.floor))
+
+    def apart(self, one: Pixels, other: Pixels) -> NDArray[np.bool_]:
+        """Return where two known depths are of different surfaces; False where one is NaN."""
+        return np.maximum(one, other) > self.nearest_beside(np.minimum(one, other))

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from ....errors import InputError
 from ....geometry import Pose
 from ....poses import PoseTrack
+from ....poses.assumptions import Assumption, first_stated
 from ....poses.reading.axes import Axes, parse_axes
-from ..camera import Camera, camera_of
-from ..json_files import read_json
+from ..camera import Camera, camera_of, read_json, scale_of
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
@@ -53,6 +53,18 @@ class Facts:
 
     camera: Camera
     depth_scale: float
+    assumptions: tuple[Assumption, ...] = ()
+
+    def axes(self, world: str = "") -> Axes:
+        """Return the axes of the camera, which looks along +z, and of its world.
+
+        world: right, up and forward in the file, by default those of the camera. Where the camera's
+        y points up, the camera and its world are left-handed, and the world is that of the camera.
+        """
+        if self.camera.is_y_up:
+            return parse_axes(OPTICAL_UP)
+        axes = parse_axes(OPTICAL)
+        return axes if not world else parse_axes(f"world={world} head={axes.words().rpartition('head=')[2]}")
 
 
 def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, depth_scale: float | None) -> Facts:
@@ -61,9 +73,11 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
     camera, depth_scale: as the layout has them, None where it says nothing. Errors: InputError.
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
-    camera = options.intrinsics or camera_of(folder / CAMERA, stated) or camera
+    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated), camera)
     own = stated.get("depth_scale")
-    scale = options.depth_scale or (depth_scale if own is None else own)
+    if own is not None and options.depth_scale is None:
+        scale_of(folder / CAMERA, own)
+    scale, scale_by = first_stated(options.depth_scale, own, depth_scale)
     if camera is None:
         raise InputError(
             f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
@@ -74,14 +88,8 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    check_scale(folder / CAMERA, scale)
-    return Facts(camera, float(scale))
-
-
-def check_scale(where: Path, scale: Any) -> None:
-    """Raise InputError for what are no metres per unit."""
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
-        raise InputError(f"{where}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1")
+    intrinsics = Assumption("intrinsics", f"{camera.fx:g},{camera.fy:g},{camera.cx:g},{camera.cy:g}", camera_by)
+    return Facts(camera, float(scale), (intrinsics, Assumption("depth scale", f"{scale:g} m", scale_by)))
 
 
 @attrs.frozen(eq=False)
@@ -123,7 +131,8 @@ def sequence_of(
             reading(pair.colour, pair.depth, facts.depth_scale, size),
         )
 
-    return made(reader, folder, [frame(pair) for pair in pairs], track=track, notes=notes)
+    frames = [frame(pair) for pair in pairs]
+    return made(reader, folder, frames, track=track, notes=notes, assumptions=facts.assumptions)
 
 
 def made(
@@ -133,10 +142,11 @@ def made(
     *,
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
+    assumptions: tuple[Assumption, ...] = (),
 ) -> Sequence:
     """Return the sequence of these frames, whose clock begins with the first.
 
-    track: a denser motion, on the frames' clock as given.
+    track: a denser motion, on the frames' own clock.
     Errors: InputError for no frames, for two of one instant, and for several sizes.
     """
     if not frames:
@@ -161,7 +171,7 @@ def made(
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
     origin, epoch_ns = f"recorded frames ({reader.name})", begins_ns + (0 if track is None else track.epoch_ns)
     own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
-    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes))
+    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes), assumptions=assumptions)
 
 
 def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
@@ -193,22 +203,6 @@ def reading(colour: Path, depth: Path, scale: float, size: tuple[int, int]) -> C
     return read
 
 
-def optical(camera: Camera, world: str = "") -> Axes:
-    """Return the axes of a camera that looks along +z, and of its world.
-
-    world: right, up and forward in the file, by default those of the camera. Where the camera's y
-    points up, the camera and its world are left-handed, and the world is that of the camera.
-    """
-    if camera.is_y_up:
-        return parse_axes(OPTICAL_UP)
-    axes = parse_axes(OPTICAL)
-    return axes if not world else parse_axes(f"world={world} head={_words(axes)}")
-
-
-def _words(axes: Axes) -> str:
-    return axes.words().rpartition("head=")[2]
-
-
 def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> Pose:
     """Return world_from_eye in OpenXR's axes of a position and a (3, 3) rotation of a file."""
     from scipy.spatial.transform import Rotation
@@ -217,10 +211,11 @@ def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> P
     return Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
 
 
-def pose_of_quaternion(axes: Axes, where: str, position: Rows[float], xyzw: Rows[float]) -> Pose:
-    """Return world_from_eye of a position and a quaternion of a file. Errors: InputError."""
+def pose_of_numbers(axes: Axes, where: str, numbers: Rows[float]) -> Pose:
+    """Return world_from_eye of x y z and a quaternion x y z w of a file. Errors: InputError."""
     from scipy.spatial.transform import Rotation
 
+    position, xyzw = numbers[:3], numbers[3:]
     length = float(np.linalg.norm(xyzw))
     if not abs(length - 1) <= 1e-2:
         raise InputError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, x y z w")
@@ -233,42 +228,51 @@ def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Po
     Errors: InputError for what is no rotation and translation.
     """
     try:
-        given = np.array(matrix, np.float64)
+        found = np.array(matrix, np.float64)
     except (TypeError, ValueError):
-        given = np.empty(0)
-    if given.shape not in ((4, 4), (3, 4)) or not np.isfinite(given).all():
+        found = np.empty(0)
+    if found.shape not in ((4, 4), (3, 4)) or not np.isfinite(found).all():
         raise InputError(f"{where}: expected a matrix of 4 rows of 4 finite numbers")
-    turn = given[:3, :3]
+    turn = found[:3, :3]
     if np.abs(turn @ turn.T - np.eye(3)).max() > _ROTATION_WITHIN or np.linalg.det(turn) < 0:
         raise InputError(
             f"{where}: the matrix does more than turn and move; expected a right-handed rotation without scale"
         )
-    return pose_of(axes, given[:3, 3] * unit, turn)
+    return pose_of(axes, found[:3, 3] * unit, turn)
 
 
-def rows_of(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the line number and the words of each line; comments and empty lines are left out."""
+@attrs.frozen
+class Row:
+    """A line of a text file, as words."""
+
+    where: str
+    words: list[str]
+
+    def floats(self, count: int) -> list[float]:
+        """Return its numbers. Errors: InputError naming the line."""
+        try:
+            values = [float(word) for word in self.words]
+        except ValueError:
+            values = []
+        if len(values) != count or not np.isfinite(values).all():
+            raise self.wrong(f"{count} finite numbers")
+        return values
+
+    def wrong(self, expected: str) -> InputError:
+        """Return the error for another content than expected."""
+        return InputError(f"{self.where}: '{' '.join(self.words)[:60]}'; expected {expected}")
+
+
+def rows_of(path: Path) -> list[Row]:
+    """Return the lines of a file; comments and empty lines are left out."""
     try:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin files with a mark
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file ({error})") from error
-    rows = (
-        (number, line.partition("#")[0].replace(",", " ").split()) for number, line in enumerate(text.splitlines(), 1)
-    )
-    return [row for row in rows if row[1]]
-
-
-def floats_of(path: Path, number: int, words: Rows[str], count: int) -> list[float]:
-    """Return the numbers of a line. Errors: InputError naming the line."""
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != count or not np.isfinite(values).all():
-        raise InputError(f"{path}, line {number}: '{' '.join(words)[:60]}'; expected {count} finite numbers")
-    return values
+    lines = (line.partition("#")[0].replace(",", " ").split() for line in text.splitlines())
+    return [Row(f"{path}, line {number}", words) for number, words in enumerate(lines, 1) if words]
 
 
 def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:

@@ -1,4 +1,4 @@
-"""Arrays of a picture with depth, checked and brought into the forms of the inside."""
+"""Arrays of a picture with depth: checked, and converted to linear light and inverse depth."""
 
 from __future__ import annotations
 
@@ -26,11 +26,13 @@ _BRIGHTEST = 64.0
 
 
 @attrs.frozen(eq=False)
-class GivenPicture:
-    """A picture with depth as it was given, checked; the top row first."""
+class PictureArrays:
+    """A picture with depth, checked; the top row first."""
 
-    # (h, w, 3) as it was given, 0 where it is hidden: uint8 sRGB, or floats.
+    # (h, w, 3) as the caller has it, 0 where it is hidden: uint8 sRGB, or floats.
     colour: NDArray[Any]
+    # Of `colour`: "srgb8", "srgb" or "linear".
+    encoding: str
     # (h, w, 3) the same in linear light.
     light: NDArray[Any]
     # (h, w) 1/m, NaN where there is no depth or no colour.
@@ -38,7 +40,13 @@ class GivenPicture:
     # (h, w) where there is no colour.
     hidden: NDArray[np.bool_]
 
-    def repaired(self, chain: RepairChain) -> tuple[GivenPicture, NDArray[np.float32]]:
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) in pixels."""
+        height, width = self.hidden.shape
+        return width, height
+
+    def repaired(self, chain: RepairChain) -> tuple[PictureArrays, NDArray[np.float32]]:
         """Return the picture with its depth repaired, and how sure that is, 0 to 1.
 
         What has no colour stays a hole, whatever its depth.
@@ -58,10 +66,10 @@ class GivenPicture:
         return rgba.astype(np.float32), np.where(covered, self.inverse_depth, NO_DEPTH).astype(np.float32)
 
 
-def checked(
+def checked_picture(
     colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
-) -> GivenPicture:
-    """Return the picture in the forms of the inside.
+) -> PictureArrays:
+    """Return the picture in linear light and inverse depth.
 
     What a mask hides, in colour or in depth, has neither, nor has a pixel whose alpha is 0. Arrays
     may be read-only and of any strides. Errors: InputError.
@@ -92,12 +100,8 @@ def checked(
     if len(known) and (known < 0).all() or (metres < 0).all():
         raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
     inverse = np.where(unknown, np.nan, inverse_depth_from_metres(metres))
-    return GivenPicture(colour, light, inverse, hidden)
-
-
-def encoding_of(colour: ArrayLike, encoding: str | None) -> str:
-    """Return "srgb8" for bytes, else what `encoding` says of floats, linear light if nothing."""
-    return SRGB8 if np.asanyarray(colour).dtype == np.uint8 else encoding or LINEAR
+    found = SRGB8 if colour.dtype == np.uint8 else encoding or LINEAR
+    return PictureArrays(colour, found, light, inverse, hidden)
 
 
 def checked_view(name: str, view: object) -> View:
@@ -115,7 +119,7 @@ def _empty(alpha: NDArray[Any]) -> NDArray[np.bool_]:
     if not np.isfinite(alpha).all() or alpha.min() < 0:
         y, x = np.argwhere(~(np.isfinite(alpha) & (alpha >= 0)))[0]
         raise InputError(f"alpha of colour at row {y}, column {x} is {alpha[y, x]}: expected 0 for a hole, or more")
-    return alpha == 0
+    return np.asarray(alpha == 0)
 
 
 def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""Layers of somebody's own beside colour and depth: arrays, checked, and held on the GPU."""
+"""Further layers of a caller's picture: arrays, checked, and held on the GPU."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..frames.layers.transparent import Transparent
 from ..geometry import Mirror, RigidState
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, upload
-from .given_arrays import NO_DEPTH, GivenPicture, checked
+from .picture_arrays import NO_DEPTH, PictureArrays, checked_picture
 from .usable import LAYERS
 
 Size = tuple[int, int]
@@ -31,7 +31,7 @@ _MOST_BODIES = np.iinfo(np.uint16).max  # numbers on the GPU have 16 bits
 class HeldLayer(ABC):
     """One layer's textures."""
 
-    # What is to be given, in words.
+    # What the caller passes, in words.
     expected: ClassVar[str]
     # Whether it has the size of the result instead of the picture's.
     is_shown: ClassVar[bool] = False
@@ -70,12 +70,11 @@ class HeldLayer(ABC):
             raise InputError(f"{name} is {value.min():g} to {value.max():g}: expected 0 to 1")
         return value
 
-    def picture(self, name: str, colour: ArrayLike, depth_m: ArrayLike) -> GivenPicture:
+    def picture(self, name: str, colour: ArrayLike, depth_m: ArrayLike) -> PictureArrays:
         """Return colour and depth of the layer's size, as a picture. Errors: InputError."""
-        found = checked(colour, depth_m)
-        if found.hidden.shape[::-1] != self._size:
-            size = "x".join(map(str, found.hidden.shape[::-1]))
-            raise InputError(f"{name} is {size} pixels: expected those of the picture")
+        found = checked_picture(colour, depth_m)
+        if found.size != self._size:
+            raise InputError(f"{name} is {found.size[0]}x{found.size[1]} pixels: expected those of the picture")
         return found
 
     def parts(self, name: str, value: Any, count: int) -> tuple[Any, ...]:
@@ -114,7 +113,7 @@ class _Ids(HeldLayer):
     def hold(self, value: Any) -> BodyIds:
         numbers, bodies = self.parts("ids", value, 2)
         numbers, bodies = self.array("numbers of layer 'ids'", numbers, None), tuple(bodies)
-        if not all(isinstance(one, RigidState) for one in bodies):
+        if not all(isinstance(body, RigidState) for body in bodies):
             raise InputError("bodies of layer 'ids': expected a hmdwarp.geometry.RigidState for each")
         if len(bodies) > _MOST_BODIES:
             raise InputError(f"layer 'ids' has {len(bodies)} bodies: expected {_MOST_BODIES} at most")
@@ -135,10 +134,10 @@ class _Overlay(HeldLayer):
         self._texture = self.texture(COLOUR)
 
     def hold(self, value: Any) -> moderngl.Texture:
-        given = self.array("layer 'overlay'", value, 4)
-        is_bytes = given.dtype == np.uint8
-        light = linear_from_srgb(given[..., :3]) if is_bytes else given[..., :3]
-        alpha = self.share("alpha of layer 'overlay'", given[..., 3:] / (255 if is_bytes else 1))
+        pixels = self.array("layer 'overlay'", value, 4)
+        is_bytes = pixels.dtype == np.uint8
+        light = linear_from_srgb(pixels[..., :3]) if is_bytes else pixels[..., :3]
+        alpha = self.share("alpha of layer 'overlay'", pixels[..., 3:] / (255 if is_bytes else 1))
         upload(self._texture, np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
         return self._texture
 
@@ -150,8 +149,8 @@ class _Peeled(HeldLayer):
         self._surfaces = [Surface(self.texture(COLOUR), self.texture(SCALAR)) for _ in range(self._amount)]
 
     def hold(self, value: Any) -> tuple[Surface, ...]:
-        given = self.parts("peeled", value, self._amount)
-        for number, (surface, one) in enumerate(zip(self._surfaces, given, strict=True)):
+        passed = self.parts("peeled", value, self._amount)
+        for number, (surface, one) in enumerate(zip(self._surfaces, passed, strict=True)):
             picture = self.picture(f"surface {number} of layer 'peeled'", *self.parts("peeled", one, 2))
             for texture, array in zip(surface.textures(), picture.arrays(), strict=True):
                 upload(texture, array)
@@ -206,7 +205,7 @@ class _Reflection(HeldLayer):
         surface = self.array("surface of layer 'reflection'", surface, 3)
         self.share("reflectivity in the surface of layer 'reflection'", surface[..., 0])
         mirrors = tuple(mirrors)
-        if not mirrors or not all(isinstance(one, Mirror) for one in mirrors):
+        if not mirrors or not all(isinstance(mirror, Mirror) for mirror in mirrors):
             raise InputError("mirrors of layer 'reflection': expected one hmdwarp.geometry.Mirror or more")
         surface = np.concatenate([surface, np.ones_like(surface[..., :1])], axis=2)  # it covers all of the picture
         pictures = (*picture.arrays(), surface.astype(np.float32))
@@ -218,19 +217,12 @@ class _Reflection(HeldLayer):
         return found
 
 
-_KINDS: dict[str, type[HeldLayer]] = {
-    "velocity": _Velocity,
-    "ids": _Ids,
-    "overlay": _Overlay,
-    "peeled": _Peeled,
-    "transparent": _Transparent,
-    "reflection": _Reflection,
-}
-KNOWN = {name: _KINDS[name] for name in LAYERS}
+_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent, _Reflection)
+KNOWN = dict(zip(LAYERS, _KINDS, strict=True))
 
 
-class GivenLayers:
-    """All layers that a plan reads and a caller can give."""
+class CallerLayers:
+    """The layers that a plan reads and a caller can pass."""
 
     def __init__(self, gpu: Gpu, needs: Needs, rendered_size: Size, shown_size: Size) -> None:
         self._held = {
@@ -239,9 +231,9 @@ class GivenLayers:
             if name in needs
         }
 
-    def check(self, given: Mapping[str, Any], who: str) -> None:
-        """Check that all are given that are read, and no other. Errors: InputError."""
-        for name in given:
+    def check(self, passed: Mapping[str, Any], who: str) -> None:
+        """Check that the layers passed are those that are read. Errors: InputError."""
+        for name in passed:
             if name not in KNOWN:
                 why = "is unknown"
                 if name in layers.names():
@@ -250,12 +242,12 @@ class GivenLayers:
             if name not in self._held:
                 raise InputError(f"layer '{name}': {who} does not read it; leave it out, or name an effect that does")
         for name, held in self._held.items():
-            if name not in given:
+            if name not in passed:
                 raise InputError(f"{who} reads layer '{name}': give layers={{'{name}': ..}}, {held.expected}")
 
-    def hold(self, given: Mapping[str, Any]) -> dict[str, Any]:
+    def hold(self, passed: Mapping[str, Any]) -> dict[str, Any]:
         """Return what passes read, by name. Errors: InputError."""
-        return {name: held.hold(given[name]) for name, held in self._held.items()}
+        return {name: held.hold(passed[name]) for name, held in self._held.items()}
 
     def close(self) -> None:
         """Free all textures."""

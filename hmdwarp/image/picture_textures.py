@@ -1,16 +1,18 @@
-"""Textures of somebody else, taken over into the forms of the inside by one pass where need be."""
+"""A picture as textures: uploaded from arrays, or converted from a caller's own textures."""
 
 from __future__ import annotations
 
 import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import DepthLayer
+from ..frames import EyeImage
+from ..geometry import DepthLayer, View
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
-from ..gpu.shaders import Compute
-from ..gpu.textures import COLOUR, SCALAR
-from .given_arrays import ENCODINGS, LINEAR, SRGB
+from ..gpu.textures import COLOUR, SCALAR, allocate, release_all, upload
+from .picture_arrays import ENCODINGS, LINEAR, SRGB, PictureArrays
 
 INVERSE, METRES = "inverse", "metres"
 _FORMS = {INVERSE: 0, METRES: 1}
@@ -19,14 +21,42 @@ _MOST = 3.4028234e38  # of a float32
 Pair = tuple[moderngl.Texture, moderngl.Texture]
 
 
-class GivenTextures:
-    """Takes textures of one size over; each way is compiled when it is first needed."""
+class HeldPicture:
+    """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
+        self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        # rgba16f: confidence in red, coverage in alpha.
+        self._confidence = allocate(gpu.gl, size, COLOUR) if has_confidence else None
+
+    @property
+    def sure(self) -> moderngl.Texture:
+        """The confidence, for a Warper with a repair."""
+        assert self._confidence is not None
+        return self._confidence
+
+    def hold(self, picture: PictureArrays) -> None:
+        for texture, array in zip(self.pair, picture.arrays(), strict=True):
+            upload(texture, array)
+
+    def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
+        nothing = np.zeros_like(confidence)
+        upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
+
+    def as_image(self, view: View, drawn_ns: int) -> EyeImage:
+        return EyeImage(view, *self.pair, drawn_ns=drawn_ns)
+
+    def close(self) -> None:
+        release_all(*self.pair, *([] if self._confidence is None else [self._confidence]))
+
+
+class ForeignTextures:
+    """Converts textures of one size; each conversion is compiled when it is first needed."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self._gpu, self._size = gpu, size
-        self._programs: dict[tuple[int, int], Compute] = {}
 
-    def taken_over(
+    def converted(
         self,
         colour: moderngl.Texture,
         depth: moderngl.Texture,
@@ -36,7 +66,7 @@ class GivenTextures:
     ) -> Pair:
         """Return rgba16f linear light with coverage, and r32f inverse depth.
 
-        The given textures themselves where they are that; else `into`, written by a pass. depth_as,
+        The textures themselves where they are that; else `into`, written by a pass. depth_as,
         encoding: as Warper.warp_textures. Errors: InputError.
         """
         self._check(colour, depth, depth_as, encoding)
@@ -44,7 +74,7 @@ class GivenTextures:
         if kinds == [COLOUR, SCALAR] and depth_as == INVERSE and encoding == LINEAR:
             return colour, depth
         form = _OF_BUFFER if isinstance(depth_as, DepthLayer) else _FORMS[depth_as]
-        program = self._program(int(encoding == SRGB), form)
+        program = self._gpu.shaders.compute("image/given.comp", ENCODED=int(encoding == SRGB), DEPTH=form)
         colour.use(0)
         depth.use(1)
         into[0].bind_to_image(0, read=False, write=True)
@@ -74,12 +104,6 @@ class GivenTextures:
             raise InputError(f"depth_as is {depth_as!r}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
         if encoding not in ENCODINGS:
             raise InputError(f"encoding is {encoding!r}: expected {' or '.join(ENCODINGS)}")
-
-    def _program(self, encoded: int, form: int) -> Compute:
-        key = encoded, form
-        if key not in self._programs:
-            self._programs[key] = self._gpu.shaders.compute("image/given.comp", ENCODED=encoded, DEPTH=form)
-        return self._programs[key]
 
 
 def _buffer_uniforms(layer: DepthLayer) -> dict[str, float]:
