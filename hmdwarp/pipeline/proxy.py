@@ -11,7 +11,7 @@ import moderngl
 
 from ..client.client_scene import ClientScene
 from ..client.compensator import Compensator, EyeResult
-from ..client.history import History
+from ..client.inputs import History
 from ..errors import InputError
 from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, GuardBand, Pose, View, guarded_eyes
