@@ -332,11 +332,11 @@ def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Cho
                 f"fill '{fill}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
                 "textures once more: use a fill from pictures, such as pyramid"
             )
-    for planned in passes:
-        if CLIENT_SOFT_BODIES in planned.reads:
+    for each in passes:
+        if CLIENT_SOFT_BODIES in each.reads:
             raise PlanError(
-                f"--effects {planned.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
-                "pictures have none: leave planned of them out"
+                f"--effects {each.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
+                "pictures have none: leave one of them out"
             )
 
 

@@ -66,9 +66,9 @@ def covered(view: View, by: Sequence[Keyframe]) -> Mask:
     """Return (n,) which of the view's directions a nearby keyframe covers."""
     towards = directions(view)
     found = np.zeros(len(towards), bool)
-    for one in by:
-        if distance_m(view, one.view) <= REACH_M:
-            found |= sees(one.view, towards)
+    for keyframe in by:
+        if distance_m(view, keyframe.view) <= REACH_M:
+            found |= sees(keyframe.view, towards)
     return found
 
 
