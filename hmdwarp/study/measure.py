@@ -63,10 +63,10 @@ def measure_study(
     Errors: InputError where there is nothing to measure; MachineError while a session runs.
     """
     contents = store.contents(pilot=options.pilot)
-    showings = [one for one in contents.showings if one.complete and one.trial]
+    showings = [each for each in contents.showings if each.complete and each.trial]
     if not showings:
         raise InputError(f"{store.folder}: no trial was shown to its end: there is nothing to measure")
-    sessions = {one.id: one for one in contents.sessions}
+    sessions = {each.id: each for each in contents.sessions}
     known, refreshes, cases = 0, [], []
     left_out: list[str] = []
     failed: list[Failure] = []

@@ -48,9 +48,7 @@ Progress = Callable[[int, int], None]
 
 
 def bench(
-    options: BenchOptions,
-    progress: Progress = lambda done, total: None,
-    say: Callable[[str], None] = lambda text: None,
+    options: BenchOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
 ) -> ExperimentResult:
     """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
@@ -136,7 +134,7 @@ def _section(sections: Sequence[Mapping[str, Any]], name: str, missing: Any) -> 
 
 
 def _failed(swept: Swept) -> list[str]:
-    return [f"{one.name}: failed: {one.why}" for one in swept.failed]
+    return [f"{each.name}: failed: {each.why}" for each in swept.failed]
 
 
 def _checked(

@@ -82,7 +82,7 @@ def _check_programs(folders: Sequence[Path], benches: Sequence[Mapping[str, Any]
 
 def _tell_apart(benches: Sequence[Mapping[str, Any]]) -> None:
     """Name machines of one host that draw with different GPUs by their GPUs too."""
-    machines = [one["machine"] for bench in benches for one in (bench, *bench["rows"])]
+    machines = [each["machine"] for bench in benches for each in (bench, *bench["rows"])]
     gpus: dict[str, set[str]] = {}
     for machine in machines:
         gpus.setdefault(machine["host"], set()).add(machine["gl_renderer"])

@@ -83,7 +83,7 @@ class KeptCases:
     def failure(self, identity: str) -> Failure:
         """Return why a case failed."""
         data = self._read(identity) or {}
-        return Failure(**{one.name: data[one.name] for one in attrs.fields(Failure) if one.name in data})
+        return Failure(**{each.name: data[each.name] for each in attrs.fields(Failure) if each.name in data})
 
     def keep(self, identity: str, name: str, result: Result) -> None:
         """Write a result. Errors: InputError or MachineError for a place that cannot be written."""

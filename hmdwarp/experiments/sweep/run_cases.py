@@ -116,7 +116,7 @@ def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:
     if not failed:
         return
     first = failed[0]
-    kind = next((one for one in (InputError, MachineError) if one.exit_status == first.exit_status), HmdwarpError)
+    kind = next((each for each in (InputError, MachineError) if each.exit_status == first.exit_status), HmdwarpError)
     if count == 1:
         raise kind(first.why)
     others = f", and {len(failed) - 1} more" if len(failed) > 1 else ""

@@ -92,7 +92,7 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     needs = needs_of(combination.plan for combination in combinations)
     with set_up_replay(options, needs) as setup:
         numbers = _instants(setup, moved, how.instants)
-        watchers = [_Watcher(setup, run, one, how) for run, one in zip(runs, combinations, strict=True)]
+        watchers = [_Watcher(setup, run, each, how) for run, each in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
         for number, refresh in refreshes(setup, needs, wanted):
             turn = numbers.index(number if number in numbers else number + 1)
@@ -222,7 +222,7 @@ class _Watcher:
     def result(self) -> Looked:
         """Return means over the instants, and medians of the times for one eye."""
         names = dict.fromkeys(itertools.chain.from_iterable(self._figures))
-        figures: Figures = {name: _mean([one.get(name) for one in self._figures]) for name in names}
+        figures: Figures = {name: _mean([each.get(name) for each in self._figures]) for name in names}
         for stage in dict.fromkeys(itertools.chain.from_iterable(self._times)):
             found = median(times.get(stage, 0.0) for times in self._times)
             can_tell = self._setup.gpu.timer.clock == "gpu" or found >= LEAST_WALL_MS

@@ -41,17 +41,17 @@ def simulate(
     of fewer studies. progress(done, total): in studies. say: gets a sentence.
     Errors: InputError; that of the first case where all of a simulation failed.
     """
-    for one in simulations:
-        one.populations()  # says what is wrong with a model before anything runs
-    cases = [case for one in simulations for case in _cases(one, studies)]
+    for each in simulations:
+        each.populations()  # says what is wrong with a model before anything runs
+    cases = [case for each in simulations for case in _cases(each, studies)]
     swept = run_cases(Separate(_run), cases, out, options, progress, say)
-    tallies: dict[str, list[Tally]] = {one.scale.name: [] for one in simulations}
+    tallies: dict[str, list[Tally]] = {each.scale.name: [] for each in simulations}
     for case, data in swept.results():
         counts = {name: np.asarray(count) for name, count in data.items()}
         tallies[case.what.simulation.scale.name].append(counts)
     if not all(tallies.values()):
         raise_failures(swept)
-    return [power_from(one, tallies[one.scale.name]) for one in simulations], swept
+    return [power_from(each, tallies[each.scale.name]) for each in simulations], swept
 
 
 def _cases(simulation: Simulation, studies: int) -> list[SweepCase]:
