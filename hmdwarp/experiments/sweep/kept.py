@@ -5,6 +5,7 @@ from __future__ import annotations
 import bisect
 import itertools
 import json
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -49,8 +50,6 @@ class Failure:
             return cls(name, str(error), error.exit_status)
         if isinstance(error, OSError):
             return cls(name, str(error), MachineError.exit_status)
-        import traceback
-
         lines = "".join(traceback.format_exception(error))
         why = f"a fault of hmdwarp, please report it: {type(error).__name__}: {error}"
         return cls(name, why, traceback=lines)

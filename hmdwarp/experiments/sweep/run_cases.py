@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from .cluster import run_on_cluster
 from .kept import DONE, FAILED, FOLDER, Failure, KeptCases, KeptRows, Result, RowsOf
 from .options import ClusterOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
@@ -129,15 +130,9 @@ def _run(
     """Yield what became of each case, here or on a cluster."""
     if not cases:
         return
-    if options.cluster is None:
-        yield from _run_here(work, cases, bar)
+    if options.cluster is not None:
+        yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
         return
-    from .cluster import run_on_cluster
-
-    yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
-
-
-def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
     with work.opened() as runner:
         for group in groups_of(cases):
             yield from run_group(runner, group, bar.within)
